@@ -1,0 +1,101 @@
+//! What a record is a record of: rate, axes, units, signal chain.
+
+use crate::chain::Chain;
+
+/// Description of a record, known before its first sample.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Signal {
+    /// File name, port or the like, for people.
+    pub name: String,
+    /// Samples a second.
+    pub rate_hz: f64,
+    /// The axes, in the order of the columns.
+    pub axes: Vec<Axis>,
+    /// Wall clock at the first sample, RFC 3339, where known.
+    pub start: Option<String>,
+}
+
+/// One axis of a record.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Axis {
+    /// `X`, or the column's name or number.
+    pub name: String,
+    /// Unit of the scaled signal.
+    pub unit: Unit,
+    /// Units per count: `value = scale * (code - zero)`.
+    pub scale: f64,
+    /// Code of zero signal, counts.
+    pub zero: f64,
+    /// What lies between the quantity and the samples, where known.
+    pub chain: Option<Chain>,
+}
+
+/// Units that a record can be in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+pub enum Unit {
+    /// Metre per second squared.
+    #[default]
+    #[serde(rename = "m/s^2")]
+    MetrePerSecondSquared,
+    /// Standard gravity, 9.80665 m/s^2.
+    #[serde(rename = "g")]
+    Gravity,
+    /// Radian per second.
+    #[serde(rename = "rad/s")]
+    RadianPerSecond,
+    /// Degree per second.
+    #[serde(rename = "deg/s")]
+    DegreePerSecond,
+    /// Volt.
+    #[serde(rename = "V")]
+    Volt,
+    /// Converter counts.
+    #[serde(rename = "counts")]
+    Counts,
+}
+
+impl Unit {
+    /// All units.
+    pub const ALL: [Self; 6] = [
+        Self::MetrePerSecondSquared,
+        Self::Gravity,
+        Self::RadianPerSecond,
+        Self::DegreePerSecond,
+        Self::Volt,
+        Self::Counts,
+    ];
+
+    /// As it is written on the command line and in JSON.
+    pub const fn symbol(self) -> &'static str {
+        match self {
+            Self::MetrePerSecondSquared => "m/s^2",
+            Self::Gravity => "g",
+            Self::RadianPerSecond => "rad/s",
+            Self::DegreePerSecond => "deg/s",
+            Self::Volt => "V",
+            Self::Counts => "counts",
+        }
+    }
+}
+
+impl std::fmt::Display for Unit {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.symbol())
+    }
+}
+
+impl std::str::FromStr for Unit {
+    type Err = UnknownUnit;
+
+    fn from_str(text: &str) -> Result<Self, UnknownUnit> {
+        Self::ALL
+            .into_iter()
+            .find(|unit| unit.symbol() == text)
+            .ok_or_else(|| UnknownUnit(text.to_owned()))
+    }
+}
+
+/// A unit that this program does not know.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("unknown unit `{0}`; one of m/s^2, g, rad/s, deg/s, V, counts")]
+pub struct UnknownUnit(pub String);

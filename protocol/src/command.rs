@@ -1,0 +1,156 @@
+//! Host to board, and the board's answers.
+
+use heapless::{String, Vec};
+use serde::{Deserialize, Serialize};
+
+use crate::{AXES, REGISTERS, SensorRange, Settings, Trouble};
+
+/// A request with the number by which its reply is known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+pub struct Command {
+    /// Chosen by the host, repeated in the [`Reply`].
+    pub id: u16,
+    /// What is asked for.
+    pub request: Request,
+}
+
+/// What the host can ask for. Every request is answered once, or the host times out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+pub enum Request {
+    /// Who are you? Answered by [`Answer::Identity`], in any state.
+    Identify,
+    /// Configure the converters, synchronise them and stream from index 0.
+    Start,
+    /// Stop streaming.
+    Stop,
+    /// Change data rate and filter. Refused while streaming, and where the link cannot carry it.
+    Configure(Settings),
+    /// Offset calibration (OFSCAL) of all axes. Refused while streaming.
+    CalibrateOffset,
+    /// Gain calibration (GANCAL) of all axes. Refused while streaming.
+    CalibrateGain,
+    /// Drive the sensors' self-test pin and measure the step. Refused while streaming.
+    SelfTest,
+    /// Read every register of every converter. Refused while streaming (the health record
+    /// carries the registers then).
+    ReadRegisters,
+    /// Restart the microcontroller, after the reply has left.
+    Reset,
+}
+
+/// Answer to the [`Command`] with the same number.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Reply {
+    /// Number of the command.
+    pub id: u16,
+    /// The answer, or why there is none.
+    pub result: Result<Answer, Refusal>,
+}
+
+/// A request that was carried out.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Answer {
+    /// Done, nothing to tell.
+    Done,
+    /// To [`Request::Identify`].
+    Identity(Identity),
+    /// To [`Request::Configure`] and [`Request::Start`]: the settings now in force.
+    Settings(Settings),
+    /// To [`Request::ReadRegisters`]: 00h to 0Ah of X, Y, Z.
+    Registers([[u8; REGISTERS]; AXES]),
+    /// To the calibrations: the OFC (sign-extended) or FSC words found, X, Y, Z.
+    Calibration([i32; AXES]),
+    /// To [`Request::SelfTest`].
+    SelfTest([SelfTestStep; AXES]),
+}
+
+/// Mean code of one axis with the self-test pin low and high.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+pub struct SelfTestStep {
+    /// Mean code at rest.
+    pub rest: i32,
+    /// Mean code with self-test on.
+    pub driven: i32,
+}
+
+/// Why a request was not carried out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+pub enum Refusal {
+    /// Stop the stream first.
+    Streaming,
+    /// The link cannot carry these settings.
+    LinkTooSlow {
+        /// What they need, bytes a second.
+        needed: u32,
+        /// What the link carries, bytes a second.
+        available: u32,
+    },
+    /// Three 32-bit words cannot be read within one period of this data rate.
+    BusTooSlow {
+        /// Conversions a second that were asked for.
+        asked: u32,
+        /// Conversions a second that the bus can read.
+        readable: u32,
+    },
+    /// A converter did not do what was asked.
+    Converter {
+        /// Axis, 0 to 2.
+        axis: u8,
+        /// What happened.
+        trouble: Trouble,
+    },
+}
+
+/// Who the board is. The host asks before anything else.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Identity {
+    /// Unique number of the microcontroller.
+    pub serial: [u32; 3],
+    /// Firmware version, as in its Cargo.toml.
+    pub firmware: String<16>,
+    /// What the image was built for: `stm32f405`, `qemu`, `virtual`.
+    pub platform: String<16>,
+    /// Ticks of the stamp timer in a second.
+    pub timer_hz: u32,
+    /// Clock of the converters, hertz.
+    pub converter_clock_hz: u32,
+    /// Link speed, bit/s; ten bits make a byte.
+    pub baud: u32,
+    /// Range of the accelerometers.
+    pub range: SensorRange,
+    /// Reference voltage of the converters, microvolts.
+    pub reference_uv: u32,
+    /// Nominal supply of the accelerometers, microvolts.
+    pub sensor_supply_uv: u32,
+    /// ID registers of X, Y, Z as found at start; `None` where the converter does not answer.
+    pub converters: [Option<u8>; AXES],
+    /// Settings in force.
+    pub settings: Settings,
+    /// Why the board last started.
+    pub restart: Restart,
+}
+
+/// Why the microcontroller started.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub enum Restart {
+    /// Power came on, or the reset pin.
+    #[default]
+    Power,
+    /// [`Request::Reset`].
+    Command,
+    /// The main loop hung and the watchdog bit.
+    Watchdog,
+    /// The firmware panicked: line, and the end of the source file's name.
+    Panic {
+        /// Line in the source file.
+        line: u32,
+        /// End of the file's path.
+        file: Vec<u8, 32>,
+    },
+    /// The clock did not start and the board runs on its internal oscillator.
+    ClockFallback,
+}

@@ -1,0 +1,73 @@
+//! From a message to the bytes of its frame.
+
+use serde::Serialize;
+
+use crate::{AXES, BATCH_LEN, VERSION};
+
+/// CRC-32 of Ethernet and zlib (ISO-HDLC), over version byte and message.
+pub(crate) const CRC: crc::Crc<u32, crc::Table<16>> =
+    crc::Crc::<u32, crc::Table<16>>::new(&crc::CRC_32_ISO_HDLC);
+
+/// Bytes of the CRC at the end of the payload.
+pub(crate) const CRC_LEN: usize = 4;
+
+/// Longest payload (version, message, CRC) of any frame: a full batch with every word flagged.
+///
+/// Version 1, message tag 1, seq 5, first 10, stamp 10, length 1, codes, length 1, flags of
+/// three bytes each, CRC 4.
+pub const MAX_PAYLOAD: usize = 33 + BATCH_LEN * AXES * 4 + BATCH_LEN * AXES * 3;
+
+/// Longest frame on the wire, COBS overhead (one byte, and one more each 254) and the closing
+/// zero included.
+pub const MAX_FRAME: usize = MAX_PAYLOAD + 1 + MAX_PAYLOAD / 254 + 1;
+
+/// Why a message could not be framed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum EncodeError {
+    /// The output is too short; [`MAX_FRAME`] bytes are always enough.
+    NoRoom,
+}
+
+impl core::fmt::Display for EncodeError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str("the output buffer is too short for the frame")
+    }
+}
+
+impl core::error::Error for EncodeError {}
+
+/// Writes the frame of `message` to the start of `out` and returns its length.
+///
+/// # Errors
+/// [`EncodeError::NoRoom`] if `out` is shorter than the frame.
+///
+/// ```
+/// use inm_protocol::{Command, Decoder, MAX_FRAME, Request, ToBoard, encode};
+///
+/// let hello = ToBoard::Command(Command { id: 7, request: Request::Identify });
+/// let mut frame = [0; MAX_FRAME];
+/// let len = encode(&hello, &mut frame)?;
+/// let mut decoder = Decoder::new();
+/// assert_eq!(decoder.next(&mut &frame[..len]), Some(Ok(hello)));
+/// # Ok::<(), inm_protocol::EncodeError>(())
+/// ```
+pub fn encode<M: Serialize>(message: &M, out: &mut [u8]) -> Result<usize, EncodeError> {
+    let mut payload = [0; MAX_PAYLOAD];
+    payload[0] = VERSION;
+    let body = postcard::to_slice(message, &mut payload[1..MAX_PAYLOAD - CRC_LEN])
+        .map_err(|_| EncodeError::NoRoom)?
+        .len();
+    let end = 1 + body;
+    let crc = CRC.checksum(&payload[..end]);
+    payload[end..end + CRC_LEN].copy_from_slice(&crc.to_le_bytes());
+    let payload = &payload[..end + CRC_LEN];
+
+    if out.len() < cobs::max_encoding_length(payload.len()) + 1 {
+        return Err(EncodeError::NoRoom);
+    }
+    let len = cobs::encode(payload, out);
+    out[len] = 0;
+    Ok(len + 1)
+}

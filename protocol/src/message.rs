@@ -1,0 +1,110 @@
+//! The two message types, one for each direction.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{Batch, Command, Health, Reply};
+
+/// Board to host.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+// A batch is the common case by far and there is no heap to box the rest into.
+#[allow(clippy::large_enum_variant)]
+pub enum ToHost {
+    /// Samples.
+    Samples(Batch),
+    /// State of the board, once a second.
+    Health(Health),
+    /// Answer to a command.
+    Reply(Reply),
+    /// Something happened at a known conversion.
+    Event(Event),
+    /// Never sent by a board: the host writes it into a capture, between the frames received.
+    Note(Note),
+}
+
+/// Host to board.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+pub enum ToBoard {
+    /// A request.
+    Command(Command),
+}
+
+/// Something happened on the board at a known conversion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+pub struct Event {
+    /// Conversion at which it was noticed, in the count of [`Batch::first`].
+    pub index: u64,
+    /// Axis, 0 to 2; `None` where it concerns all.
+    pub axis: Option<u8>,
+    /// What happened.
+    pub trouble: Trouble,
+}
+
+/// What can go wrong on the board, and what it did about it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+#[non_exhaustive]
+pub enum Trouble {
+    /// No DRDY edge for several data periods.
+    Stalled,
+    /// Every bit read was the same.
+    Stuck {
+        /// Which one.
+        ones: bool,
+    },
+    /// The level jumped by a factor of two and stayed: a bit slipped.
+    Slipped {
+        /// Words came out doubled (a bit lost) rather than halved.
+        doubled: bool,
+    },
+    /// The converter clipped.
+    OverRange,
+    /// The ID register is not that of an ADS1281.
+    WrongId {
+        /// What was read.
+        found: u8,
+    },
+    /// A register differs from what was written; after a brown-out all are at their reset value.
+    RegisterLost {
+        /// Address, 00h to 0Ah.
+        address: u8,
+        /// What was written.
+        wrote: u8,
+        /// What was read.
+        found: u8,
+    },
+    /// The SPI peripheral reported a fault.
+    Bus,
+    /// The transmit queue was full: batches were dropped, the host is slower than the link.
+    LinkFull {
+        /// Batches dropped in a row.
+        batches: u32,
+    },
+    /// The converters run again after a reset and a new synchronisation.
+    Recovered {
+        /// Data periods without samples.
+        lost: u32,
+    },
+}
+
+/// What the host saw of the link while recording.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[non_exhaustive]
+pub enum Note {
+    /// The port went away.
+    PortLost {
+        /// Wall clock, milliseconds since 1970-01-01 UTC.
+        unix_ms: i64,
+    },
+    /// The port came back and streaming was started again from index 0.
+    PortBack {
+        /// Wall clock, milliseconds since 1970-01-01 UTC.
+        unix_ms: i64,
+    },
+    /// The recording was ended on purpose; without this note the file was cut.
+    End {
+        /// Wall clock, milliseconds since 1970-01-01 UTC.
+        unix_ms: i64,
+    },
+}
