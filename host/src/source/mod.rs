@@ -4,6 +4,15 @@
 //! A source says first what it is ([`Signal`]), then yields [`Chunk`]s in the order of the
 //! sample index until it ends. Everything behind it (bins, fits, reports) sees only this.
 
+pub mod array;
+pub mod npy;
+pub mod npy_header;
+pub mod open;
+pub mod options;
+pub mod stamps;
+pub mod table;
+pub mod text;
+
 use crate::signal::Signal;
 
 /// Consecutive samples of all axes, or the news that some are missing.
