@@ -38,6 +38,14 @@ pub enum ImageError {
         #[source]
         source: object::Error,
     },
+    /// A segment lies beyond the end of the file.
+    #[error("{}: the file ends at byte {len}, inside a segment; build or copy it again", path.display())]
+    Cut {
+        /// The file.
+        path: PathBuf,
+        /// Its length.
+        len: usize,
+    },
     /// For another processor.
     #[error("{}: built for ELF machine {machine}, the board is Arm (40); build one with `cargo xtask firmware`", path.display())]
     NotArm {
@@ -90,9 +98,9 @@ impl Image {
             if segment.p_type(endian) != elf::PT_LOAD {
                 continue;
             }
-            let bytes = segment.data(endian, data).map_err(|()| {
-                not_elf(object::Error::default())
-            })?;
+            let bytes = segment
+                .data(endian, data)
+                .map_err(|()| ImageError::Cut { path: path.to_owned(), len: data.len() })?;
             if !bytes.is_empty() {
                 segments.push((u64::from(segment.p_paddr(endian)), bytes.to_vec()));
             }

@@ -16,6 +16,7 @@ pub mod options;
 pub mod stamps;
 pub mod table;
 pub mod text;
+pub mod virtual_board;
 
 use crate::signal::Signal;
 
