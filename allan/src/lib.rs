@@ -6,6 +6,8 @@
 //! chunked, split or merged, and a mean that is a million times larger than the noise costs no
 //! digit. Floating point enters once, when an [`Estimate`] is read out.
 //!
+//! - [`AllanBins`]: streaming Allan variance, small enough for the board.
+//! - [`Bins`]: streaming Allan, modified Allan and Hadamard variance for the host.
 //! - [`full`]: every overlap at any averaging time, for records held in memory.
 //! - [`edf`]: equivalent degrees of freedom of an estimate for a given noise type.
 //! - [`fixed_point`]: codes for floating-point samples, with a stated resolution.
@@ -34,10 +36,20 @@
 #[cfg(test)]
 extern crate std;
 
+mod allan_bins;
+mod bins;
 pub mod edf;
+mod engine;
 pub mod fixed_point;
 pub mod full;
+mod grid;
+mod history;
+mod knot;
 mod statistic;
+mod sums;
 mod wide;
+
+pub use allan_bins::{AllanBins, BoardBins};
+pub use bins::{Bins, HostBins};
 
 pub use statistic::{Estimate, Statistic};
