@@ -28,7 +28,13 @@ impl CaptureSource {
         let reader = Reader::open(path)?;
         let signal = reader.header().signal(path)?;
         let buf = vec![0; 1 << 16];
-        Ok(Self { reader, signal, frames: Frames::default(), buf, ended: false })
+        Ok(Self {
+            reader,
+            signal,
+            frames: Frames::default(),
+            buf,
+            ended: false,
+        })
     }
 
     /// What the capture says about itself.
@@ -57,11 +63,14 @@ impl CaptureSource {
     }
 
     fn read_more(&mut self) -> Result<(), SourceError> {
-        let len = self.reader.read(&mut self.buf).map_err(|source| CaptureError::Io {
-            path: self.reader.path().to_owned(),
-            doing: "reading the capture",
-            source,
-        })?;
+        let len = self
+            .reader
+            .read(&mut self.buf)
+            .map_err(|source| CaptureError::Io {
+                path: self.reader.path().to_owned(),
+                doing: "reading the capture",
+                source,
+            })?;
         if len > 0 {
             self.frames.push(&self.buf[..len]);
             return Ok(());
