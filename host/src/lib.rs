@@ -7,6 +7,13 @@
 //! ```
 #![forbid(unsafe_code)]
 
+pub mod analyse;
+pub mod bins;
 pub mod chain;
+pub mod cli;
+pub mod fit;
+pub mod model;
+pub mod report;
 pub mod signal;
+pub mod simulate;
 pub mod source;
