@@ -65,7 +65,10 @@ impl DemoCommand {
         println!();
         results.write(&summarise(&signal, &record, &AnalysisOptions::default()))?;
         println!("\n{}", capture.display());
-        for path in [&results.json, &results.report, &results.png].into_iter().flatten() {
+        for path in [&results.json, &results.report, &results.png]
+            .into_iter()
+            .flatten()
+        {
             println!("{path}");
         }
         println!("\nAgain from the file: inm analyze {}", capture.display());

@@ -34,7 +34,8 @@ impl ReplayCommand {
         let signal = source.signal().clone();
         let mut record = Record::new(signal.axes.len());
         let ended = watch(&mut source, Some(&mut record), &mut Screen::stderr());
-        self.results.write(&summarise(&signal, &record, &AnalysisOptions::default()))?;
+        self.results
+            .write(&summarise(&signal, &record, &AnalysisOptions::default()))?;
         Ok(ended?)
     }
 }
