@@ -43,13 +43,16 @@ mod engine;
 pub mod fixed_point;
 pub mod full;
 mod grid;
+mod head;
 mod history;
 mod knot;
+mod merge;
 mod statistic;
 mod sums;
 mod wide;
 
 pub use allan_bins::{AllanBins, BoardBins};
 pub use bins::{Bins, HostBins};
+pub use merge::NotAdjacent;
 
 pub use statistic::{Estimate, Statistic};
