@@ -57,7 +57,7 @@ impl<const LEVELS: usize> Bins<LEVELS> {
 
     /// Accepts one code below the bound that the type's levels allow.
     #[inline]
-    fn push_wide(&mut self, code: i64) {
+    pub(crate) fn push_wide(&mut self, code: i64) {
         let taken_over = self.engine.push(code);
         self.head
             .file_ground(self.engine.next, self.engine.running.knot());
