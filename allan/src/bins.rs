@@ -42,7 +42,9 @@ impl<const LEVELS: usize> Bins<LEVELS> {
     /// Empty, the first sample having absolute index `first`.
     #[must_use]
     pub const fn starting_at(first: u64) -> Self {
-        const { assert!(LEVELS <= 33, "an inner sum must fit 111 bits") };
+        const {
+            assert!(LEVELS <= 33, "an inner sum must fit 111 bits");
+        };
         Self {
             engine: Engine::new(first),
             head: Head::new(first),

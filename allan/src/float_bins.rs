@@ -84,7 +84,7 @@ impl<const LEVELS: usize> FloatBins<LEVELS> {
             assert!(
                 LEVELS <= 25,
                 "a difference of 47-bit codes must fit 79 bits"
-            )
+            );
         };
         Self {
             grid,
