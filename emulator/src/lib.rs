@@ -51,6 +51,7 @@ pub mod filter;
 mod fir;
 mod flicker;
 mod high_pass;
+pub mod link;
 mod modulator;
 mod pins;
 mod random;
