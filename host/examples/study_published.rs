@@ -20,12 +20,19 @@ use inm_host::simulate::source::{SimulatedAxis, Simulation};
 fn main() {
     let mut arguments = std::env::args().skip(1);
     let mut number = |default| {
-        arguments.next().map_or(Ok(default), |text| text.parse::<u64>()).unwrap_or(default)
+        arguments
+            .next()
+            .map_or(Ok(default), |text| text.parse::<u64>())
+            .unwrap_or(default)
     };
     let (records, first_seed) = (number(50), number(1));
     let full = number(0) == 1;
     let options = AnalysisOptions {
-        overlap: if full { Overlap::Full } else { Overlap::Strided },
+        overlap: if full {
+            Overlap::Full
+        } else {
+            Overlap::Strided
+        },
         ..Default::default()
     };
     println!("{records} records an axis of {DURATION_S} s at {RATE_HZ}/s, seeds from {first_seed}");
@@ -86,21 +93,30 @@ fn print_axis(axis: PublishedAxis, truth: &PerCoefficient<f64>, fits: &[Fits]) {
         let truth = *truth.get(coefficient);
         // A negative square enters as the coefficient of its size, a clamped one as zero.
         let published = fits.iter().filter_map(|fits| {
-            fits.published.as_ref().map(|fit| fit.get(coefficient).squared.abs().sqrt())
+            fits.published
+                .as_ref()
+                .map(|fit| fit.get(coefficient).squared.abs().sqrt())
         });
         let negative = fits
             .iter()
             .filter(|fits| {
-                fits.published.as_ref().is_some_and(|fit| fit.get(coefficient).squared < 0.0)
+                fits.published
+                    .as_ref()
+                    .is_some_and(|fit| fit.get(coefficient).squared < 0.0)
             })
             .count();
         let weighted: Vec<_> = fits
             .iter()
             .filter_map(|fits| fits.weighted.as_ref().map(|fit| *fit.get(coefficient)))
             .collect();
-        let zero = weighted.iter().filter(|value| value.value.is_none()).count();
-        let covered =
-            weighted.iter().filter(|value| (value.lo..=value.hi).contains(&truth)).count();
+        let zero = weighted
+            .iter()
+            .filter(|value| value.value.is_none())
+            .count();
+        let covered = weighted
+            .iter()
+            .filter(|value| (value.lo..=value.hi).contains(&truth))
+            .count();
         let p = statistics(published, truth);
         let w = statistics(weighted.iter().map(|value| value.squared.sqrt()), truth);
         println!(
