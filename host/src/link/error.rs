@@ -1,0 +1,172 @@
+//! What can go wrong between host and board.
+
+use std::io;
+use std::time::Duration;
+
+use inm_protocol::{Refusal, Request, Trouble, VERSION};
+
+use crate::source::SourceError;
+
+/// Why the board cannot be reached, or does not do what it was asked.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum LinkError {
+    /// The port cannot be opened.
+    #[error("{port}: the port cannot be opened: {source}")]
+    Open {
+        /// Name of the port.
+        port: String,
+        /// Ports that this machine has.
+        available: Vec<String>,
+        /// What the system said.
+        #[source]
+        source: serialport::Error,
+    },
+    /// Reading or writing failed: the port went away.
+    #[error("{port}: the port went away")]
+    Gone {
+        /// Name of the port.
+        port: String,
+        /// What the system said.
+        #[source]
+        source: io::Error,
+    },
+    /// No reply.
+    #[error("{port}: no answer to `{request:?}` within {} ms, asked {tries} times", waited.as_millis())]
+    NoReply {
+        /// Name of the port.
+        port: String,
+        /// What was asked.
+        request: Request,
+        /// How long each time.
+        waited: Duration,
+        /// How often.
+        tries: u32,
+    },
+    /// The board speaks another version.
+    #[error("{port}: the board speaks protocol version {theirs}, this program version {VERSION}")]
+    Version {
+        /// Name of the port.
+        port: String,
+        /// The board's version.
+        theirs: u8,
+    },
+    /// The board said no.
+    #[error("{port}: the board refuses `{request:?}`: {}", why(*refusal))]
+    Refused {
+        /// Name of the port.
+        port: String,
+        /// What was asked.
+        request: Request,
+        /// Its reason.
+        refusal: Refusal,
+    },
+    /// The reply does not belong to the request.
+    #[error("{port}: the answer to `{request:?}` is of another kind")]
+    WrongAnswer {
+        /// Name of the port.
+        port: String,
+        /// What was asked.
+        request: Request,
+    },
+}
+
+impl LinkError {
+    /// What to do about it.
+    pub fn remedy(&self) -> String {
+        match self {
+            Self::Open { available, .. } if available.is_empty() => {
+                "this machine has no serial port: plug the board in, or use `--source virtual`"
+                    .to_owned()
+            }
+            Self::Open { available, .. } => {
+                format!("ports of this machine: {}", available.join(", "))
+            }
+            Self::Gone { .. } => "check cable and power of the board".to_owned(),
+            Self::NoReply { .. } => {
+                "is this the board's port, is the board powered, is its firmware flashed \
+                 (`inm flash`)?"
+                    .to_owned()
+            }
+            Self::Version { .. } => {
+                "flash the firmware of this release (`inm flash`), or use the program that \
+                 belongs to the board's"
+                    .to_owned()
+            }
+            Self::Refused { refusal, .. } => match refusal {
+                Refusal::Streaming => "stop the stream first".to_owned(),
+                Refusal::LinkTooSlow { .. } | Refusal::BusTooSlow { .. } => {
+                    "choose a lower rate, or the FIR filter".to_owned()
+                }
+                Refusal::Converter { .. } => {
+                    "check supply, clock and SPI wiring of that converter".to_owned()
+                }
+            },
+            Self::WrongAnswer { .. } => "restart the board and try again".to_owned(),
+        }
+    }
+}
+
+/// A refusal in words.
+fn why(refusal: Refusal) -> String {
+    match refusal {
+        Refusal::Streaming => "it is streaming".to_owned(),
+        Refusal::LinkTooSlow { needed, available } => format!(
+            "these settings need {needed} byte/s and the link carries {available} byte/s"
+        ),
+        Refusal::BusTooSlow { asked, readable } => format!(
+            "{asked} conversions/s were asked for and the SPI buses can be read at {readable}/s"
+        ),
+        Refusal::Converter { axis, trouble } => {
+            format!("converter {}: {}", axis_name(axis), describe(trouble))
+        }
+    }
+}
+
+/// X, Y or Z.
+pub(crate) fn axis_name(axis: u8) -> char {
+    match axis {
+        0 => 'X',
+        1 => 'Y',
+        2 => 'Z',
+        _ => '?',
+    }
+}
+
+/// Trouble in words.
+pub(crate) fn describe(trouble: Trouble) -> String {
+    match trouble {
+        Trouble::Stalled => "DRDY stopped; the converter is being reset".to_owned(),
+        Trouble::Stuck { ones } => format!(
+            "the bus reads all {}; the converter is being reset",
+            if ones { "ones" } else { "zeros" }
+        ),
+        Trouble::Slipped { doubled } => format!(
+            "the level {} and stayed: a bit slipped; the converter is being reset",
+            if doubled { "doubled" } else { "halved" }
+        ),
+        Trouble::OverRange => "the converter clips".to_owned(),
+        Trouble::WrongId { found } => {
+            format!("its ID register reads {found:02X}h, an ADS1281 ends in 0h")
+        }
+        Trouble::RegisterLost { address, wrote, found } => format!(
+            "register {address:02X}h reads {found:02X}h where {wrote:02X}h was written (a \
+             brown-out?); the converter is being reset"
+        ),
+        Trouble::Bus => "the SPI peripheral reports a fault".to_owned(),
+        Trouble::LinkFull { batches } => {
+            format!("the host did not keep up: {batches} batches were dropped")
+        }
+        Trouble::Recovered { lost } => {
+            format!("running again after {lost} data periods without samples")
+        }
+        _ => "trouble of a kind that this program does not know".to_owned(),
+    }
+}
+
+impl From<LinkError> for SourceError {
+    fn from(error: LinkError) -> Self {
+        let remedy = error.remedy();
+        Self::new(error, remedy)
+    }
+}

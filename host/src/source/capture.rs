@@ -1,0 +1,76 @@
+//! A capture file as a source.
+
+use std::io::Read;
+use std::path::Path;
+
+use super::assemble::Losses;
+use super::frames::Frames;
+use super::{Chunk, Source, SourceError};
+use crate::capture::{CaptureError, Header, Reader};
+use crate::signal::Signal;
+
+/// Reads a capture down the path that live data take.
+#[derive(Debug)]
+pub struct CaptureSource {
+    reader: Reader,
+    signal: Signal,
+    frames: Frames,
+    buf: Vec<u8>,
+    ended: bool,
+}
+
+impl CaptureSource {
+    /// Opens the capture at `path`.
+    ///
+    /// # Errors
+    /// As [`Reader::open`].
+    pub fn open(path: &Path) -> Result<Self, CaptureError> {
+        let reader = Reader::open(path)?;
+        let signal = reader.header().signal(path)?;
+        let buf = vec![0; 1 << 16];
+        Ok(Self { reader, signal, frames: Frames::default(), buf, ended: false })
+    }
+
+    /// What the capture says about itself.
+    pub fn header(&self) -> &Header {
+        self.reader.header()
+    }
+
+    /// Samples lost and flagged so far.
+    pub fn losses(&self) -> Losses {
+        self.frames.losses()
+    }
+
+    fn read_more(&mut self) -> Result<(), SourceError> {
+        let len = self.reader.read(&mut self.buf).map_err(|source| CaptureError::Io {
+            path: self.reader.path().to_owned(),
+            doing: "reading the capture",
+            source,
+        })?;
+        if len > 0 {
+            self.frames.push(&self.buf[..len]);
+            return Ok(());
+        }
+        self.ended = true;
+        self.frames.finish();
+        Ok(())
+    }
+}
+
+impl Source for CaptureSource {
+    fn signal(&self) -> &Signal {
+        &self.signal
+    }
+
+    fn next_chunk(&mut self) -> Result<Option<Chunk>, SourceError> {
+        loop {
+            if let Some(chunk) = self.frames.pop() {
+                return Ok(Some(chunk));
+            }
+            if self.ended {
+                return Ok(None);
+            }
+            self.read_more()?;
+        }
+    }
+}
