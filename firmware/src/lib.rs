@@ -16,6 +16,7 @@
 pub mod acquire;
 pub mod ads1281;
 pub mod platform;
+pub mod ticks;
 
 pub use acquire::Instrument;
 pub use platform::{Board, Platform};
