@@ -33,10 +33,12 @@ pub trait Platform {
     /// Free-running timer, ticks of [`Board::timer_hz`] since some moment before the start.
     fn now(&self) -> u64;
 
-    /// Timer at the oldest falling edge of X's DRDY not yet taken.
+    /// Timer at the latest falling edge of X's DRDY, once: `None` if there was none since the
+    /// last call.
     ///
-    /// Stamps that did not fit the queue may be lost: conversions are numbered by the time
-    /// between stamps, so that a lost one shows as a gap and shifts nothing.
+    /// One stamp is kept, not a queue: conversions are numbered by the time between stamps, an
+    /// edge that came and went shows as a gap in the index, and its word is gone anyway. The
+    /// latch of [`DataReady::take_edge`] of X is another one, set by the same edge.
     fn take_edge_stamp(&mut self) -> Option<u64>;
 
     /// Next byte from the host.
@@ -76,8 +78,8 @@ pub trait Platform {
     /// Restarts the watchdog's count; called in every step.
     fn feed_watchdog(&mut self);
 
-    /// Restarts the board so that [`Board::restart`] is [`Restart::Command`] afterwards. May
-    /// return: a virtual board starts anew some time later.
+    /// Restarts the board, so that [`Board::restart`] is [`Restart::Command`] afterwards. If
+    /// it returns, the instrument does nothing more, and the watchdog is no longer fed.
     fn restart(&mut self);
 }
 
