@@ -21,7 +21,7 @@ mod image;
 #[cortex_m_rt::entry]
 fn main() -> ! {
     let (machine, converters, sync) = board::start();
-    defmt::info!("start: {}", machine.restart());
+    defmt::info!("start, {}", defmt::Debug2Format(machine.restart()));
     let mut instrument = inm_firmware::Instrument::new(machine, converters, sync);
     loop {
         if !instrument.step() {

@@ -10,8 +10,7 @@ use inm_protocol::Restart;
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
 use super::link::Link;
-use super::stamps::Stamps;
-use super::{restart, stack};
+use super::{restart, stack, stamps};
 
 /// What differs between the board and QEMU's model of it: the converters, and time as they
 /// see it.
@@ -29,7 +28,7 @@ pub trait Sensors {
     fn now(&self) -> u64;
 
     /// See [`Platform::take_edge_stamp`].
-    fn take_edge_stamp(&mut self, stamps: &mut Stamps) -> Option<u64>;
+    fn take_edge_stamp(&mut self) -> Option<u64>;
 
     /// See [`Platform::temperature_centi_celsius`].
     fn temperature_centi_celsius(&mut self) -> Option<i16> {
@@ -51,8 +50,6 @@ pub struct Machine<S> {
     pub board: Board,
     /// The converters' side.
     pub sensors: S,
-    /// DRDY edges of X.
-    pub stamps: Stamps,
     /// The host.
     pub link: Link,
     /// Resets the board when the loop hangs.
@@ -71,7 +68,7 @@ impl<S> Machine<S> {
     /// masked interrupt still ends the sleep, and is served as soon as the mask is lifted.
     pub fn sleep(&self) {
         cortex_m::interrupt::free(|_| {
-            if self.stamps.is_empty() && self.link.is_quiet() {
+            if !stamps::is_waiting() && self.link.is_quiet() {
                 cortex_m::asm::wfi();
             }
         });
@@ -93,7 +90,7 @@ impl<S: Sensors> Platform for Machine<S> {
     }
 
     fn take_edge_stamp(&mut self) -> Option<u64> {
-        self.sensors.take_edge_stamp(&mut self.stamps)
+        self.sensors.take_edge_stamp()
     }
 
     fn receive(&mut self) -> Option<u8> {

@@ -127,8 +127,7 @@ fn panic(info: &PanicInfo<'_>) -> ! {
 // SAFETY: the signature that the exception demands; the frame is only read.
 unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
     let mut text = *b"hard fault at 00000000";
-    let (_, digits) = text.split_at_mut(text.len() - 8);
-    for (place, digit) in digits.iter_mut().rev().enumerate() {
+    for (place, digit) in text.iter_mut().rev().take(8).enumerate() {
         let nibble = (frame.pc() >> (4 * place) & 0xf) as usize;
         *digit = b"0123456789abcdef"[nibble];
     }
