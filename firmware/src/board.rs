@@ -18,10 +18,12 @@
 //! supply.
 
 mod analog;
+mod delay;
 mod oscillator;
 mod spi;
 
 use core::convert::Infallible;
+use core::sync::atomic::{AtomicBool, Ordering};
 
 use cortex_m::peripheral::NVIC;
 use embedded_hal::digital::{ErrorType, InputPin};
@@ -34,11 +36,12 @@ use stm32f4xx_hal::signature::Uid;
 use stm32f4xx_hal::spi::{Mode, Phase, Polarity, Spi};
 use stm32f4xx_hal::syscfg::SysCfgExt;
 
-use crate::image::clock::{self, Delay};
+use crate::image::clock;
 use crate::image::handover::Handover;
 use crate::image::machine::{Machine, Sensors};
 use crate::image::{SPI_HZ, describe, once, restart, stamps, start_link, start_watchdog};
 use analog::Analog;
+use delay::Delay;
 use spi::Bus;
 
 /// Clock idle low, data taken at the first edge (ADS1281, SBAS378D, pages 21 and 24).
@@ -47,6 +50,9 @@ const MODE_0: Mode =
 
 /// The interrupt's hold on the pending register.
 static DRDY_X: Handover<EXTI> = Handover::new();
+
+/// X's DRDY has fallen since the driver last looked; its pending bit is the interrupt's.
+static EDGE_X: AtomicBool = AtomicBool::new(false);
 
 /// The accelerometers and what measures around them.
 pub struct Attached {
@@ -151,6 +157,7 @@ fn serial_number() -> [u32; 3] {
 fn EXTI4() {
     static mut PENDING: Option<EXTI> = None;
     stamps::stamp();
+    EDGE_X.store(true, Ordering::Release);
     if let Some(exti) = DRDY_X.receive(PENDING) {
         exti.pr().write(|w| w.pr4().clear_bit_by_one());
     }
@@ -200,7 +207,7 @@ impl InputPin for DrdyPin {
 impl DataReady for DrdyPin {
     fn take_edge(&mut self) -> bool {
         if self.latched_by_interrupt {
-            return stamps::take_edge();
+            return EDGE_X.swap(false, Ordering::AcqRel);
         }
         let fallen = self.pin.check_interrupt();
         if fallen {

@@ -16,7 +16,9 @@ use core::convert::Infallible;
 
 use cortex_m::peripheral::NVIC;
 use embedded_hal::digital::{ErrorType, InputPin};
-use inm_emulator::{Bench, Constant, Converter, Delay, Drdy, Spi, SyncPin};
+use inm_emulator::channel::{Channel, published};
+use inm_emulator::filter::DECIMATION;
+use inm_emulator::{Bench, Converter, Delay, Drdy, Signal, Spi, SyncPin};
 use inm_firmware::ads1281::{Ads1281, DataReady};
 use stm32f4xx_hal::gpio::GpioExt;
 use stm32f4xx_hal::pac::{self, Interrupt, TIM3, interrupt};
@@ -42,30 +44,55 @@ const PACE_HZ: u32 = 4000;
 /// Core clock by which QEMU's SysTick counts.
 const CORE_HZ: u32 = 168_000_000;
 
-/// What is at a converter's input.
-type Channel = Constant;
+/// Seed of the accelerometers' noise; the test on the host knows it too.
+const SEED: u64 = 0x494e_4d31;
 
-/// The input of one axis.
-fn channel(axis: usize) -> Channel {
-    Constant(1000 * axis as i32)
+/// A published accelerometer that begins anew whenever the data rate changes.
+///
+/// What the converters put out after a start command at a new rate then depends on the seed
+/// and the rate alone, not on how long the host let the board wait before it.
+pub struct Record {
+    axis: usize,
+    channel: Channel,
+}
+
+impl Record {
+    fn new(axis: usize) -> Self {
+        Self { axis, channel: published(axis, SEED) }
+    }
+}
+
+impl Signal for Record {
+    fn set_rate(&mut self, input_hz: u32) {
+        *self = Self::new(self.axis);
+        self.channel.set_rate(input_hz);
+    }
+
+    fn next(&mut self) -> i32 {
+        self.channel.next()
+    }
+
+    fn fill(&mut self, inputs: &mut [i32; DECIMATION]) {
+        self.channel.fill(inputs);
+    }
 }
 
 static PACEMAKER: Handover<TIM3> = Handover::new();
 
 /// The emulated converters and how far they may run.
 pub struct Emulated {
-    bench: &'static Bench<Channel>,
+    bench: &'static Bench<Record>,
     allowed_ps: u64,
 }
 
 /// DRDY of an emulated converter.
-pub struct DrdyPin(Drdy<'static, Channel>);
+pub struct DrdyPin(Drdy<'static, Record>);
 
 /// A driver on an emulated bus.
-type Axis = Ads1281<Spi<'static, Channel>, DrdyPin, Delay<'static, Channel>>;
+type Axis = Ads1281<Spi<'static, Record>, DrdyPin, Delay<'static, Record>>;
 
 /// Brings the machine up.
-pub fn start() -> (Machine<Emulated>, [Axis; 3], SyncPin<'static, Channel>) {
+pub fn start() -> (Machine<Emulated>, [Axis; 3], SyncPin<'static, Record>) {
     let mut core = once(cortex_m::Peripherals::take());
     let chip = once(pac::Peripherals::take());
     let watchdog = start_watchdog(chip.IWDG);
@@ -76,10 +103,7 @@ pub fn start() -> (Machine<Emulated>, [Axis; 3], SyncPin<'static, Channel>) {
     let gpioa = chip.GPIOA.split(&mut rcc);
     let link = start_link(chip.USART1, gpioa.pa9, gpioa.pa10, &mut rcc);
 
-    let bench = Bench::new([0, 1, 2].map(|axis| Converter::new(channel(axis))));
-    // A breach of the part's rules is a matter for the tests on the host.
-    bench.set_strict(false);
-    let bench: &'static Bench<Channel> = once(cortex_m::singleton!(: Bench<Channel> = bench));
+    let bench = bench();
 
     TIM3::enable(&mut rcc);
     start_pacemaker(chip.TIM3, divider);
@@ -93,6 +117,17 @@ pub fn start() -> (Machine<Emulated>, [Axis; 3], SyncPin<'static, Channel>) {
     let axes = [0, 1, 2]
         .map(|axis| Ads1281::new(bench.spi(axis), DrdyPin(bench.drdy(axis)), bench.delay()));
     (machine, axes, bench.sync())
+}
+
+/// The bench, in a static. A function of its own, so that the copies that building it takes do
+/// not stay on the stack.
+#[inline(never)]
+fn bench() -> &'static Bench<Record> {
+    let bench = once(cortex_m::singleton!(: Bench<Record> =
+        Bench::new([0, 1, 2].map(|axis| Converter::new(Record::new(axis))))));
+    // A breach of the part's rules is a matter for the tests on the host.
+    bench.set_strict(false);
+    bench
 }
 
 fn start_pacemaker(timer: TIM3, divider: u32) {
@@ -121,10 +156,10 @@ fn TIM3() {
 }
 
 impl Sensors for Emulated {
-    type Spi = Spi<'static, Channel>;
+    type Spi = Spi<'static, Record>;
     type Drdy = DrdyPin;
-    type Sync = SyncPin<'static, Channel>;
-    type Delay = Delay<'static, Channel>;
+    type Sync = SyncPin<'static, Record>;
+    type Delay = Delay<'static, Record>;
 
     fn now(&self) -> u64 {
         self.bench.now_ps() / PS_PER_TICK

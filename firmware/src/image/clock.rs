@@ -6,7 +6,6 @@ use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_rt::exception;
 use critical_section::Mutex;
-use embedded_hal::delay::DelayNs;
 use inm_firmware::ticks::Ticks;
 use stm32f4xx_hal::pac::TIM2;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
@@ -56,19 +55,3 @@ pub fn now() -> u64 {
 /// The handler does nothing: that it ends the sleep is all it is for.
 #[exception]
 fn SysTick() {}
-
-/// Waits by watching the clock, whose ticks are `timer_hz` a second.
-#[derive(Clone, Copy)]
-pub struct Delay {
-    /// Ticks a second.
-    pub timer_hz: u32,
-}
-
-impl DelayNs for Delay {
-    fn delay_ns(&mut self, ns: u32) {
-        // One more for the tick that is under way.
-        let ticks = (u64::from(ns) * u64::from(self.timer_hz)).div_ceil(1_000_000_000) + 1;
-        let begin = now();
-        while now() - begin < ticks {}
-    }
-}
