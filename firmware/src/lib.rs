@@ -5,6 +5,7 @@
 //!   acquire   the instrument: three converters to batches, health and events; commands to replies
 //!   platform  what the instrument needs of the machine it runs on
 //!   mma7331l  from codes to volts and m/s^2
+//!   emulated  a platform on the emulator's bench (feature `emulator`)
 //! ```
 //!
 //! The same code runs in the STM32F405 image, in the image for QEMU, in the host's virtual
@@ -15,6 +16,9 @@
 
 pub mod acquire;
 pub mod ads1281;
+#[cfg(feature = "emulator")]
+pub mod emulated;
+pub mod mma7331l;
 pub mod platform;
 pub mod ticks;
 

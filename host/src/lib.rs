@@ -7,6 +7,11 @@
 //! ```
 #![forbid(unsafe_code)]
 
+pub mod capture;
 pub mod chain;
+#[cfg(feature = "flash")]
+pub mod flash;
+pub mod link;
+pub mod live;
 pub mod signal;
 pub mod source;

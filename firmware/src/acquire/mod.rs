@@ -218,8 +218,6 @@ impl<P: Platform> Instrument<P> {
         for converter in &mut self.converters {
             converter.forget_edges();
         }
-        // An edge from before.
-        self.platform.take_edge_stamp();
         self.stage = Stage::Settle {
             since: self.platform.now(),
             job,

@@ -94,6 +94,6 @@ impl CaptureError {
 impl From<CaptureError> for SourceError {
     fn from(error: CaptureError) -> Self {
         let remedy = error.remedy();
-        Self::new(error, remedy)
+        Self::new(&error, remedy)
     }
 }

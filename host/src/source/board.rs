@@ -123,6 +123,16 @@ impl BoardSource {
         self.frames.damaged()
     }
 
+    /// Samples an axis so far, lost ones included.
+    pub fn next_index(&self) -> u64 {
+        self.frames.next_index()
+    }
+
+    /// The capture, if there is one.
+    pub fn capture_path(&self) -> Option<&Path> {
+        self.capture.as_ref().map(Writer::path)
+    }
+
     /// Bytes in the capture so far.
     pub fn captured_bytes(&self) -> u64 {
         self.capture.as_ref().map_or(0, Writer::bytes)

@@ -4,7 +4,7 @@ use std::io::Read;
 use std::path::Path;
 
 use super::assemble::Losses;
-use super::frames::Frames;
+use super::frames::{Frames, Status};
 use super::{Chunk, Source, SourceError};
 use crate::capture::{CaptureError, Header, Reader};
 use crate::signal::Signal;
@@ -39,6 +39,21 @@ impl CaptureSource {
     /// Samples lost and flagged so far.
     pub fn losses(&self) -> Losses {
         self.frames.losses()
+    }
+
+    /// Frames that arrived damaged, and their bytes.
+    pub fn damaged(&self) -> (u64, u64) {
+        self.frames.damaged()
+    }
+
+    /// Samples an axis so far, lost ones included.
+    pub fn next_index(&self) -> u64 {
+        self.frames.next_index()
+    }
+
+    /// Board and link so far.
+    pub fn status(&self) -> &Status {
+        self.frames.status()
     }
 
     fn read_more(&mut self) -> Result<(), SourceError> {
