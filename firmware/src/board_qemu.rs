@@ -12,14 +12,11 @@
 //! allows them to run on to its moment, and the loop lets them: where the emulation is slower
 //! than the part, bench time merely passes more slowly, and no conversion is lost.
 
-use core::convert::Infallible;
-
 use cortex_m::peripheral::NVIC;
-use embedded_hal::digital::{ErrorType, InputPin};
 use inm_emulator::channel::{Channel, published};
 use inm_emulator::filter::DECIMATION;
 use inm_emulator::{Bench, Converter, Delay, Drdy, Signal, Spi, SyncPin};
-use inm_firmware::ads1281::{Ads1281, DataReady};
+use inm_firmware::ads1281::Ads1281;
 use stm32f4xx_hal::gpio::GpioExt;
 use stm32f4xx_hal::pac::{self, Interrupt, TIM3, interrupt};
 use stm32f4xx_hal::rcc::{Enable, RccExt};
@@ -79,17 +76,17 @@ impl Signal for Record {
 
 static PACEMAKER: Handover<TIM3> = Handover::new();
 
-/// The emulated converters and how far they may run.
+/// The emulated converters. Times are the bench's, picoseconds.
 pub struct Emulated {
     bench: &'static Bench<Record>,
+    /// How far the bench may run.
     allowed_ps: u64,
+    /// Latest edge of X that was stamped.
+    stamped_ps: Option<u64>,
 }
 
-/// DRDY of an emulated converter.
-pub struct DrdyPin(Drdy<'static, Record>);
-
 /// A driver on an emulated bus.
-type Axis = Ads1281<Spi<'static, Record>, DrdyPin, Delay<'static, Record>>;
+type Axis = Ads1281<Spi<'static, Record>, Drdy<'static, Record>, Delay<'static, Record>>;
 
 /// Brings the machine up.
 pub fn start() -> (Machine<Emulated>, [Axis; 3], SyncPin<'static, Record>) {
@@ -110,12 +107,12 @@ pub fn start() -> (Machine<Emulated>, [Axis; 3], SyncPin<'static, Record>) {
 
     let machine = Machine {
         board: describe("qemu", [0; 3], TIMER_HZ, restart::reason(false)),
-        sensors: Emulated { bench, allowed_ps: 0 },
+        sensors: Emulated { bench, allowed_ps: 0, stamped_ps: None },
         link,
         watchdog,
     };
     let axes = [0, 1, 2]
-        .map(|axis| Ads1281::new(bench.spi(axis), DrdyPin(bench.drdy(axis)), bench.delay()));
+        .map(|axis| Ads1281::new(bench.spi(axis), bench.drdy(axis), bench.delay()));
     (machine, axes, bench.sync())
 }
 
@@ -157,7 +154,7 @@ fn TIM3() {
 
 impl Sensors for Emulated {
     type Spi = Spi<'static, Record>;
-    type Drdy = DrdyPin;
+    type Drdy = Drdy<'static, Record>;
     type Sync = SyncPin<'static, Record>;
     type Delay = Delay<'static, Record>;
 
@@ -169,30 +166,15 @@ impl Sensors for Emulated {
         if let Some(stamp) = stamps::take() {
             self.allowed_ps = stamp * PS_PER_TICK;
         }
-        let edge_ps = self.bench.run_until_edge(0, self.allowed_ps)?;
-        Some(edge_ps / PS_PER_TICK)
+        // An edge may have come while a word was read; else the bench runs to the next.
+        let mut edge_ps = self.bench.last_edge_ps(0);
+        if edge_ps == self.stamped_ps {
+            edge_ps = Some(self.bench.run_until_edge(0, self.allowed_ps)?);
+        }
+        self.stamped_ps = edge_ps;
+        edge_ps.map(|ps| ps / PS_PER_TICK)
     }
 
     /// The emulated accelerometers have no self-test.
     fn self_test(&mut self, _on: bool) {}
-}
-
-impl ErrorType for DrdyPin {
-    type Error = Infallible;
-}
-
-impl InputPin for DrdyPin {
-    fn is_high(&mut self) -> Result<bool, Infallible> {
-        self.0.is_high()
-    }
-
-    fn is_low(&mut self) -> Result<bool, Infallible> {
-        self.0.is_low()
-    }
-}
-
-impl DataReady for DrdyPin {
-    fn take_edge(&mut self) -> bool {
-        self.0.take_edge()
-    }
 }
