@@ -21,7 +21,9 @@ fn main() -> Result<(), inm_emulator::BusError> {
 
     let registers = Registers::default();
     let mut conversion = Conversion::new(published(0, 1));
-    report("signal and filter", || sum += i64::from(conversion.next_word(&registers)));
+    report("signal and filter", || {
+        sum += i64::from(conversion.next_word(&registers))
+    });
 
     let bench = Bench::new([0, 1, 2].map(|axis| Converter::new(published(axis, 1))));
     bench.delay().delay_ms(16);

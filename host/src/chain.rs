@@ -32,15 +32,22 @@ impl FromStr for Chain {
 
     fn from_str(text: &str) -> Result<Self, ChainError> {
         let mut chain = Self::default();
-        for part in text.split('+').map(str::trim).filter(|part| !part.is_empty()) {
-            let unknown = || ChainError { part: part.to_owned() };
+        for part in text
+            .split('+')
+            .map(str::trim)
+            .filter(|part| !part.is_empty())
+        {
+            let unknown = || ChainError {
+                part: part.to_owned(),
+            };
             match part {
                 "ads1281:linear" => chain.converter = Some(Phase::Linear),
                 "ads1281:minimum" => chain.converter = Some(Phase::Minimum),
                 _ => {
                     let corner = part.strip_suffix("hz").or_else(|| part.strip_suffix("Hz"));
-                    let corner_hz: f64 =
-                        corner.and_then(|hz| hz.trim().parse().ok()).ok_or_else(unknown)?;
+                    let corner_hz: f64 = corner
+                        .and_then(|hz| hz.trim().parse().ok())
+                        .ok_or_else(unknown)?;
                     if !(corner_hz.is_finite() && corner_hz > 0.0) {
                         return Err(unknown());
                     }
@@ -70,7 +77,12 @@ mod tests {
 
     #[test]
     fn what_is_written_is_read() {
-        for text in ["ads1281:linear+400hz", "ads1281:minimum", "400hz+1507.5hz", ""] {
+        for text in [
+            "ads1281:linear+400hz",
+            "ads1281:minimum",
+            "400hz+1507.5hz",
+            "",
+        ] {
             let chain: Chain = text.parse().expect("a chain");
             assert_eq!(chain.to_string(), text);
         }
@@ -78,8 +90,17 @@ mod tests {
 
     #[test]
     fn an_unknown_stage_is_named() {
-        for (text, part) in [("ads1282", "ads1282"), ("400hz+-3hz", "-3hz"), ("nanhz", "nanhz")] {
-            assert_eq!(text.parse::<Chain>(), Err(ChainError { part: part.to_owned() }));
+        for (text, part) in [
+            ("ads1282", "ads1282"),
+            ("400hz+-3hz", "-3hz"),
+            ("nanhz", "nanhz"),
+        ] {
+            assert_eq!(
+                text.parse::<Chain>(),
+                Err(ChainError {
+                    part: part.to_owned()
+                })
+            );
         }
     }
 }

@@ -80,7 +80,12 @@ impl Read for DamagedPort {
     fn read(&mut self, buf: &mut [u8]) -> io::Result<usize> {
         let mut position = self.position.lock().expect("not poisoned");
         let mut vanished = self.vanished.lock().expect("not poisoned");
-        if self.damage.vanish.get(*vanished).is_some_and(|&at| *position >= at) {
+        if self
+            .damage
+            .vanish
+            .get(*vanished)
+            .is_some_and(|&at| *position >= at)
+        {
             *vanished += 1;
             return Err(io::ErrorKind::BrokenPipe.into());
         }

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use inm_protocol::{AXES, Filter, Identity, REGISTERS, SensorRange, Settings, VERSION};
 use inm_firmware::mma7331l::Scaling;
+use inm_protocol::{AXES, Filter, Identity, REGISTERS, SensorRange, Settings, VERSION};
 use serde::{Deserialize, Serialize};
 
 use super::CaptureError;
@@ -82,17 +82,25 @@ impl Header {
             Filter::Fir { phase, .. } => Some(phase),
             Filter::Sinc | Filter::Modulator => None,
         };
-        let scaling =
-            Scaling::new(identity.reference_uv, identity.range, identity.sensor_supply_uv);
-        let axes = ["X", "Y", "Z"].into_iter().zip(SENSOR_POLE_HZ).map(|(name, pole_hz)| {
-            AxisHeader {
+        let scaling = Scaling::new(
+            identity.reference_uv,
+            identity.range,
+            identity.sensor_supply_uv,
+        );
+        let axes = ["X", "Y", "Z"]
+            .into_iter()
+            .zip(SENSOR_POLE_HZ)
+            .map(|(name, pole_hz)| AxisHeader {
                 name: name.to_owned(),
                 unit: Unit::MetrePerSecondSquared,
                 scale: scaling.scale(),
                 zero: scaling.zero(),
-                chain: Chain { converter, poles_hz: vec![pole_hz] }.to_string(),
-            }
-        });
+                chain: Chain {
+                    converter,
+                    poles_hz: vec![pole_hz],
+                }
+                .to_string(),
+            });
         Self {
             protocol: VERSION,
             inm: env!("CARGO_PKG_VERSION").to_owned(),

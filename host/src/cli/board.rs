@@ -11,7 +11,7 @@ use crate::source::virtual_board::VirtualConnect;
 
 /// Which board, and how it is to record.
 #[derive(Debug, Clone, Args)]
-pub struct BoardArgs {
+pub struct BoardOptions {
     /// Serial port of the board (`/dev/ttyUSB0`, `COM3`), or `virtual` for one without hardware.
     #[arg(long, value_name = "PORT")]
     pub source: String,
@@ -59,7 +59,7 @@ pub enum PhaseArg {
     Minimum,
 }
 
-impl BoardArgs {
+impl BoardOptions {
     /// How to reach the board; `default_speed` is that of the virtual board.
     pub fn connect(&self, default_speed: f64) -> Box<dyn Connect> {
         if self.source == "virtual" {

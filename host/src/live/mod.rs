@@ -6,7 +6,9 @@
 mod observe;
 mod screen;
 mod snapshot;
+mod watch;
 
 pub use observe::Observed;
 pub use screen::Screen;
 pub use snapshot::{Cell, Row, Snapshot};
+pub use watch::watch;

@@ -96,7 +96,12 @@ impl Snapshot {
         }
         writeln!(out)?;
 
-        let Losses { lost_samples, gaps, flagged: [x, y, z], .. } = self.losses;
+        let Losses {
+            lost_samples,
+            gaps,
+            flagged: [x, y, z],
+            ..
+        } = self.losses;
         write!(
             out,
             "lost {lost_samples} samples in {gaps} gaps, {} damaged frames; flagged X {x} Y {y} Z {z}",
@@ -181,9 +186,19 @@ mod tests {
             rate_hz: 2000.0,
             samples: 5_400_000,
             expected: Some(10_800_000),
-            losses: Losses { lost_samples: 32, gaps: 1, ..Losses::default() },
+            losses: Losses {
+                lost_samples: 32,
+                gaps: 1,
+                ..Losses::default()
+            },
             axes: vec!["X, m/s^2".into()],
-            table: vec![Row { tau_s: 1.0, cells: vec![Some(Cell { adev: 3.9e-4, relative: 0.02 })] }],
+            table: vec![Row {
+                tau_s: 1.0,
+                cells: vec![Some(Cell {
+                    adev: 3.9e-4,
+                    relative: 0.02,
+                })],
+            }],
             news: vec!["sample 7: X: the converter clips".into()],
             ..Snapshot::default()
         };

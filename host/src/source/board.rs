@@ -79,7 +79,11 @@ impl BoardSource {
     ) -> Result<Self, SourceError> {
         let mut client = Client::new(connect.open()?, connect.name(), plan.patience);
         let mut frames = Frames::default();
-        let mut talk = Talk { client: &mut client, frames: &mut frames, capture: None };
+        let mut talk = Talk {
+            client: &mut client,
+            frames: &mut frames,
+            capture: None,
+        };
 
         let _: Identity = talk.ask(Request::Identify)?;
         // A board left streaming by an earlier host first comes to rest.
@@ -91,16 +95,31 @@ impl BoardSource {
         let registers: [[u8; REGISTERS]; AXES] = talk.ask(Request::ReadRegisters)?;
 
         let header = Header::new(&identity, registers, Timestamp::now().to_string());
-        let mut capture = capture.map(|path| Writer::create(path, &header)).transpose()?;
+        let mut capture = capture
+            .map(|path| Writer::create(path, &header))
+            .transpose()?;
         // Only what comes after the start command belongs to the record.
         frames = Frames::default();
-        let mut talk =
-            Talk { client: &mut client, frames: &mut frames, capture: capture.as_mut() };
+        let mut talk = Talk {
+            client: &mut client,
+            frames: &mut frames,
+            capture: capture.as_mut(),
+        };
         let _: Settings = talk.ask(Request::Start)?;
 
         let name = connect.name();
         let signal = header.signal(Path::new(&name))?;
-        Ok(Self { connect, client, frames, header, signal, capture, plan, stop, ended: false })
+        Ok(Self {
+            connect,
+            client,
+            frames,
+            header,
+            signal,
+            capture,
+            plan,
+            stop,
+            ended: false,
+        })
     }
 
     /// What the capture says, or would say, about this record.
@@ -155,7 +174,9 @@ impl BoardSource {
     fn reconnect(&mut self, gone: LinkError) -> Result<(), SourceError> {
         self.note(Note::PortLost { unix_ms: now_ms() })?;
         self.frames.finish();
-        let Some(patience) = self.plan.reconnect else { return Err(gone.into()) };
+        let Some(patience) = self.plan.reconnect else {
+            return Err(gone.into());
+        };
         let deadline = Instant::now() + patience;
         let port = loop {
             if self.stop.requested() {
@@ -219,7 +240,10 @@ impl BoardSource {
 
     fn is_complete(&self) -> bool {
         self.stop.requested()
-            || self.plan.samples.is_some_and(|limit| self.frames.next_index() >= limit)
+            || self
+                .plan
+                .samples
+                .is_some_and(|limit| self.frames.next_index() >= limit)
     }
 }
 
@@ -258,7 +282,11 @@ struct Talk<'a> {
 
 impl Talk<'_> {
     fn ask<T: Expect>(&mut self, request: Request) -> Result<T, SourceError> {
-        let Self { client, frames, capture } = self;
+        let Self {
+            client,
+            frames,
+            capture,
+        } = self;
         let answer = client.request(request, |bytes, id| -> Result<Option<Reply>, SourceError> {
             keep(bytes, frames, capture.as_deref_mut())?;
             Ok(frames.take_reply(id))

@@ -2,6 +2,7 @@
 
 use std::io::Read;
 use std::path::Path;
+use std::time::{Duration, Instant};
 
 use super::assemble::Losses;
 use super::frames::{Frames, Status};
@@ -17,6 +18,14 @@ pub struct CaptureSource {
     frames: Frames,
     buf: Vec<u8>,
     ended: bool,
+    pace: Option<Pace>,
+}
+
+/// Holds a replay back to the time of the record.
+#[derive(Debug)]
+struct Pace {
+    speed: f64,
+    started: Instant,
 }
 
 impl CaptureSource {
@@ -28,7 +37,20 @@ impl CaptureSource {
         let reader = Reader::open(path)?;
         let signal = reader.header().signal(path)?;
         let buf = vec![0; 1 << 16];
-        Ok(Self { reader, signal, frames: Frames::default(), buf, ended: false })
+        Ok(Self {
+            reader,
+            signal,
+            frames: Frames::default(),
+            buf,
+            ended: false,
+        })
+    }
+
+    /// Replays at `speed` seconds of the record in a second; 0 is as fast as it goes.
+    #[must_use]
+    pub fn at_speed(mut self, speed: f64) -> Self {
+        self.pace = (speed > 0.0).then(|| Pace { speed, started: Instant::now() });
+        self
     }
 
     /// What the capture says about itself.
@@ -57,13 +79,21 @@ impl CaptureSource {
     }
 
     fn read_more(&mut self) -> Result<(), SourceError> {
-        let len = self.reader.read(&mut self.buf).map_err(|source| CaptureError::Io {
-            path: self.reader.path().to_owned(),
-            doing: "reading the capture",
-            source,
-        })?;
+        let len = self
+            .reader
+            .read(&mut self.buf)
+            .map_err(|source| CaptureError::Io {
+                path: self.reader.path().to_owned(),
+                doing: "reading the capture",
+                source,
+            })?;
         if len > 0 {
             self.frames.push(&self.buf[..len]);
+            if let Some(pace) = &self.pace {
+                let record_s = self.frames.next_index() as f64 / self.signal.rate_hz;
+                let due = Duration::from_secs_f64(record_s / pace.speed);
+                std::thread::sleep(due.saturating_sub(pace.started.elapsed()));
+            }
             return Ok(());
         }
         self.ended = true;

@@ -145,14 +145,26 @@ impl SourceError {
             }
             cause = error.source();
         }
-        Self { place: String::new(), message, remedy: remedy.into() }
+        Self {
+            place: String::new(),
+            message,
+            remedy: remedy.into(),
+        }
     }
 }
 
 fn prefix(place: &str) -> String {
-    if place.is_empty() { String::new() } else { format!("{place}: ") }
+    if place.is_empty() {
+        String::new()
+    } else {
+        format!("{place}: ")
+    }
 }
 
 fn suffix(remedy: &str) -> String {
-    if remedy.is_empty() { String::new() } else { format!("; {remedy}") }
+    if remedy.is_empty() {
+        String::new()
+    } else {
+        format!("; {remedy}")
+    }
 }

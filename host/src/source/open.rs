@@ -26,7 +26,11 @@ const SNIFFED: u64 = 512;
 /// the options.
 pub fn open(path: &str, options: &ArrayOptions) -> Result<Box<dyn Source>, SourceError> {
     if path == STANDARD_INPUT {
-        return stream("standard input", Box::new(BufReader::new(std::io::stdin())), options);
+        return stream(
+            "standard input",
+            Box::new(BufReader::new(std::io::stdin())),
+            options,
+        );
     }
     let io = |error: std::io::Error| SourceError {
         place: path.to_owned(),
@@ -38,12 +42,20 @@ pub fn open(path: &str, options: &ArrayOptions) -> Result<Box<dyn Source>, Sourc
     };
     let mut file = File::open(path).map_err(io)?;
     let mut start = Vec::new();
-    Read::by_ref(&mut file).take(SNIFFED).read_to_end(&mut start).map_err(io)?;
+    Read::by_ref(&mut file)
+        .take(SNIFFED)
+        .read_to_end(&mut start)
+        .map_err(io)?;
     if start.starts_with(MAGIC) {
         let table = NpyTable::open(Path::new(path))?;
         return Ok(Box::new(ArraySource::new(Box::new(table), options)?));
     }
-    text(path, &start, Box::new(BufReader::new(File::open(path).map_err(io)?)), options)
+    text(
+        path,
+        &start,
+        Box::new(BufReader::new(File::open(path).map_err(io)?)),
+        options,
+    )
 }
 
 fn stream(

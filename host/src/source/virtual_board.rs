@@ -6,13 +6,14 @@
 //! time waits; nothing is lost that a real host of unlimited speed would have received.
 
 use std::io::{self, Read, Write};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, TryRecvError, channel, sync_channel};
+use std::sync::mpsc::{
+    self, Receiver, RecvTimeoutError, Sender, SyncSender, TryRecvError, sync_channel,
+};
 use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use inm_emulator::channel::Channel;
-use inm_emulator::sensor::Sensor;
+use inm_emulator::channel::{self, Channel};
 use inm_emulator::{Bench, Converter, Fault};
 use inm_firmware::emulated::{VirtualBoard, VirtualLink, describe};
 use inm_firmware::{Board, Instrument};
@@ -41,10 +42,8 @@ pub type Witness = Arc<Mutex<Vec<[u32; AXES]>>>;
 /// Builds virtual boards.
 #[derive(Debug, Clone)]
 pub struct VirtualConnect {
-    /// The accelerometers in front of the converters.
-    pub sensors: [Sensor; AXES],
-    /// Seed of their noise.
-    pub seed: u64,
+    /// The accelerometers in front of the converters X, Y, Z, with their noise.
+    pub channels: [Channel; AXES],
     /// Seconds of board time in a second; 0 for as fast as it goes.
     pub speed: f64,
     /// Speed of the link in virtual time, bit/s.
@@ -56,11 +55,10 @@ pub struct VirtualConnect {
 }
 
 impl VirtualConnect {
-    /// The board of the published experiment.
+    /// The board of the published experiment; `seed` is that of its noise.
     pub fn published(seed: u64, speed: f64) -> Self {
         Self {
-            sensors: Sensor::PUBLISHED,
-            seed,
+            channels: [0, 1, 2].map(|axis| channel::published(axis, seed)),
             speed,
             baud: 921_600,
             faults: Vec::new(),
@@ -76,10 +74,15 @@ impl Connect for VirtualConnect {
 
     fn open(&mut self) -> Result<Box<dyn Port>, LinkError> {
         let (to_host, from_board) = sync_channel(PARCELS);
-        let (to_board, from_host) = channel();
+        let (to_board, from_host) = mpsc::channel();
         let plan = self.clone();
         thread::spawn(move || power_on(&plan, &to_host, &from_host));
-        Ok(Box::new(VirtualPort { from_board, to_board, parcel: Vec::new(), at: 0 }))
+        Ok(Box::new(VirtualPort {
+            from_board,
+            to_board,
+            parcel: Vec::new(),
+            at: 0,
+        }))
     }
 }
 
@@ -87,22 +90,15 @@ impl Connect for VirtualConnect {
 fn power_on(plan: &VirtualConnect, to_host: &SyncSender<Vec<u8>>, from_host: &Receiver<Vec<u8>>) {
     let mut restart = Restart::Power;
     loop {
-        let mut sensors = plan.sensors.iter().zip(0..);
-        let converters = [(); AXES].map(|()| {
-            // Three sensors for three axes; what does not fit the codes is silent, as a
-            // sensor without supply is.
-            let (sensor, axis) = sensors.next().unwrap_or((&Sensor::XY, 0));
-            let channel = Channel::new(sensor, plan.seed, axis)
-                .unwrap_or_else(|_| inm_emulator::channel::published(axis as usize, plan.seed));
-            Converter::new(channel)
-        });
-        let bench = Bench::new(converters);
+        let bench = Bench::new(plan.channels.clone().map(Converter::new));
         for &(axis, word, fault) in &plan.faults {
             bench.inject_at(axis, word, fault);
         }
-        let board = Board { restart, serial: [0, 0, plan.seed as u32], ..describe("virtual") };
-        let instrument =
-            VirtualBoard::instrument(&bench, VirtualLink::new(Some(plan.baud)), board);
+        let board = Board {
+            restart,
+            ..describe("virtual")
+        };
+        let instrument = VirtualBoard::instrument(&bench, VirtualLink::new(Some(plan.baud)), board);
         match run(instrument, plan, to_host, from_host) {
             Some(cause) => restart = cause,
             None => return,
@@ -165,7 +161,10 @@ fn keep_pace(started: Instant, now_ps: u64, speed: f64) {
 
 /// Notes down the words that all three converters have made since the last time.
 fn note_words(bench: &Bench<Channel>, words: &mut u64, witness: &Witness) {
-    let made = (0..AXES).map(|axis| bench.sent(axis).words()).min().unwrap_or(0);
+    let made = (0..AXES)
+        .map(|axis| bench.sent(axis).words())
+        .min()
+        .unwrap_or(0);
     if made == *words {
         return;
     }
@@ -187,10 +186,13 @@ struct VirtualPort {
 impl Read for VirtualPort {
     fn read(&mut self, buf: &mut [u8]) -> io::Result<usize> {
         if self.at == self.parcel.len() {
-            self.parcel = self.from_board.recv_timeout(READ_TIMEOUT).map_err(|error| match error {
-                RecvTimeoutError::Timeout => io::ErrorKind::TimedOut,
-                RecvTimeoutError::Disconnected => io::ErrorKind::BrokenPipe,
-            })?;
+            self.parcel =
+                self.from_board
+                    .recv_timeout(READ_TIMEOUT)
+                    .map_err(|error| match error {
+                        RecvTimeoutError::Timeout => io::ErrorKind::TimedOut,
+                        RecvTimeoutError::Disconnected => io::ErrorKind::BrokenPipe,
+                    })?;
             self.at = 0;
         }
         let rest = &self.parcel[self.at..];
