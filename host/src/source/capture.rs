@@ -43,6 +43,7 @@ impl CaptureSource {
             frames: Frames::default(),
             buf,
             ended: false,
+            pace: None,
         })
     }
 

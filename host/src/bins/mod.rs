@@ -1,0 +1,7 @@
+//! Allan, modified Allan and Hadamard deviation of a record: averaging times, estimates, and
+//! their 95 % intervals.
+
+pub mod identify;
+pub mod point;
+pub mod record;
+pub mod taus;
