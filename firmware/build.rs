@@ -15,7 +15,9 @@ fn main() -> io::Result<()> {
     if env::var("CARGO_CFG_TARGET_OS").as_deref() != Ok("none") {
         return Ok(());
     }
-    let out = env::var_os("OUT_DIR").map(PathBuf::from).ok_or(io::ErrorKind::NotFound)?;
+    let out = env::var_os("OUT_DIR")
+        .map(PathBuf::from)
+        .ok_or(io::ErrorKind::NotFound)?;
     fs::copy(Path::new(MEMORY), out.join("memory.x"))?;
     println!("cargo:rustc-link-search={}", out.display());
     // --nmagic: sections need no alignment to pages, of which the part has none.

@@ -45,8 +45,10 @@ use delay::Delay;
 use spi::Bus;
 
 /// Clock idle low, data taken at the first edge (ADS1281, SBAS378D, pages 21 and 24).
-const MODE_0: Mode =
-    Mode { polarity: Polarity::IdleLow, phase: Phase::CaptureOnFirstTransition };
+const MODE_0: Mode = Mode {
+    polarity: Polarity::IdleLow,
+    phase: Phase::CaptureOnFirstTransition,
+};
 
 /// The interrupt's hold on the pending register.
 static DRDY_X: Handover<EXTI> = Handover::new();
@@ -93,9 +95,27 @@ pub fn start() -> (Machine<Attached>, [Axis; 3], PB0<Output>) {
     let c = chip.GPIOC.split(&mut rcc);
 
     let hz = SPI_HZ.Hz();
-    let x = Spi::new(chip.SPI1, (Some(a.pa5), Some(a.pa6), Some(a.pa7)), MODE_0, hz, &mut rcc);
-    let y = Spi::new(chip.SPI2, (Some(b.pb13), Some(b.pb14), Some(b.pb15)), MODE_0, hz, &mut rcc);
-    let z = Spi::new(chip.SPI3, (Some(c.pc10), Some(c.pc11), Some(c.pc12)), MODE_0, hz, &mut rcc);
+    let x = Spi::new(
+        chip.SPI1,
+        (Some(a.pa5), Some(a.pa6), Some(a.pa7)),
+        MODE_0,
+        hz,
+        &mut rcc,
+    );
+    let y = Spi::new(
+        chip.SPI2,
+        (Some(b.pb13), Some(b.pb14), Some(b.pb15)),
+        MODE_0,
+        hz,
+        &mut rcc,
+    );
+    let z = Spi::new(
+        chip.SPI3,
+        (Some(c.pc10), Some(c.pc11), Some(c.pc12)),
+        MODE_0,
+        hz,
+        &mut rcc,
+    );
 
     let mut drdy = [c.pc4.erase(), c.pc5.erase(), c.pc6.erase()];
     let mut syscfg = chip.SYSCFG.constrain(&mut rcc);
@@ -114,7 +134,9 @@ pub fn start() -> (Machine<Attached>, [Axis; 3], PB0<Output>) {
         NVIC::unmask(Interrupt::EXTI4);
     }
 
-    let sync = b.pb0.into_push_pull_output_in_state(stm32f4xx_hal::gpio::PinState::High);
+    let sync = b
+        .pb0
+        .into_push_pull_output_in_state(stm32f4xx_hal::gpio::PinState::High);
     let mut range = b.pb1.into_push_pull_output();
     range.set_low();
     let mut self_test = b.pb10.into_push_pull_output();
@@ -131,9 +153,27 @@ pub fn start() -> (Machine<Attached>, [Axis; 3], PB0<Output>) {
     };
     let [drdy_x, drdy_y, drdy_z] = drdy;
     let axes = [
-        (Bus::X(x), DrdyPin { pin: drdy_x, latched_by_interrupt: true }),
-        (Bus::Y(y), DrdyPin { pin: drdy_y, latched_by_interrupt: false }),
-        (Bus::Z(z), DrdyPin { pin: drdy_z, latched_by_interrupt: false }),
+        (
+            Bus::X(x),
+            DrdyPin {
+                pin: drdy_x,
+                latched_by_interrupt: true,
+            },
+        ),
+        (
+            Bus::Y(y),
+            DrdyPin {
+                pin: drdy_y,
+                latched_by_interrupt: false,
+            },
+        ),
+        (
+            Bus::Z(z),
+            DrdyPin {
+                pin: drdy_z,
+                latched_by_interrupt: false,
+            },
+        ),
     ]
     .map(|(bus, drdy)| Ads1281::new(bus, drdy, Delay { timer_hz }));
     (machine, axes, sync)
@@ -149,7 +189,11 @@ fn serial_number() -> [u32; 3] {
     lot[0] = uid.waf_num();
     lot[1..=len].copy_from_slice(&name[..len]);
     let [a, b, c, d, e, f, g, h] = lot;
-    [place, u32::from_le_bytes([a, b, c, d]), u32::from_le_bytes([e, f, g, h])]
+    [
+        place,
+        u32::from_le_bytes([a, b, c, d]),
+        u32::from_le_bytes([e, f, g, h]),
+    ]
 }
 
 /// X has a new conversion.

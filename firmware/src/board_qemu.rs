@@ -55,7 +55,10 @@ pub struct Record {
 
 impl Record {
     fn new(axis: usize) -> Self {
-        Self { axis, channel: published(axis, SEED) }
+        Self {
+            axis,
+            channel: published(axis, SEED),
+        }
     }
 }
 
@@ -107,12 +110,15 @@ pub fn start() -> (Machine<Emulated>, [Axis; 3], SyncPin<'static, Record>) {
 
     let machine = Machine {
         board: describe("qemu", [0; 3], TIMER_HZ, restart::reason(false)),
-        sensors: Emulated { bench, allowed_ps: 0, stamped_ps: None },
+        sensors: Emulated {
+            bench,
+            allowed_ps: 0,
+            stamped_ps: None,
+        },
         link,
         watchdog,
     };
-    let axes = [0, 1, 2]
-        .map(|axis| Ads1281::new(bench.spi(axis), bench.drdy(axis), bench.delay()));
+    let axes = [0, 1, 2].map(|axis| Ads1281::new(bench.spi(axis), bench.drdy(axis), bench.delay()));
     (machine, axes, bench.sync())
 }
 
@@ -129,7 +135,9 @@ fn bench() -> &'static Bench<Record> {
 
 fn start_pacemaker(timer: TIM3, divider: u32) {
     timer.psc().write(|w| w.psc().set((divider - 1) as u16));
-    timer.arr().write(|w| w.arr().set((TIMER_HZ / PACE_HZ - 1) as u16));
+    timer
+        .arr()
+        .write(|w| w.arr().set((TIMER_HZ / PACE_HZ - 1) as u16));
     timer.egr().write(|w| w.ug().set_bit());
     timer.dier().write(|w| w.uie().set_bit());
     timer.cr1().write(|w| w.cen().set_bit());

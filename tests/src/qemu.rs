@@ -16,7 +16,10 @@ const SHIFT: u32 = 2;
 
 /// QEMU drops what the board says until it notices, by a look once a second, that somebody
 /// listens; and the machine may be busy with other tests.
-pub const PATIENCE: Patience = Patience { wait: Duration::from_secs(3), tries: 20 };
+pub const PATIENCE: Patience = Patience {
+    wait: Duration::from_secs(3),
+    tries: 20,
+};
 
 /// A virtual machine; killed when dropped.
 pub struct Qemu {
@@ -31,14 +34,21 @@ impl Qemu {
     /// No image, no QEMU, or a QEMU that does not say where its serial port is.
     pub fn start() -> io::Result<Self> {
         let image = std::env::var_os(IMAGE_VARIABLE).ok_or_else(|| {
-            io::Error::other(format!("{IMAGE_VARIABLE} is not set; run: cargo xtask test"))
+            io::Error::other(format!(
+                "{IMAGE_VARIABLE} is not set; run: cargo xtask test"
+            ))
         })?;
-        let mut qemu = Self { child: launch(&image)?, port: String::new() };
+        let mut qemu = Self {
+            child: launch(&image)?,
+            port: String::new(),
+        };
         let output = qemu.child.stdout.take().ok_or(io::ErrorKind::BrokenPipe)?;
         let mut said = String::new();
         // "char device redirected to /dev/pts/3 (label serial0)"
         BufReader::new(output).read_line(&mut said)?;
-        let port = said.split_whitespace().find(|word| word.starts_with("/dev/"));
+        let port = said
+            .split_whitespace()
+            .find(|word| word.starts_with("/dev/"));
         qemu.port = port
             .ok_or_else(|| io::Error::other(format!("QEMU names no port, but says {said:?}")))?
             .to_owned();
@@ -47,7 +57,10 @@ impl Qemu {
 
     /// The way to its serial port.
     pub fn connect(&self) -> SerialConnect {
-        SerialConnect { path: self.port.clone(), baud: 921_600 }
+        SerialConnect {
+            path: self.port.clone(),
+            baud: 921_600,
+        }
     }
 }
 
@@ -61,7 +74,15 @@ impl Drop for Qemu {
 
 fn launch(image: &OsString) -> io::Result<Child> {
     Command::new("qemu-system-arm")
-        .args(["-M", "netduinoplus2", "-nographic", "-monitor", "none", "-serial", "pty"])
+        .args([
+            "-M",
+            "netduinoplus2",
+            "-nographic",
+            "-monitor",
+            "none",
+            "-serial",
+            "pty",
+        ])
         .args(["-icount", &format!("shift={SHIFT},sleep=off"), "-kernel"])
         .arg(image)
         .stdin(Stdio::null())

@@ -37,17 +37,25 @@ impl Expected {
     fn new(config0: u8) -> Self {
         let mut registers = Registers::default();
         registers.set(0x01, config0);
-        Self { registers, axes: [0, 1, 2].map(|axis| Conversion::new(published(axis, SEED))) }
+        Self {
+            registers,
+            axes: [0, 1, 2].map(|axis| Conversion::new(published(axis, SEED))),
+        }
     }
 
     fn compare(&mut self, block: &Block) {
         for (axis, column) in block.columns.iter().enumerate() {
             assert_eq!(column.invalid, [], "axis {axis}: no word is flagged");
-            let Values::Codes(codes) = &column.values else { panic!("codes stay codes") };
+            let Values::Codes(codes) = &column.values else {
+                panic!("codes stay codes")
+            };
             for (i, &code) in codes.iter().enumerate() {
                 let word = self.axes[axis].next_word(&self.registers);
                 let index = block.first + i as u64;
-                assert_eq!(code as u32, word, "axis {axis}, word {index}, seed {SEED:#x}");
+                assert_eq!(
+                    code as u32, word,
+                    "axis {axis}, word {index}, seed {SEED:#x}"
+                );
             }
         }
     }
@@ -57,7 +65,10 @@ impl Expected {
 fn stream(rate: Rate, config0: u8) {
     let qemu = Qemu::start().expect("QEMU runs the image");
     let plan = Plan {
-        settings: Some(Settings { rate, filter: Filter::default() }),
+        settings: Some(Settings {
+            rate,
+            filter: Filter::default(),
+        }),
         samples: Some(DURATION_S * u64::from(rate.hz())),
         patience: PATIENCE,
         ..Plan::default()
@@ -83,7 +94,11 @@ fn stream(rate: Rate, config0: u8) {
     assert!(Some(received) >= wanted, "{received} of {wanted:?} samples");
     assert_eq!(source.losses(), Losses::default());
     assert_eq!(source.damaged(), (0, 0), "frames damaged, and their bytes");
-    let health = source.status().health.as_ref().expect("a health record each second");
+    let health = source
+        .status()
+        .health
+        .as_ref()
+        .expect("a health record each second");
     assert_sound(health);
     println!(
         "{received} conversions of three axes at {}/s equal bit for bit: {:.0} s of board time in \
@@ -99,13 +114,22 @@ fn stream(rate: Rate, config0: u8) {
 fn assert_sound(health: &Health) {
     for axis in health.axes {
         // Each start resets the converters on purpose.
-        assert_eq!(axis, AxisCounters { resets: axis.resets, ..AxisCounters::default() });
+        assert_eq!(
+            axis,
+            AxisCounters {
+                resets: axis.resets,
+                ..AxisCounters::default()
+            }
+        );
     }
     assert_eq!(health.lost_conversions, 0);
     assert_eq!(health.link.frames_dropped, 0);
     assert_eq!(health.link.bytes_lost, 0);
     assert!(health.stack_used > 0, "the stack is measured");
-    assert!(health.stack_used < health.stack_size / 2, "half the stack is in reserve: {health:?}");
+    assert!(
+        health.stack_used < health.stack_size / 2,
+        "half the stack is in reserve: {health:?}"
+    );
 }
 
 #[test]
@@ -129,7 +153,11 @@ struct Talk {
 
 impl Talk {
     fn ask(&mut self, request: Request) -> Result<Answer, Refusal> {
-        let Self { client, decoder, samples } = self;
+        let Self {
+            client,
+            decoder,
+            samples,
+        } = self;
         let answer = client.request(request, |mut bytes, id| {
             let mut found: Option<Reply> = None;
             while let Some(message) = decoder.next::<ToHost>(&mut bytes) {
@@ -162,27 +190,54 @@ fn commands_are_answered_refused_and_survive_a_restart() {
     let qemu = Qemu::start().expect("QEMU runs the image");
     let port = qemu.connect().open().expect("its port opens");
     let client = Client::new(port, "QEMU".to_owned(), PATIENCE);
-    let mut board = Talk { client, decoder: Decoder::new(), samples: 0 };
+    let mut board = Talk {
+        client,
+        decoder: Decoder::new(),
+        samples: 0,
+    };
 
     let identity = board.identify();
     assert_eq!(identity.platform, "qemu");
     assert_eq!(identity.restart, Restart::Power);
-    assert!(identity.converters.iter().all(Option::is_some), "{identity:?}");
+    assert!(
+        identity.converters.iter().all(Option::is_some),
+        "{identity:?}"
+    );
 
-    let sinc = Settings { rate: Rate::Sps4000, filter: Filter::Sinc };
+    let sinc = Settings {
+        rate: Rate::Sps4000,
+        filter: Filter::Sinc,
+    };
     let refused = board.ask(Request::Configure(sinc));
-    assert!(matches!(refused, Err(Refusal::LinkTooSlow { .. })), "{refused:?}");
-    assert_eq!(board.identify().settings, Settings::default(), "a refused mode changes nothing");
+    assert!(
+        matches!(refused, Err(Refusal::LinkTooSlow { .. })),
+        "{refused:?}"
+    );
+    assert_eq!(
+        board.identify().settings,
+        Settings::default(),
+        "a refused mode changes nothing"
+    );
 
     // Stop and start, three times: it streams after each start and is silent after each stop.
     for round in 1..=3 {
-        assert_eq!(board.ask(Request::Start), Ok(Answer::Settings(Settings::default())));
-        assert_eq!(board.ask(Request::Start), Err(Refusal::Streaming), "round {round}");
+        assert_eq!(
+            board.ask(Request::Start),
+            Ok(Answer::Settings(Settings::default()))
+        );
+        assert_eq!(
+            board.ask(Request::Start),
+            Err(Refusal::Streaming),
+            "round {round}"
+        );
         let before = board.samples;
         for _ in 0..100 {
             board.identify();
         }
-        assert!(board.samples > before, "round {round}: samples come while it streams");
+        assert!(
+            board.samples > before,
+            "round {round}: samples come while it streams"
+        );
         assert_eq!(board.ask(Request::Stop), Ok(Answer::Done));
         let after = board.samples;
         for _ in 0..20 {
@@ -193,7 +248,14 @@ fn commands_are_answered_refused_and_survive_a_restart() {
 
     assert_eq!(board.ask(Request::Reset), Ok(Answer::Done));
     let identity = board.identify();
-    assert_eq!(identity.restart, Restart::Command, "the reason survives the restart");
-    assert_eq!(board.ask(Request::Start), Ok(Answer::Settings(Settings::default())));
+    assert_eq!(
+        identity.restart,
+        Restart::Command,
+        "the reason survives the restart"
+    );
+    assert_eq!(
+        board.ask(Request::Start),
+        Ok(Answer::Settings(Settings::default()))
+    );
     assert_eq!(board.ask(Request::Stop), Ok(Answer::Done));
 }

@@ -25,6 +25,10 @@ pub fn start(rcc: RCC) -> (Rcc, bool) {
         Config::hsi()
     };
     // APB1 at 42 MHz and APB2 at 84 MHz divide to the same SCLK; their timers run at 84 MHz.
-    let config = source.sysclk(168.MHz()).hclk(168.MHz()).pclk1(42.MHz()).pclk2(84.MHz());
+    let config = source
+        .sysclk(168.MHz())
+        .hclk(168.MHz())
+        .pclk1(42.MHz())
+        .pclk2(84.MHz());
     (rcc.freeze(config), !started)
 }

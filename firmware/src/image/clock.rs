@@ -32,7 +32,10 @@ pub fn start(timer: TIM2, divider: u32, syst: &mut SYST, core_hz: u32, rcc: &mut
     timer.egr().write(|w| w.ug().set_bit());
     timer.cr1().write(|w| w.cen().set_bit());
     critical_section::with(|cs| {
-        CLOCK.borrow_ref_mut(cs).replace(Clock { timer, ticks: Ticks::new() });
+        CLOCK.borrow_ref_mut(cs).replace(Clock {
+            timer,
+            ticks: Ticks::new(),
+        });
     });
 
     syst.set_clock_source(SystClkSource::Core);

@@ -48,14 +48,21 @@ pub fn start(usart: USART1) -> Option<Link> {
     let (incoming_in, incoming_out) = incoming.split();
 
     usart.cr1().modify(|_, w| w.rxneie().set_bit());
-    INTERRUPT_SIDE.give(InterruptSide { usart, outgoing: outgoing_out, incoming: incoming_in });
+    INTERRUPT_SIDE.give(InterruptSide {
+        usart,
+        outgoing: outgoing_out,
+        incoming: incoming_in,
+    });
     // SAFETY: the handler is defined below, what it needs is in place, and no critical section
     // is built on the interrupt's mask.
     #[allow(unsafe_code)]
     unsafe {
         NVIC::unmask(Interrupt::USART1);
     }
-    Some(Link { outgoing: outgoing_in, incoming: incoming_out })
+    Some(Link {
+        outgoing: outgoing_in,
+        incoming: incoming_out,
+    })
 }
 
 impl Link {
@@ -108,7 +115,9 @@ impl InterruptSide {
 
     fn transmit(&mut self) {
         while self.usart.sr().read().txe().bit() {
-            let Some(byte) = self.outgoing.dequeue() else { break };
+            let Some(byte) = self.outgoing.dequeue() else {
+                break;
+            };
             IDLE.store(false, Ordering::Release);
             self.usart.dr().write(|w| w.dr().set(byte.into()));
         }
@@ -118,7 +127,9 @@ impl InterruptSide {
             IDLE.store(true, Ordering::Release);
         }
         // More to send: when the data register is free. All given out: when the last bit left.
-        self.usart.cr1().modify(|_, w| w.txeie().bit(!empty).tcie().bit(empty && !sent));
+        self.usart
+            .cr1()
+            .modify(|_, w| w.txeie().bit(!empty).tcie().bit(empty && !sent));
     }
 }
 

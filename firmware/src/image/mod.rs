@@ -20,11 +20,11 @@ pub mod stamps;
 
 use inm_firmware::Board;
 use inm_protocol::{Restart, SensorRange};
+use stm32f4xx_hal::gpio::PushPull;
 use stm32f4xx_hal::pac::{IWDG, USART1};
 use stm32f4xx_hal::prelude::_fugit_ExtU32 as _;
 use stm32f4xx_hal::rcc::Rcc;
 use stm32f4xx_hal::serial::{CommonPins, Serial, config};
-use stm32f4xx_hal::gpio::PushPull;
 use stm32f4xx_hal::time::Bps;
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
@@ -78,7 +78,9 @@ pub fn start_link(
     let config = config::Config::default().baudrate(Bps(BAUD));
     let serial = Serial::<_, u8>::new(usart, (tx, rx), config, rcc);
     // Fails only if the bus clock is below eight times the speed, and it is not.
-    let Ok(serial) = serial else { panic!("link speed") };
+    let Ok(serial) = serial else {
+        panic!("link speed")
+    };
     once(link::start(serial.release().0))
 }
 

@@ -26,15 +26,29 @@ const COMMAND: u32 = 1;
 const PANIC: u32 = 2;
 
 impl Note {
-    const EMPTY: Self = Self { kind: 0, line: 0, file: [0; FILE_LEN], file_len: 0, check: 0 };
+    const EMPTY: Self = Self {
+        kind: 0,
+        line: 0,
+        file: [0; FILE_LEN],
+        file_len: 0,
+        check: 0,
+    };
 
     fn command() -> Self {
-        Self { kind: COMMAND, ..Self::EMPTY }.checked()
+        Self {
+            kind: COMMAND,
+            ..Self::EMPTY
+        }
+        .checked()
     }
 
     /// Keeps the end of `file`, the part that tells.
     fn panic(line: u32, file: &[u8]) -> Self {
-        let mut note = Self { kind: PANIC, line, ..Self::EMPTY };
+        let mut note = Self {
+            kind: PANIC,
+            line,
+            ..Self::EMPTY
+        };
         let end = &file[file.len().saturating_sub(FILE_LEN)..];
         note.file[..end.len()].copy_from_slice(end);
         note.file_len = end.len() as u32;
@@ -49,8 +63,13 @@ impl Note {
     /// FNV-1a over the words and the name, from an offset that all-zero RAM does not meet.
     fn sum(&self) -> u32 {
         let words = [self.kind, self.line, self.file_len];
-        let bytes = words.iter().flat_map(|word| word.to_le_bytes()).chain(self.file);
-        bytes.fold(0x811c_9dc5, |sum, byte| (sum ^ u32::from(byte)).wrapping_mul(0x0100_0193))
+        let bytes = words
+            .iter()
+            .flat_map(|word| word.to_le_bytes())
+            .chain(self.file);
+        bytes.fold(0x811c_9dc5, |sum, byte| {
+            (sum ^ u32::from(byte)).wrapping_mul(0x0100_0193)
+        })
     }
 
     fn restart(&self) -> Option<Restart> {
@@ -63,7 +82,10 @@ impl Note {
                 let name = self.file.get(..self.file_len as usize).unwrap_or_default();
                 // Cannot fail: the note's name and the message's are of one size.
                 let file = Vec::from_slice(name).unwrap_or_default();
-                Some(Restart::Panic { line: self.line, file })
+                Some(Restart::Panic {
+                    line: self.line,
+                    file,
+                })
             }
             _ => None,
         }
@@ -99,7 +121,11 @@ mod place {
 pub fn reason(watchdog: bool) -> Restart {
     let note = place::read();
     place::write(Note::EMPTY);
-    if watchdog { Restart::Watchdog } else { note.restart().unwrap_or(Restart::Power) }
+    if watchdog {
+        Restart::Watchdog
+    } else {
+        note.restart().unwrap_or(Restart::Power)
+    }
 }
 
 /// Restarts on the host's command.
@@ -116,7 +142,9 @@ fn leave(note: Note) -> ! {
 
 #[panic_handler]
 fn panic(info: &PanicInfo<'_>) -> ! {
-    let (line, file) = info.location().map_or((0, ""), |place| (place.line(), place.file()));
+    let (line, file) = info
+        .location()
+        .map_or((0, ""), |place| (place.line(), place.file()));
     defmt::error!("panic at {=str}:{=u32}", file, line);
     leave(Note::panic(line, file.as_bytes()))
 }
