@@ -57,6 +57,8 @@ pub struct Converter<S> {
     requested: bool,
     standby: bool,
     calibration: Option<Calibration>,
+    /// The conversion under way is a calibration's and shows no fall.
+    silent: bool,
     /// Last SYNC that restarted the conversions, for the continuous-sync rule.
     synced_ps: Option<u64>,
     schedule: Schedule,
@@ -90,6 +92,7 @@ impl<S: Signal> Converter<S> {
             requested: false,
             standby: false,
             calibration: None,
+            silent: false,
             synced_ps: None,
             schedule: Schedule::default(),
             drdy_dead: false,
@@ -228,11 +231,14 @@ impl<S: Signal> Converter<S> {
                 return;
             }
         }
-        if !self.timeline.settled(at_ps) {
-            self.word = 0;
-        } else if self.calibration.is_some() {
+        let settled = self.timeline.settled(at_ps);
+        self.silent = settled && self.calibration.is_some();
+        if self.silent {
             self.calibrate();
             return;
+        }
+        if !settled {
+            self.word = 0;
         } else {
             self.word = self.conversion.next_word(&self.registers);
             self.ledger.push(self.word);
@@ -252,7 +258,7 @@ impl<S: Signal> Converter<S> {
 
     /// Shows the word on DRDY.
     fn fall(&mut self, at_ps: u64) {
-        if self.drdy_dead || self.calibration.is_some() {
+        if self.drdy_dead || self.silent {
             return;
         }
         self.timeline.fall(at_ps);

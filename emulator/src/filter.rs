@@ -3,8 +3,8 @@
 //! The input comes at 32 times the data rate, where the part's sinc stage hands over to the FIR
 //! stages. The sinc5 of an input that is given at just this rate, as impulses, is the quintic average
 //! sampled there: the B-spline of order five, 1, 76, 230, 76, 1 over 384. It is the limit of the sinc5
-//! of decimation N for large N. At N = 8, the smallest, the two differ by 4e-5 dB at the data rate's
-//! Nyquist frequency: a hundredth of the pass-band ripple, and less at every lower rate.
+//! of decimation N for large N. At N = 8, the smallest, the two differ by 3e-4 dB at the data rate's
+//! Nyquist frequency, a tenth of the pass-band ripple, and by a quarter of it for each rate below.
 
 use crate::{
     Phase,
