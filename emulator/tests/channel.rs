@@ -1,7 +1,7 @@
 //! The channel's noise against theory: each term alone, raw and through the converter.
 //!
-//! Tolerances are five standard deviations of the estimate, from the number of independent values in
-//! it; seeds are fixed.
+//! Tolerances are five standard deviations of the estimate, from the number of independent values
+//! in it; seeds are fixed.
 
 use inm_emulator::{
     Conversion, Phase, Registers, Signal,
@@ -295,7 +295,8 @@ fn seeds_and_axes_are_independent() {
 
 #[test]
 fn the_output_stops_at_the_sensors_rails() {
-    // 6 g on a 4 g range: flat at 0.1 V below the supply, 1.3 V above AINN, well inside the converter.
+    // 6 g on a 4 g range: flat at 0.1 V below the supply, 1.3 V above AINN, well inside the
+    // converter.
     let sensor = Sensor {
         gravity_m_s2: 58.8,
         ..Sensor::XY

@@ -147,8 +147,8 @@ fn a_sine_passes_with_the_gain_of_the_response() {
         for frequency_mhz in [10_000, 100_000, 375_000, 413_000, 450_000, 600_000] {
             let amplitude = 500_000_000;
             let mut conversion = Conversion::new(Sine::new(100_000, amplitude, frequency_mhz));
-            // One second: a whole number of periods of every frequency, and no alias among them but
-            // its own.
+            // One second: a whole number of periods of every frequency, and no alias among them
+            // but its own.
             let f = f64::from(frequency_mhz) / 1e6;
             let (mut re, mut im) = (0.0, 0.0);
             for n in 0..1000 {
@@ -243,7 +243,8 @@ fn the_bus_carries_what_a_bare_conversion_makes() {
 }
 
 proptest! {
-    /// Any input, any calibration, any signal: no overflow (tests run with checks), the right clip.
+    /// Any input, any calibration, any signal: no overflow (tests run with checks), the right
+    /// clip.
     #[test]
     fn no_input_upsets_the_arithmetic(
         inputs in proptest::collection::vec(any::<i32>(), 1..200),
