@@ -109,6 +109,12 @@ impl<S: Signal> Bench<S> {
         None
     }
 
+    /// Time of the latest falling edge on the DRDY pin of `axis`, picoseconds; `None` if there was none
+    /// since its conversions started afresh.
+    pub fn last_edge_ps(&self, axis: usize) -> Option<u64> {
+        self.converter(axis).timeline().fell_ps()
+    }
+
     /// Lets a fault happen now.
     pub fn inject(&self, axis: usize, fault: Fault) {
         self.converter(axis).suffer(self.now_ps(), fault);
