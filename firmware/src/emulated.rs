@@ -234,6 +234,7 @@ pub struct VirtualLink<const N: usize> {
     /// Most bytes that ever waited.
     most_waiting: usize,
     restarts: u32,
+    self_test: bool,
 }
 
 impl<const N: usize> VirtualLink<N> {
@@ -247,6 +248,7 @@ impl<const N: usize> VirtualLink<N> {
             lost: 0,
             most_waiting: 0,
             restarts: 0,
+            self_test: false,
         }
     }
 
@@ -286,6 +288,11 @@ impl<const N: usize> VirtualLink<N> {
         self.most_waiting
     }
 
+    /// Whether the board drives the accelerometers' self-test pin.
+    pub fn self_test_is_on(&self) -> bool {
+        self.self_test
+    }
+
     /// How often the board has asked to be restarted.
     pub fn restarts(&self) -> u32 {
         self.restarts
@@ -313,6 +320,10 @@ impl<const N: usize> Environment for VirtualLink<N> {
 
     fn transmit_idle(&self) -> bool {
         self.to_host.is_empty()
+    }
+
+    fn self_test(&mut self, on: bool) {
+        self.self_test = on;
     }
 
     fn restart(&mut self) {
