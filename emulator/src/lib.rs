@@ -41,6 +41,7 @@
 #![forbid(unsafe_code)]
 
 mod bench;
+pub mod channel;
 mod command;
 mod conversion;
 mod converter;
@@ -48,11 +49,16 @@ mod drdy;
 mod fault;
 pub mod filter;
 mod fir;
+mod flicker;
 mod high_pass;
+pub mod link;
 mod modulator;
 mod pins;
+mod random;
 mod registers;
+pub mod response;
 mod rule;
+pub mod sensor;
 mod sent;
 mod serial;
 mod signal;
