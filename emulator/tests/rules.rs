@@ -105,7 +105,7 @@ fn din_is_decoded_while_data_are_read() {
 fn registers_that_must_not_be_written() {
     let write = |address: u8, value: u8| {
         broken(&lenient(), |b| {
-            send(b, 0, &[SDATAC, 0x40 + address, 0x00, value])
+            send(b, 0, &[SDATAC, 0x40 + address, 0x00, value]);
         })
     };
     assert_eq!(write(0x00, 0x10), Some(Rule::ReadOnlyRegister));

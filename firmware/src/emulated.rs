@@ -3,11 +3,11 @@
 //! ```text
 //!   Instrument --> VirtualBoard --> Bench (converters, time)
 //!                       |
-//!                       +--> Environment: VirtualLink on the host, the UART's queues under QEMU
+//!                       +--> Environment: VirtualLink, or the host's own
 //! ```
 //!
-//! The QEMU image and the host's virtual board both stand on this file; the code above it is
-//! that of the real board.
+//! The host's virtual board and the tests stand on this file; the code above it is that of the
+//! real board.
 
 use heapless::Deque;
 use inm_emulator::link::Link;

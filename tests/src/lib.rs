@@ -6,4 +6,5 @@
 #![forbid(unsafe_code)]
 
 pub mod port;
+pub mod qemu;
 pub mod record;

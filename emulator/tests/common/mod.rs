@@ -11,8 +11,8 @@ pub const SYNC: u8 = 0x04;
 pub const RESET: u8 = 0x06;
 
 /// Three copies of a signal, powered up for 17 ms.
-pub fn bench<S: Signal + Clone>(signal: S) -> Bench<S> {
-    bench_of([0, 1, 2].map(|_| Converter::new(signal.clone())))
+pub fn bench<S: Signal + Copy>(signal: S) -> Bench<S> {
+    bench_of([0, 1, 2].map(|_| Converter::new(signal)))
 }
 
 /// These converters, powered up for 17 ms.

@@ -8,7 +8,7 @@ use clap::Args;
 use super::interrupt;
 use super::results::ResultOptions;
 use crate::analyse::{AnalysisOptions, summarise};
-use crate::bins::record::Record;
+use crate::bins::record::{Overlap, Record};
 use crate::live::{Screen, watch};
 use crate::source::Source;
 use crate::source::board::{BoardSource, Plan};
@@ -54,7 +54,7 @@ impl DemoCommand {
         let connect = Box::new(VirtualConnect::published(self.seed, 0.0));
         let mut source = BoardSource::start(connect, plan, Some(&capture), stop)?;
         let signal = source.signal().clone();
-        let mut record = Record::new(signal.axes.len());
+        let mut record = Record::new(signal.axes.len(), Overlap::Strided);
         watch(&mut source, Some(&mut record), &mut Screen::stderr())?;
 
         let results = ResultOptions {
