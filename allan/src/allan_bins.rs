@@ -43,7 +43,9 @@ impl<const LEVELS: usize> AllanBins<LEVELS> {
     /// indices, so that bins started apart agree on where they lie.
     #[must_use]
     pub const fn starting_at(first: u64) -> Self {
-        const { assert!(LEVELS <= 25, "a difference must fit 63 bits") };
+        const {
+            assert!(LEVELS <= 25, "a difference must fit 63 bits");
+        };
         Self {
             engine: Engine::new(first),
         }
@@ -53,6 +55,13 @@ impl<const LEVELS: usize> AllanBins<LEVELS> {
     #[inline]
     pub fn push(&mut self, code: i32) {
         self.engine.push(i64::from(code));
+    }
+
+    /// Accepts a run of codes; the result is the same bits as pushing them one by one.
+    pub fn push_slice(&mut self, codes: &[i32]) {
+        for &code in codes {
+            self.push(code);
+        }
     }
 
     /// Passes over `missing` conversions that were lost or flagged: a gap. Zero is no gap.

@@ -1,6 +1,8 @@
 //! The host's estimator: Allan, modified Allan and Hadamard variance from one pass.
 
 use crate::engine::Engine;
+use crate::head::Head;
+use crate::knot::Running;
 use crate::sums::FamilySums;
 use crate::{Estimate, Statistic};
 
@@ -26,7 +28,8 @@ pub type HostBins = Bins<33>;
 /// ```
 #[derive(Debug, Clone)]
 pub struct Bins<const LEVELS: usize> {
-    engine: Engine<FamilySums, LEVELS>,
+    pub(crate) engine: Engine<FamilySums, LEVELS>,
+    pub(crate) head: Head<LEVELS>,
 }
 
 impl<const LEVELS: usize> Bins<LEVELS> {
@@ -39,9 +42,12 @@ impl<const LEVELS: usize> Bins<LEVELS> {
     /// Empty, the first sample having absolute index `first`.
     #[must_use]
     pub const fn starting_at(first: u64) -> Self {
-        const { assert!(LEVELS <= 33, "an inner sum must fit 111 bits") };
+        const {
+            assert!(LEVELS <= 33, "an inner sum must fit 111 bits");
+        };
         Self {
             engine: Engine::new(first),
+            head: Head::new(first),
         }
     }
 
@@ -53,8 +59,13 @@ impl<const LEVELS: usize> Bins<LEVELS> {
 
     /// Accepts one code below the bound that the type's levels allow.
     #[inline]
-    fn push_wide(&mut self, code: i64) {
-        self.engine.push(code);
+    pub(crate) fn push_wide(&mut self, code: i64) {
+        let taken_over = self.engine.push(code);
+        self.head
+            .file_ground(self.engine.next, self.engine.running.knot());
+        if let Some((level, index, knot)) = taken_over {
+            self.head.file(level, index, knot);
+        }
     }
 
     /// Accepts a run of codes; the result is the same bits as pushing them one by one.
@@ -66,7 +77,10 @@ impl<const LEVELS: usize> Bins<LEVELS> {
 
     /// Passes over `missing` samples that were lost or flagged: a gap. Zero is no gap.
     pub fn skip(&mut self, missing: u64) {
-        self.engine.skip(missing);
+        if missing > 0 {
+            self.head.close(self.engine.next, &self.engine.history);
+            self.engine.skip(missing);
+        }
     }
 
     /// Absolute index of the first sample that these bins speak for.
@@ -90,6 +104,13 @@ impl<const LEVELS: usize> Bins<LEVELS> {
     /// One statistic at every averaging time that has a difference, shortest first.
     pub fn points(&self, statistic: Statistic) -> impl Iterator<Item = Estimate> + '_ {
         self.engine.points(statistic)
+    }
+}
+
+/// Equal when they were fed the same samples with the same gaps, in whatever pieces.
+impl<const LEVELS: usize> PartialEq for Bins<LEVELS> {
+    fn eq(&self, other: &Self) -> bool {
+        self.engine == other.engine && self.head == other.head
     }
 }
 

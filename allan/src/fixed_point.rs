@@ -12,8 +12,8 @@
 
 /// Magnitude limit of a code: |code| < 2^46.
 ///
-/// With averaging times of at most 2^32 samples this keeps a second difference below 2^79 and
-/// the inner sum of a modified difference below 2^111, the widths that the streaming state holds.
+/// At averaging times below 2^31 samples this keeps a third difference below 2^79 and the inner sum
+/// of a modified one below 2^111, the widths that the streaming state holds.
 pub const CODE_LIMIT: i64 = 1 << 46;
 
 /// An affine map from `f64` samples to integer codes: `sample = offset + resolution * code`.

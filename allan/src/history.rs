@@ -15,7 +15,7 @@ const GROUND: usize = 128;
 /// Knots in the ring of a level.
 const RING: usize = 64;
 /// Age in strides at which a level takes a knot over from below.
-const HANDOVER: u64 = 60;
+pub(crate) const HANDOVER: u64 = 60;
 /// Age in strides up to which a ring is certain to hold a knot, wherever between two of the
 /// level's turns the present lies: 123 at its last turn, which is half to one and a half strides
 /// after the index of that turn.
@@ -36,8 +36,18 @@ pub(crate) fn newest(level: u32, next: u64) -> (u64, bool) {
     (index, next - index < 1 << (level - 1))
 }
 
+/// The multiple of its stride that `level` took over last, at its last turn before or at sample
+/// count `next`; `None` before the first.
+pub(crate) fn last_taken_over(level: u32, next: u64) -> Option<u64> {
+    let (index, pending) = newest(level, next);
+    (index >> level).checked_sub(u64::from(pending) + HANDOVER)
+}
+
 /// Knots of the current run of samples, by index.
-#[derive(Debug, Clone)]
+///
+/// Slots that the current run has not filled yet hold what earlier runs left there;
+/// [`History::tidied`] is rid of that.
+#[derive(Debug, Clone, PartialEq)]
 pub(crate) struct History<K, const LEVELS: usize> {
     ground: [K; GROUND],
     rings: [[K; RING]; LEVELS],
@@ -95,5 +105,41 @@ impl<K: Knot, const LEVELS: usize> History<K, LEVELS> {
         let knot = self.get(next, old);
         self.rings[level as usize - 1][(old >> level) as usize % RING] = knot;
         Some((old, knot))
+    }
+
+    /// The knot at `index`, a multiple of the stride of `level` no older than its ring holds; level
+    /// 0 is the ground.
+    pub(crate) fn get_for(&self, level: u32, next: u64, index: u64) -> K {
+        let multiple = index >> level;
+        if level > 0 && last_taken_over(level, next).is_some_and(|last| multiple <= last) {
+            self.rings[level as usize - 1][multiple as usize % RING]
+        } else {
+            self.get(next, index)
+        }
+    }
+
+    /// A history at sample count `next` with `knot(level, index)` in every slot that belongs to the
+    /// run from `start`, and nothing in the others.
+    pub(crate) fn collected(next: u64, start: u64, knot: impl Fn(u32, u64) -> K) -> Self {
+        let mut tidy = Self::EMPTY;
+        for index in start.max(next.saturating_sub(GROUND as u64 - 1))..=next {
+            tidy.put(index, knot(0, index));
+        }
+        for (level, ring) in (1..).zip(&mut tidy.rings) {
+            let Some(last) = last_taken_over(level, next) else {
+                break;
+            };
+            for multiple in last.saturating_sub(RING as u64 - 1)..=last {
+                if multiple << level >= start {
+                    ring[multiple as usize % RING] = knot(level, multiple << level);
+                }
+            }
+        }
+        tidy
+    }
+
+    /// This history without the leftovers of earlier runs: a function of the samples alone.
+    pub(crate) fn tidied(&self, next: u64, start: u64) -> Self {
+        Self::collected(next, start, |level, index| self.get_for(level, next, index))
     }
 }

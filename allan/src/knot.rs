@@ -120,6 +120,21 @@ impl PairKnot {
     }
 }
 
+impl PairKnot {
+    /// This knot of a record that began at zero `distance` samples ago, as a knot of the record
+    /// that had reached `base` there.
+    pub(crate) fn continuing(self, base: PairSums, distance: u64) -> Self {
+        base.continued(
+            PairSums {
+                sum: self.sum(),
+                double: self.double(),
+            },
+            distance,
+        )
+        .knot()
+    }
+}
+
 impl Knot for PairKnot {
     type Running = PairSums;
     const ORIGIN: Self = Self {

@@ -8,6 +8,7 @@
 //!
 //! - [`AllanBins`]: streaming Allan variance, small enough for the board.
 //! - [`Bins`]: streaming Allan, modified Allan and Hadamard variance for the host.
+//! - [`FloatBins`]: the same over floating-point samples, by way of a fixed grid.
 //! - [`full`]: every overlap at any averaging time, for records held in memory.
 //! - [`edf`]: equivalent degrees of freedom of an estimate for a given noise type.
 //! - [`fixed_point`]: codes for floating-point samples, with a stated resolution.
@@ -41,15 +42,20 @@ mod bins;
 pub mod edf;
 mod engine;
 pub mod fixed_point;
+mod float_bins;
 pub mod full;
 mod grid;
+mod head;
 mod history;
 mod knot;
+mod merge;
 mod statistic;
 mod sums;
 mod wide;
 
 pub use allan_bins::{AllanBins, BoardBins};
 pub use bins::{Bins, HostBins};
+pub use float_bins::{FloatBins, MergeError, OffGrid};
+pub use merge::NotAdjacent;
 
 pub use statistic::{Estimate, Statistic};

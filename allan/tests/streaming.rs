@@ -60,7 +60,7 @@ fn feed<T>(bins: &mut T, runs: &Runs, skip: impl Fn(&mut T, u64), push: impl Fn(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn equal_the_direct_evaluation(runs in runs_strategy()) {
@@ -77,4 +77,67 @@ proptest! {
         let points: Vec<_> = bins.points().collect();
         assert_equals_direct(&points, Statistic::Allan, &runs, "board");
     }
+}
+
+/// Bins over the part of a record from index `from` to `to`.
+fn part(runs: &Runs, from: u64, to: u64) -> Bins<LEVELS> {
+    let mut bins = Bins::starting_at(from);
+    for (start, codes) in runs {
+        let cut = |index: u64| (index.clamp(from, to).max(*start) - start) as usize;
+        let codes = &codes[cut(from).min(codes.len())..cut(to).min(codes.len())];
+        if !codes.is_empty() {
+            bins.skip(start.max(&from) - bins.next_index());
+            bins.push_slice(codes);
+        }
+    }
+    bins.skip(to - bins.next_index());
+    bins
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn merge_from_any_parts(runs in runs_strategy(), cuts in prop::collection::vec(0.0_f64..1.0, 0..5)) {
+        let first = runs[0].0;
+        let last = runs.last().map_or(first, |(start, codes)| start + codes.len() as u64);
+        let whole = part(&runs, first, last);
+        let mut bounds: Vec<u64> =
+            cuts.iter().map(|cut| first + (cut * (last - first) as f64) as u64).collect();
+        bounds.extend([first, last]);
+        bounds.sort_unstable();
+        let parts: Vec<_> = bounds.windows(2).map(|w| part(&runs, w[0], w[1])).collect();
+        // From the left, and from the right: associativity.
+        let mut forward = parts[0].clone();
+        for right in &parts[1..] {
+            forward.merge(right).unwrap();
+        }
+        prop_assert!(forward == whole, "from the left");
+        let mut backward = parts[parts.len() - 1].clone();
+        for left in parts[..parts.len() - 1].iter().rev() {
+            let mut merged = left.clone();
+            merged.merge(&backward).unwrap();
+            backward = merged;
+        }
+        prop_assert!(backward == whole, "from the right");
+        // And goes on identically.
+        let more = adversarial(4, 300, 1);
+        let mut whole = whole;
+        whole.push_slice(&more);
+        backward.push_slice(&more);
+        prop_assert!(backward == whole, "continued");
+        let points: Vec<_> = whole.points(Statistic::Modified).collect();
+        prop_assert_eq!(points, backward.points(Statistic::Modified).collect::<Vec<_>>());
+    }
+}
+
+#[test]
+fn states_that_do_not_meet_refuse() {
+    let mut left = Bins::<LEVELS>::new();
+    left.push(1);
+    let right = Bins::<LEVELS>::starting_at(2);
+    let error = left.merge(&right).unwrap_err();
+    assert_eq!((error.left_next, error.right_first), (1, 2));
+    left.skip(1);
+    assert_eq!(left.merge(&right), Ok(()));
 }

@@ -22,7 +22,7 @@ fn main() -> Result<(), inm_emulator::BusError> {
     let registers = Registers::default();
     let mut conversion = Conversion::new(published(0, 1));
     report("signal and filter", || {
-        sum += i64::from(conversion.next_word(&registers))
+        sum += i64::from(conversion.next_word(&registers));
     });
 
     let bench = Bench::new([0, 1, 2].map(|axis| Converter::new(published(axis, 1))));

@@ -6,6 +6,7 @@ use inm_allan::Statistic;
 use serde::Serialize;
 
 use crate::bins::point::{self, Point};
+pub use crate::bins::record::Overlap;
 use crate::bins::record::{AxisRecord, Record};
 use crate::bins::taus::Taus;
 use crate::fit::{published, weighted};
@@ -23,17 +24,6 @@ pub struct AnalysisOptions {
     pub taus: Taus,
     /// Which overlap.
     pub overlap: Overlap,
-}
-
-/// Which differences enter an estimate.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Overlap {
-    /// A bounded number of them for each averaging time.
-    #[default]
-    Strided,
-    /// All; keeps the record in memory.
-    Full,
 }
 
 /// Everything that was found out about a record.
@@ -170,7 +160,7 @@ pub fn analyse(
     mut progress: impl FnMut(u64),
 ) -> Result<Analysis, SourceError> {
     let signal = source.signal().clone();
-    let mut record = Record::new(signal.axes.len());
+    let mut record = Record::new(signal.axes.len(), options.overlap);
     while let Some(chunk) = source.next_chunk()? {
         record.push(chunk);
         progress(record.account().samples);
@@ -232,9 +222,8 @@ fn analyse_axis(
         )
     };
     let allan = points(Statistic::Allan);
-    let published_factors = published::factors(samples);
     let published_points: Vec<(f64, f64)> = record
-        .estimates(Statistic::Allan, &published_factors)
+        .nearest(Statistic::Allan, &published::factors(samples))
         .iter()
         .map(|one| {
             (

@@ -5,6 +5,7 @@
 use std::fmt;
 use std::str::FromStr;
 
+use inm_emulator::response::Response;
 use inm_protocol::Phase;
 
 /// What the quantity passes on its way to the samples.
@@ -18,11 +19,24 @@ pub struct Chain {
 
 impl Chain {
     /// Power that the chain lets through at `f_hz`, for samples at `rate_hz`.
-    pub fn power(&self, f_hz: f64, _rate_hz: f64) -> f64 {
-        self.poles_hz
+    pub fn power(&self, f_hz: f64, rate_hz: f64) -> f64 {
+        let poles: f64 = self
+            .poles_hz
             .iter()
             .map(|pole| 1.0 / (1.0 + (f_hz / pole).powi(2)))
-            .product()
+            .product();
+        let Some(phase) = self.converter else {
+            return poles;
+        };
+        let phase = match phase {
+            Phase::Linear => inm_emulator::Phase::Linear,
+            Phase::Minimum => inm_emulator::Phase::Minimum,
+        };
+        // The rate itself matters to the converter's filter only beyond half of it.
+        poles
+            * Response::new(phase, rate_hz as u32)
+                .gain(f_hz / rate_hz)
+                .powi(2)
     }
 }
 

@@ -3,43 +3,14 @@
 use std::sync::{Arc, Mutex};
 
 use inm_host::capture::Reader;
-use inm_host::link::Connect;
+use inm_host::source::Source;
 use inm_host::source::board::{BoardSource, Plan, Stop};
 use inm_host::source::capture::CaptureSource;
 use inm_host::source::virtual_board::{VirtualConnect, Witness};
-use inm_host::source::{Chunk, Source, Values};
-use inm_protocol::{AXES, Filter, Phase, Rate, Settings};
+use inm_protocol::{Filter, Phase, Rate, Settings};
+use inm_tests::record::Record;
 
-/// All samples of a source; it must have no gap and no word that must not be used.
-fn codes(source: &mut dyn Source) -> Vec<[u32; AXES]> {
-    let mut all = Vec::new();
-    while let Some(chunk) = source.next_chunk().expect("the source reads to its end") {
-        match chunk {
-            Chunk::Samples(block) => {
-                assert_eq!(block.first, all.len() as u64, "the index counts samples");
-                let columns: Vec<&[i32]> = block
-                    .columns
-                    .iter()
-                    .map(|column| {
-                        assert_eq!(column.invalid, [], "no word is flagged");
-                        match &column.values {
-                            Values::Codes(codes) => codes.as_slice(),
-                            Values::Floats(_) => panic!("codes stay codes"),
-                        }
-                    })
-                    .collect();
-                for i in 0..block.len() {
-                    all.push([0, 1, 2].map(|axis| columns[axis][i] as u32));
-                }
-            }
-            Chunk::Gap(gap) => panic!("a gap: {gap:?}"),
-            Chunk::News(news) => panic!("news on a sound chain: {news}"),
-        }
-    }
-    all
-}
-
-fn record(settings: Settings, seed: u64, samples: u64) {
+fn check(settings: Settings, seed: u64, samples: u64) {
     let witness: Witness = Arc::new(Mutex::new(Vec::new()));
     let mut board = VirtualConnect::published(seed, 0.0);
     board.witness = Some(Arc::clone(&witness));
@@ -50,36 +21,39 @@ fn record(settings: Settings, seed: u64, samples: u64) {
         samples: Some(samples),
         ..Plan::default()
     };
-    let connect: Box<dyn Connect> = Box::new(board);
-    let mut live = BoardSource::start(connect, plan, Some(&path), Stop::default())
+    let mut live = BoardSource::start(Box::new(board), plan, Some(&path), Stop::default())
         .expect("the virtual board starts");
-    let received = codes(&mut live);
+    let received = Record::read(&mut live);
     assert!(
-        received.len() as u64 >= samples,
-        "{} samples",
-        received.len()
+        received.error.is_none(),
+        "seed {seed}: {:?}",
+        received.error
     );
-
-    let produced = witness.lock().expect("not poisoned");
-    let start = produced
-        .windows(4)
-        .position(|window| window == &received[..4])
-        .expect("the first samples are among the words produced");
+    assert_eq!(received.gaps, [], "seed {seed}");
+    assert_eq!(received.news, Vec::<String>::new(), "seed {seed}");
+    assert!(received.samples.len() as u64 >= samples);
     assert!(
-        produced[start..].starts_with(&received),
-        "seed {seed}: the host's codes are not the converters'"
+        received
+            .samples
+            .iter()
+            .all(|(_, _, good)| *good == [true; 3]),
+        "seed {seed}"
     );
+    received.assert_follows(&witness.lock().expect("not poisoned"));
 
     // The capture holds the same samples, and says that it was ended on purpose.
     let mut replay = CaptureSource::open(&path).expect("the capture opens");
-    assert_eq!(codes(&mut replay), received);
+    assert!(
+        Record::read(&mut replay).codes() == received.codes(),
+        "seed {seed}"
+    );
     assert!(replay.status().ended);
+    assert_eq!(replay.signal().rate_hz, f64::from(settings.rate.hz()));
     let header = Reader::open(&path)
         .expect("the header reads")
         .header()
         .clone();
     assert_eq!(header.settings, settings);
-    assert_eq!(header.rate_hz, f64::from(settings.rate.hz()));
 }
 
 #[test]
@@ -89,7 +63,7 @@ fn every_code_arrives_at_every_rate() {
             rate,
             ..Settings::default()
         };
-        record(settings, u64::from(rate.hz()), 3 * u64::from(rate.hz()));
+        check(settings, u64::from(rate.hz()), 3 * u64::from(rate.hz()));
     }
 }
 
@@ -99,7 +73,7 @@ fn every_code_arrives_with_minimum_phase_and_high_pass() {
         phase: Phase::Minimum,
         high_pass: Some(0x0337),
     };
-    record(
+    check(
         Settings {
             rate: Rate::Sps2000,
             filter,

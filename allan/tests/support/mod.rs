@@ -36,7 +36,7 @@ pub fn direct(statistic: Statistic, runs: &Runs, m: u64, stride: u64) -> (u128, 
         }
         let at = |sums: &[i128], end: usize, lags: u64| sums[end - (lags * m) as usize];
         let span = statistic.span(m) as usize;
-        for end in (span..=codes.len()).filter(|&end| (start + end as u64) % stride == 0) {
+        for end in (span..=codes.len()).filter(|&end| (start + end as u64).is_multiple_of(stride)) {
             let second = |s: &[i128]| at(s, end, 0) - 2 * at(s, end, 1) + at(s, end, 2);
             let third =
                 |s: &[i128]| at(s, end, 0) - 3 * at(s, end, 1) + 3 * at(s, end, 2) - at(s, end, 3);

@@ -216,7 +216,7 @@ impl<P: Platform> Instrument<P> {
         let _ = self.sync.set_high();
         x.pause_us(1);
         for converter in &mut self.converters {
-            converter.forget_edges();
+            converter.forget_edge();
         }
         self.stage = Stage::Settle {
             since: self.platform.now(),
@@ -233,7 +233,7 @@ impl<P: Platform> Instrument<P> {
             Some(stamp) if stamp >= settled => self.settled(stamp, now, job),
             Some(_) => {
                 for converter in &mut self.converters {
-                    converter.forget_edges();
+                    converter.forget_edge();
                 }
             }
             None if now > settled + self.clock.periods(2 * axis::STALLED) => {

@@ -4,6 +4,7 @@ use inm_protocol::{AXES, Code, Event, Flags, REGISTERS, Trouble};
 
 use super::axis::STALLED;
 use super::batch::Conversion;
+use super::clock::Interval;
 use super::{Instrument, Job, Stage};
 use crate::Platform;
 use crate::ads1281::register::{Address, id_is_plausible};
@@ -63,37 +64,24 @@ impl<P: Platform> Instrument<P> {
 
     /// Reads the conversion that X's DRDY announced at `stamp`.
     pub(super) fn conversion(&mut self, stamp: u64) {
-        let (index, lost) = match self.position.last {
-            None => (0, 0),
+        let (index, interval) = match self.position.last {
+            None => (0, Interval::Next),
             Some((index, last)) => match self.clock.between(last, stamp) {
-                0 => {
-                    // X converts faster than it was told.
+                Interval::Early => {
                     self.position.suspect = Some(0);
                     return;
                 }
-                periods => (index + periods, periods - 1),
+                Interval::Next => (index + 1, Interval::Next),
+                Interval::Gap { periods } => (index + periods, Interval::Gap { periods }),
             },
         };
         if !self.clock.in_time_to_read(stamp, self.platform.now()) {
-            // The next word would be taken for this one. It is lost, and the index shows it.
+            // Too late for any word: the conversion is lost, and the index shows it.
             return;
         }
         self.position.last = Some((index, stamp));
-        if lost > 0 {
-            self.lost_conversions += lost;
-            self.flush_batch();
-            if self.recovering == [false; AXES] {
-                self.position.suspect = Some(0);
-            }
-        }
-        for (axis, recovered) in core::mem::take(&mut self.recovering)
-            .into_iter()
-            .enumerate()
-        {
-            if recovered {
-                let lost = u32::try_from(lost).unwrap_or(u32::MAX);
-                self.event(index, Some(axis as u8), Trouble::Recovered { lost });
-            }
+        if let Interval::Gap { periods } = interval {
+            self.after_gap(index, periods.saturating_sub(1));
         }
 
         let mut troubles = [None; AXES];
@@ -117,6 +105,22 @@ impl<P: Platform> Instrument<P> {
         self.read_back(stamp);
     }
 
+    /// The conversion with this index does not follow the last one: `lost` are missing between.
+    #[cold]
+    fn after_gap(&mut self, index: u64, lost: u64) {
+        self.lost_conversions += lost;
+        self.flush_batch();
+        if self.recovering == [false; AXES] {
+            self.position.suspect = Some(0);
+        }
+        for (axis, recovered) in (0..).zip(core::mem::take(&mut self.recovering)) {
+            if recovered {
+                let lost = u32::try_from(lost).unwrap_or(u32::MAX);
+                self.event(index, Some(axis), Trouble::Recovered { lost });
+            }
+        }
+    }
+
     fn read_axes(
         &mut self,
         index: u64,
@@ -132,7 +136,9 @@ impl<P: Platform> Instrument<P> {
         let output = self.configs[0].config0.output;
         let axes = self.axes.iter_mut().zip(&mut self.converters);
         for (axis, (state, converter)) in axes.enumerate() {
-            let judgement = if state.is_running() {
+            // Later, the next word would be taken for this one.
+            let in_time = self.clock.in_time_to_read(stamp, self.platform.now());
+            let judgement = if state.is_running() && in_time {
                 state.judge(converter.take_new(), output)
             } else {
                 state.absent()

@@ -145,16 +145,33 @@ impl<'b, S: Signal> Rig<'b, S> {
         if edge_ps == self.noted_ps {
             return;
         }
-        self.noted_ps = edge_ps;
-        if let Some(edge_ps) = edge_ps {
-            let words = [0, 1, 2].map(|axis| {
+        let noted_ps = std::mem::replace(&mut self.noted_ps, edge_ps);
+        let words = |age: u64| {
+            [0, 1, 2].map(|axis| {
                 let made = self.bench.sent(axis).words();
-                made.checked_sub(1)
-                    .and_then(|latest| self.bench.word(axis, latest))
+                made.checked_sub(age)
+                    .and_then(|index| self.bench.word(axis, index))
                     .unwrap_or(0)
-            });
-            self.made.insert(edge_ps / 1_000_000, words);
+            })
+        };
+        let Some(edge_ps) = edge_ps else {
+            // SYNC at the end of a step in which a conversion was read.
+            if let Some(noted_ps) = noted_ps {
+                let stamp = noted_ps / 1_000_000 + self.period_ticks;
+                self.made.insert(stamp, words(1));
+            }
+            return;
+        };
+        let stamp = edge_ps / 1_000_000;
+        // More edges may have fallen in one step.
+        let periods = noted_ps.map_or(1, |noted_ps| {
+            (edge_ps - noted_ps) / 1_000_000 / self.period_ticks
+        });
+        for before in 1..periods.min(8) {
+            self.made
+                .insert(stamp - before * self.period_ticks, words(1 + before));
         }
+        self.made.insert(stamp, words(1));
     }
 
     pub fn run_ms(&mut self, ms: u64) {

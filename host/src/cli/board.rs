@@ -66,7 +66,10 @@ impl BoardOptions {
             let speed = self.speed.unwrap_or(default_speed);
             return Box::new(VirtualConnect::published(self.seed, speed));
         }
-        Box::new(SerialConnect { path: self.source.clone(), baud: self.baud })
+        Box::new(SerialConnect {
+            path: self.source.clone(),
+            baud: self.baud,
+        })
     }
 
     /// What to ask of the board.
@@ -76,10 +79,15 @@ impl BoardOptions {
             PhaseArg::Linear => Phase::Linear,
             PhaseArg::Minimum => Phase::Minimum,
         };
-        let filter = Filter::Fir { phase, high_pass: self.high_pass };
+        let filter = Filter::Fir {
+            phase,
+            high_pass: self.high_pass,
+        };
         Plan {
             settings: Some(Settings { rate, filter }),
-            samples: self.duration.map(|s| (s * f64::from(rate.hz())).round() as u64),
+            samples: self
+                .duration
+                .map(|s| (s * f64::from(rate.hz())).round() as u64),
             patience: Patience::default(),
             reconnect: (self.reconnect > 0.0).then(|| Duration::from_secs_f64(self.reconnect)),
         }

@@ -8,7 +8,7 @@ use clap::Args;
 use super::interrupt;
 use super::results::ResultOptions;
 use crate::analyse::{AnalysisOptions, summarise};
-use crate::bins::record::Record;
+use crate::bins::record::{Overlap, Record};
 use crate::live::{Screen, watch};
 use crate::source::Source;
 use crate::source::board::{BoardSource, Plan};
@@ -54,7 +54,7 @@ impl DemoCommand {
         let connect = Box::new(VirtualConnect::published(self.seed, 0.0));
         let mut source = BoardSource::start(connect, plan, Some(&capture), stop)?;
         let signal = source.signal().clone();
-        let mut record = Record::new(signal.axes.len());
+        let mut record = Record::new(signal.axes.len(), Overlap::Strided);
         watch(&mut source, Some(&mut record), &mut Screen::stderr())?;
 
         let results = ResultOptions {
@@ -65,7 +65,10 @@ impl DemoCommand {
         println!();
         results.write(&summarise(&signal, &record, &AnalysisOptions::default()))?;
         println!("\n{}", capture.display());
-        for path in [&results.json, &results.report, &results.png].into_iter().flatten() {
+        for path in [&results.json, &results.report, &results.png]
+            .into_iter()
+            .flatten()
+        {
             println!("{path}");
         }
         println!("\nAgain from the file: inm analyze {}", capture.display());

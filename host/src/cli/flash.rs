@@ -42,7 +42,9 @@ impl FlashCommand {
             return Ok(());
         }
         let probe = choose_probe(self.probe.as_deref())?;
-        let mut session = probe.attach(CHIP, Permissions::default()).map_err(FlashError::Attach)?;
+        let mut session = probe
+            .attach(CHIP, Permissions::default())
+            .map_err(FlashError::Attach)?;
         let bars = Bars::new();
         program(&mut session, &image, false, |told| bars.show(told))?;
         println!("programmed, verified, restarted");
@@ -64,7 +66,11 @@ impl Bars {
         )
         .unwrap_or_else(|_| ProgressStyle::default_bar())
         .progress_chars("#>-");
-        Self { all: MultiProgress::new(), style, bars: std::cell::RefCell::default() }
+        Self {
+            all: MultiProgress::new(),
+            style,
+            bars: std::cell::RefCell::default(),
+        }
     }
 
     fn show(&self, told: Progress) {

@@ -8,7 +8,7 @@ use super::board::BoardOptions;
 use super::interrupt;
 use super::results::ResultOptions;
 use crate::analyse::{AnalysisOptions, summarise};
-use crate::bins::record::Record;
+use crate::bins::record::{Overlap, Record};
 use crate::live::{Screen, watch};
 use crate::source::Source;
 use crate::source::board::BoardSource;
@@ -36,7 +36,7 @@ impl LiveCommand {
         let mut source =
             BoardSource::start(connect, self.board.plan(), self.output.as_deref(), stop)?;
         let signal = source.signal().clone();
-        let mut record = Record::new(signal.axes.len());
+        let mut record = Record::new(signal.axes.len(), Overlap::Strided);
         let ended = watch(&mut source, Some(&mut record), &mut Screen::stderr());
         let analysis = summarise(&signal, &record, &AnalysisOptions::default());
         self.results.write(&analysis)?;

@@ -27,8 +27,7 @@ impl RecordCommand {
     pub fn run(self) -> anyhow::Result<()> {
         let stop = interrupt::stop_on_signal()?;
         let connect = self.board.connect(0.0);
-        let mut source =
-            BoardSource::start(connect, self.board.plan(), Some(&self.output), stop)?;
+        let mut source = BoardSource::start(connect, self.board.plan(), Some(&self.output), stop)?;
         let ended = watch(&mut source, None, &mut Screen::stderr());
         // Said in either case: a recording that broke off is still a recording.
         println!(

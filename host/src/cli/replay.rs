@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::results::ResultOptions;
 use crate::analyse::{AnalysisOptions, summarise};
-use crate::bins::record::Record;
+use crate::bins::record::{Overlap, Record};
 use crate::live::{Screen, watch};
 use crate::source::Source;
 use crate::source::capture::CaptureSource;
@@ -32,9 +32,10 @@ impl ReplayCommand {
     pub fn run(self) -> anyhow::Result<()> {
         let mut source = CaptureSource::open(&self.capture)?.at_speed(self.speed);
         let signal = source.signal().clone();
-        let mut record = Record::new(signal.axes.len());
+        let mut record = Record::new(signal.axes.len(), Overlap::Strided);
         let ended = watch(&mut source, Some(&mut record), &mut Screen::stderr());
-        self.results.write(&summarise(&signal, &record, &AnalysisOptions::default()))?;
+        self.results
+            .write(&summarise(&signal, &record, &AnalysisOptions::default()))?;
         Ok(ended?)
     }
 }

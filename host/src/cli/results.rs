@@ -30,7 +30,9 @@ impl ResultOptions {
     /// If a file cannot be written; the message names it.
     pub fn write(&self, analysis: &Analysis) -> anyhow::Result<()> {
         if let Some(path) = &self.json {
-            write_to(path, |mut output| report::json::write(analysis, &mut output))?;
+            write_to(path, |mut output| {
+                report::json::write(analysis, &mut output)
+            })?;
         }
         if self.json.as_deref() != Some("-") {
             let mut output = std::io::stdout().lock();

@@ -85,3 +85,48 @@ impl Design {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// White noise through converter and sensor pole, against the ideal line: ratios of
+    /// deviations from an independent integration over the same filter.
+    #[test]
+    fn white_noise_through_the_chain() {
+        for (chain, rate_hz, expected) in [
+            ("ads1281:linear", 1000.0, [0.813, 0.998, 0.960, 0.992]),
+            ("ads1281:linear+400hz", 2000.0, [0.476, 0.720, 0.799, 0.855]),
+            ("ads1281:linear+300hz", 2000.0, [0.397, 0.630, 0.729, 0.797]),
+            (
+                "ads1281:linear+400hz+1507hz",
+                4000.0,
+                [0.250, 0.457, 0.584, 0.672],
+            ),
+        ] {
+            let parsed = chain.parse::<Chain>().expect(chain);
+            let design = Design::new(rate_hz, Some(&parsed));
+            for (m, expected) in (1..).zip(expected) {
+                let ratio =
+                    (design.unit_allan_variance(Coefficient::N, m) * m as f64 / rate_hz).sqrt();
+                assert!((ratio - expected).abs() < 6e-4, "{chain} m={m}: {ratio}");
+            }
+        }
+    }
+
+    #[test]
+    fn long_averages_do_not_see_the_chain() {
+        let chain = "ads1281:linear+400hz".parse::<Chain>().expect("a chain");
+        let (with, without) = (Design::new(2000.0, Some(&chain)), Design::new(2000.0, None));
+        for coefficient in [
+            Coefficient::N,
+            Coefficient::B,
+            Coefficient::K,
+            Coefficient::R,
+        ] {
+            let ratio = with.unit_allan_variance(coefficient, 1 << 20)
+                / without.unit_allan_variance(coefficient, 1 << 20);
+            assert!((ratio - 1.0).abs() < 1e-4, "{coefficient:?}: {ratio}");
+        }
+    }
+}

@@ -32,7 +32,10 @@ pub fn watch(
         };
         match &chunk {
             Chunk::Samples(_) => {}
-            Chunk::Gap(gap) => note(&mut news, format!("gap after sample {}: {}", gap.from, gap.cause)),
+            Chunk::Gap(gap) => note(
+                &mut news,
+                format!("gap after sample {}: {}", gap.from, gap.cause),
+            ),
             Chunk::News(text) => note(&mut news, text.clone()),
         }
         if let Some(record) = &mut record {
@@ -62,7 +65,10 @@ fn show(
     let mut snapshot = source.snapshot();
     snapshot.news = news.iter().cloned().collect();
     let axes = &source.signal().axes;
-    snapshot.axes = axes.iter().map(|axis| format!("{}, {}", axis.name, axis.unit)).collect();
+    snapshot.axes = axes
+        .iter()
+        .map(|axis| format!("{}, {}", axis.name, axis.unit))
+        .collect();
     if let Some(record) = record {
         snapshot.table = table(source, record);
     }
@@ -78,7 +84,12 @@ fn table(source: &dyn Observed, record: &Record) -> Vec<Row> {
     for (axis, (description, record)) in signal.axes.iter().zip(record.axes()).enumerate() {
         let factors = Taus::Octave.factors(record.count() / 2);
         let estimates = record.estimates(Statistic::Allan, &factors);
-        let points = point::points(Statistic::Allan, &estimates, signal.rate_hz, description.scale);
+        let points = point::points(
+            Statistic::Allan,
+            &estimates,
+            signal.rate_hz,
+            description.scale,
+        );
         for point in points {
             let cell = Cell {
                 adev: point.deviation(),
@@ -87,7 +98,10 @@ fn table(source: &dyn Observed, record: &Record) -> Vec<Row> {
             let row = match rows.iter().position(|row| row.tau_s == point.tau_s) {
                 Some(row) => row,
                 None => {
-                    rows.push(Row { tau_s: point.tau_s, cells: vec![None; count] });
+                    rows.push(Row {
+                        tau_s: point.tau_s,
+                        cells: vec![None; count],
+                    });
                     rows.len() - 1
                 }
             };

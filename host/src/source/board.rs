@@ -56,6 +56,8 @@ pub struct BoardSource {
     plan: Plan,
     stop: Stop,
     ended: bool,
+    /// Why it ended, where it was not on purpose.
+    failure: Option<SourceError>,
 }
 
 /// Between two attempts to open a port that went away.
@@ -119,6 +121,7 @@ impl BoardSource {
             plan,
             stop,
             ended: false,
+            failure: None,
         })
     }
 
@@ -223,6 +226,18 @@ impl BoardSource {
         stopped
     }
 
+    /// Ends the record because of `error`: the board is told to stop, if it still listens.
+    fn break_off(&mut self, error: SourceError) {
+        if !self.ended {
+            self.ended = true;
+            let mut talk = self.talk();
+            talk.capture = None;
+            let _: Result<(), SourceError> = talk.ask(Request::Stop);
+        }
+        self.frames.finish();
+        self.failure.get_or_insert(error);
+    }
+
     fn note(&mut self, note: Note) -> Result<(), SourceError> {
         if let Some(capture) = &mut self.capture {
             capture.note(note)?;
@@ -256,18 +271,22 @@ impl Source for BoardSource {
         self.plan.samples
     }
 
+    /// The next chunk. What arrived before an error is delivered before the error is.
     fn next_chunk(&mut self) -> Result<Option<Chunk>, SourceError> {
         loop {
             if let Some(chunk) = self.frames.pop() {
                 return Ok(Some(chunk));
             }
             if self.ended {
-                return Ok(None);
+                return self.failure.take().map_or(Ok(None), Err);
             }
-            if self.is_complete() {
-                self.end()?;
+            let done = if self.is_complete() {
+                self.end()
             } else {
-                self.read_more()?;
+                self.read_more()
+            };
+            if let Err(error) = done {
+                self.break_off(error);
             }
         }
     }

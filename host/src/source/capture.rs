@@ -50,7 +50,10 @@ impl CaptureSource {
     /// Replays at `speed` seconds of the record in a second; 0 is as fast as it goes.
     #[must_use]
     pub fn at_speed(mut self, speed: f64) -> Self {
-        self.pace = (speed > 0.0).then(|| Pace { speed, started: Instant::now() });
+        self.pace = (speed > 0.0).then(|| Pace {
+            speed,
+            started: Instant::now(),
+        });
         self
     }
 
