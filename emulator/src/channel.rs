@@ -6,17 +6,18 @@
 //! N white, Q differenced white (every input) ────┴─> one pole (400 Hz X, Y; 300 Hz Z) ─> rails ─> converter
 //! ```
 //!
-//! The noise enters at the sensing element, ahead of the sensor's own filter: what is published about a
-//! sensor is referred to acceleration, and the filter shapes noise and signal alike. The slow terms are
-//! held for the 32 inputs of a conversion; what that does to their spectra near the data rate lies more
-//! than 60 dB below the white terms.
+//! The noise enters at the sensing element, ahead of the sensor's own filter: what is published
+//! about a sensor is referred to acceleration, and the filter shapes noise and signal alike. The
+//! slow terms are held for the 32 inputs of a conversion; what that does to their spectra near
+//! the data rate lies more than 60 dB below the white terms.
 
 use crate::{
     Signal,
     filter::DECIMATION,
     flicker::Flicker,
+    plan::{FAST_FRACTION, Plan, RatePlan, SLOW_FRACTION},
     random::Random,
-    sensor::{FAST_FRACTION, Plan, RatePlan, SLOW_FRACTION, Sensor, Unfit},
+    sensor::{Sensor, Unfit},
 };
 
 /// The published axes, worked out by the compiler.
@@ -60,8 +61,8 @@ pub struct Channel {
 }
 
 impl Channel {
-    /// The channel of `sensor`; equal seeds give equal noise on equal axes, and `axis` keeps the axes
-    /// apart.
+    /// The channel of `sensor`; equal seeds give equal noise on equal axes, and `axis` keeps the
+    /// axes apart.
     ///
     /// # Errors
     ///
@@ -123,7 +124,8 @@ impl Channel {
 }
 
 impl Signal for Channel {
-    /// Inputs come at 32 times one of the converter's data rates; any other leaves the channel as it is.
+    /// Inputs come at 32 times one of the converter's data rates; any other leaves the channel as
+    /// it is.
     fn set_rate(&mut self, input_hz: u32) {
         if let Some(&rate) = self
             .plan

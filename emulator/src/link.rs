@@ -27,8 +27,8 @@ pub enum Trouble {
 
 /// One direction of a serial line with a queue of `N` bytes.
 ///
-/// A byte leaves the queue when the far end fetches it: one that does not keep up fills it, and the
-/// sender finds no room.
+/// A byte leaves the queue when the far end fetches it: one that does not keep up fills it, and
+/// the sender finds no room.
 ///
 /// ```
 /// use inm_emulator::link::Link;
@@ -134,7 +134,8 @@ impl<const N: usize> Noisy<N> {
         }
     }
 
-    /// Plans trouble for byte number `index` of the line, counted from zero; replaces an earlier plan.
+    /// Plans trouble for byte number `index` of the line, counted from zero; replaces an earlier
+    /// plan.
     pub fn plan(&mut self, index: u64, trouble: Trouble) {
         self.planned = Some((index, trouble));
     }

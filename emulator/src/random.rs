@@ -28,8 +28,8 @@ impl Random {
         folded.rotate_right((old >> 59) as u32)
     }
 
-    /// The sum of 16 uniform bytes less its mean: normal but for an excess kurtosis of -0.075, with a
-    /// standard deviation of [`GAUSS_SIGMA`] and 6.9 of them at most.
+    /// The sum of 16 uniform bytes less its mean: normal but for an excess kurtosis of -0.075,
+    /// with a standard deviation of [`GAUSS_SIGMA`] and 6.9 of them at most.
     pub(crate) fn gauss(&mut self) -> i32 {
         let mut pairs = 0;
         for _ in 0..4 {

@@ -1,1 +1,27 @@
-//! Placeholder.
+//! Firmware of the inm board: everything but the microcontroller.
+//!
+//! ```text
+//!   ads1281   one converter on its SPI bus: commands, registers, words and what is wrong with them
+//!   acquire   the instrument: three converters to batches, health and events; commands to replies
+//!   platform  what the instrument needs of the machine it runs on
+//!   mma7331l  from codes to volts and m/s^2
+//!   ticks     a 32-bit timer made 64 bits wide
+//!   emulated  a platform on the emulator's bench (feature `emulator`)
+//! ```
+//!
+//! The same code runs in the STM32F405 image, in the image for QEMU, in the host's virtual
+//! board and under test; they differ in their [`Platform`] only. `no_std`, no heap, no panic
+//! on anything that a bus or a link can do.
+#![cfg_attr(not(test), no_std)]
+#![forbid(unsafe_code)]
+
+pub mod acquire;
+pub mod ads1281;
+#[cfg(feature = "emulator")]
+pub mod emulated;
+pub mod mma7331l;
+pub mod platform;
+pub mod ticks;
+
+pub use acquire::Instrument;
+pub use platform::{Board, Platform};

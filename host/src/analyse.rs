@@ -80,6 +80,8 @@ pub struct AxisAnalysis {
     pub name: String,
     /// Unit of the signal.
     pub unit: Unit,
+    /// Its signal chain, as for `--chain`.
+    pub chain: Option<String>,
     /// Mean of the signal.
     pub mean: Option<f64>,
     /// Samples that count.
@@ -258,6 +260,7 @@ fn analyse_axis(
     AxisAnalysis {
         name: axis.name.clone(),
         unit: axis.unit,
+        chain: axis.chain.as_ref().map(ToString::to_string),
         mean: record.mean().map(|mean| axis.scale * (mean - axis.zero)),
         samples,
         invalid_samples: record.invalid(),

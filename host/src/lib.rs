@@ -9,9 +9,14 @@
 
 pub mod analyse;
 pub mod bins;
+pub mod capture;
 pub mod chain;
 pub mod cli;
 pub mod fit;
+#[cfg(feature = "flash")]
+pub mod flash;
+pub mod link;
+pub mod live;
 pub mod model;
 pub mod report;
 pub mod signal;

@@ -38,7 +38,7 @@ pub const fn link_bytes_per_s(baud: u32) -> u32 {
 
 /// Load of a link at `baud` bit/s under these settings, three axes, every word good.
 ///
-/// At 4000/s and 921600 baud: 125 batches of 421 bytes and the reserve, 59 % of 92160 byte/s.
+/// At 4000/s and 921600 baud: 125 batches of 420 bytes and the reserve, 59 % of 92160 byte/s.
 ///
 /// ```
 /// use inm_protocol::{Filter, Rate, Settings, samples_load};

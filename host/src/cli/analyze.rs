@@ -1,14 +1,11 @@
 //! `inm analyze`: Allan deviation and noise coefficients of a record.
 
-use std::io::Write;
-
 use clap::{Args, ValueEnum};
 
 use super::input::InputOptions;
-use super::output::write_to;
+use super::results::ResultOptions;
 use crate::analyse::{self, AnalysisOptions};
 use crate::bins::taus::Taus;
-use crate::report;
 use crate::source::open::open;
 
 /// Arguments of `inm analyze`.
@@ -25,15 +22,8 @@ pub struct Analyze {
     /// strided, or full where the averaging times need it].
     #[arg(long)]
     overlap: Option<Overlap>,
-    /// Write the result as JSON to this file; - is standard output, in place of the table.
-    #[arg(long, value_name = "OUT")]
-    json: Option<String>,
-    /// Write a page with plots and tables to this file.
-    #[arg(long, value_name = "OUT.html")]
-    report: Option<String>,
-    /// Write the Allan plots to this file as a bitmap.
-    #[arg(long, value_name = "OUT.png")]
-    png: Option<String>,
+    #[command(flatten)]
+    results: ResultOptions,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -69,25 +59,6 @@ impl Analyze {
         };
         let mut source = open(&self.file, &self.input.into())?;
         let analysis = analyse::analyse(&mut *source, &options, |_| {})?;
-        if let Some(path) = &self.json {
-            write_to(path, |mut output| {
-                report::json::write(&analysis, &mut output)
-            })?;
-        }
-        if let Some(path) = &self.report {
-            write_to(path, |output| {
-                output.write_all(report::html::render(&analysis).as_bytes())
-            })?;
-        }
-        if let Some(path) = &self.png {
-            let bitmap = report::png::render(&analysis)?;
-            write_to(path, |output| output.write_all(&bitmap))?;
-        }
-        if self.json.as_deref() != Some("-") {
-            let mut output = std::io::stdout().lock();
-            output.write_all(report::text::render(&analysis).as_bytes())?;
-            output.flush()?;
-        }
-        Ok(())
+        self.results.write(&analysis)
     }
 }

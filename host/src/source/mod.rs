@@ -5,6 +5,10 @@
 //! sample index until it ends. Everything behind it (bins, fits, reports) sees only this.
 
 pub mod array;
+pub mod assemble;
+pub mod board;
+pub mod capture;
+pub mod frames;
 pub mod npy;
 pub mod npy_header;
 pub mod open;
@@ -12,6 +16,7 @@ pub mod options;
 pub mod stamps;
 pub mod table;
 pub mod text;
+pub mod virtual_board;
 
 use crate::signal::Signal;
 
@@ -118,12 +123,48 @@ pub trait Source {
 
 /// Why a source ended early. Each source has its own error; this carries it with its text.
 #[derive(Debug, thiserror::Error)]
-#[error("{place}: {message}{}{}", if remedy.is_empty() { "" } else { "; " }, remedy)]
+#[error("{}{message}{}", prefix(place), suffix(remedy))]
 pub struct SourceError {
-    /// File or port, and the place in it.
+    /// File or port, and the place in it; empty where the message begins with it.
     pub place: String,
     /// What was found and what was expected.
     pub message: String,
     /// What to do about it; may be empty.
     pub remedy: String,
+}
+
+impl SourceError {
+    /// From an error whose text begins with the place, its causes included.
+    pub fn new(error: &dyn std::error::Error, remedy: impl Into<String>) -> Self {
+        let mut message = error.to_string();
+        let mut cause = error.source();
+        while let Some(error) = cause {
+            let text = error.to_string();
+            if !message.contains(&text) {
+                message = format!("{message}: {text}");
+            }
+            cause = error.source();
+        }
+        Self {
+            place: String::new(),
+            message,
+            remedy: remedy.into(),
+        }
+    }
+}
+
+fn prefix(place: &str) -> String {
+    if place.is_empty() {
+        String::new()
+    } else {
+        format!("{place}: ")
+    }
+}
+
+fn suffix(remedy: &str) -> String {
+    if remedy.is_empty() {
+        String::new()
+    } else {
+        format!("; {remedy}")
+    }
 }

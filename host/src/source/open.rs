@@ -5,6 +5,7 @@ use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 use super::array::ArraySource;
+use super::capture::CaptureSource;
 use super::npy::NpyTable;
 use super::npy_header::MAGIC;
 use super::options::ArrayOptions;
@@ -17,7 +18,10 @@ pub const STANDARD_INPUT: &str = "-";
 /// Bytes that are looked at to tell text from anything else.
 const SNIFFED: u64 = 512;
 
-/// Opens an array file, or standard input where `path` is `-`.
+/// What every capture begins with, of whatever version.
+const CAPTURE_START: &[u8] = b"#inm-capture";
+
+/// Opens a capture or an array file, or standard input where `path` is `-`.
 ///
 /// What it is shows in its first bytes, not in its name.
 ///
@@ -46,6 +50,9 @@ pub fn open(path: &str, options: &ArrayOptions) -> Result<Box<dyn Source>, Sourc
         .take(SNIFFED)
         .read_to_end(&mut start)
         .map_err(io)?;
+    if start.starts_with(CAPTURE_START) {
+        return Ok(Box::new(CaptureSource::open(Path::new(path))?));
+    }
     if start.starts_with(MAGIC) {
         let table = NpyTable::open(Path::new(path))?;
         return Ok(Box::new(ArraySource::new(Box::new(table), options)?));

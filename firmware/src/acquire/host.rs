@@ -1,0 +1,143 @@
+//! Commands of the host, each answered exactly once and one after the other.
+
+use heapless::String;
+use inm_protocol::{
+    AXES, Answer, Command, Identity, REGISTERS, Refusal, Reply, Request, Settings, ToBoard,
+    samples_load,
+};
+
+use super::clock::{Clock, readable_hz};
+use super::job::{Kind, Task};
+use super::{Instrument, RESTART_US, Stage};
+use crate::Platform;
+use crate::ads1281::CLOCK_HZ;
+use crate::ads1281::config::conversions_hz;
+
+/// Bytes taken from the link in one step.
+const BYTES_A_STEP: u32 = 64;
+
+impl<P: Platform> Instrument<P> {
+    /// Takes bytes from the link up to the end of one command; `true` if there were any.
+    ///
+    /// While a command is carried out or its reply waits for room, the next one waits in the
+    /// receive queue.
+    pub(super) fn serve_host(&mut self, now: u64) -> bool {
+        let mut busy = false;
+        for _ in 0..BYTES_A_STEP {
+            if self.is_occupied() || self.outbox.reply_waits() {
+                break;
+            }
+            let Some(byte) = self.platform.receive() else {
+                break;
+            };
+            busy = true;
+            // Faults are counted by the decoder and shown in the health record.
+            if let Some(Ok(ToBoard::Command(command))) = self.decoder.next(&mut &[byte][..]) {
+                self.carry_out(command, now);
+            }
+        }
+        busy
+    }
+
+    fn carry_out(&mut self, Command { id, request }: Command, now: u64) {
+        let streaming = self.is_streaming();
+        let result = match request {
+            Request::Identify => Ok(Answer::Identity(self.identity())),
+            Request::Stop => {
+                if streaming {
+                    self.end_stream();
+                }
+                Ok(Answer::Done)
+            }
+            Request::Reset => {
+                self.end_stream();
+                self.stage = Stage::Restart {
+                    until: now + self.clock.micros(RESTART_US),
+                };
+                Ok(Answer::Done)
+            }
+            Request::Start
+            | Request::Configure(_)
+            | Request::CalibrateOffset
+            | Request::CalibrateGain
+            | Request::SelfTest
+            | Request::ReadRegisters
+                if streaming =>
+            {
+                Err(Refusal::Streaming)
+            }
+            Request::Start => return self.begin_job(id, Task::Start, now),
+            Request::CalibrateOffset => {
+                return self.begin_job(id, Task::Calibrate(Kind::Offset), now);
+            }
+            Request::CalibrateGain => return self.begin_job(id, Task::Calibrate(Kind::Gain), now),
+            Request::SelfTest => return self.begin_job(id, Task::SelfTest, now),
+            Request::Configure(settings) => self.configure(settings),
+            Request::ReadRegisters => self.read_registers().map(Answer::Registers),
+        };
+        self.outbox.reply(Reply { id, result });
+    }
+
+    fn identity(&self) -> Identity {
+        Identity {
+            serial: self.board.serial,
+            firmware: text(env!("CARGO_PKG_VERSION")),
+            platform: text(self.board.platform),
+            timer_hz: self.board.timer_hz,
+            converter_clock_hz: CLOCK_HZ,
+            baud: self.board.baud,
+            range: self.board.range,
+            reference_uv: self.board.reference_uv,
+            sensor_supply_uv: self.board.sensor_supply_uv,
+            converters: self.ids,
+            settings: self.settings,
+            restart: self.board.restart.clone(),
+        }
+    }
+
+    /// Checks settings and keeps them. They are written at the next start, which resets the
+    /// converters anyway.
+    fn configure(&mut self, settings: Settings) -> Result<Answer, Refusal> {
+        let load = samples_load(settings, self.board.baud);
+        if !load.fits() {
+            return Err(Refusal::LinkTooSlow {
+                needed: load.needed,
+                available: load.available,
+            });
+        }
+        let asked = conversions_hz(settings);
+        let readable = readable_hz(self.board.spi_hz);
+        if asked > readable {
+            return Err(Refusal::BusTooSlow { asked, readable });
+        }
+        self.settings = settings;
+        self.clock = Clock::new(&self.board, settings);
+        Ok(Answer::Settings(settings))
+    }
+
+    fn read_registers(&mut self) -> Result<[[u8; REGISTERS]; AXES], Refusal> {
+        for axis in 0..AXES {
+            match self.converters[axis].read_all_registers() {
+                Ok(registers) => self.registers[axis] = registers,
+                Err(error) => {
+                    return Err(Refusal::Converter {
+                        axis: axis as u8,
+                        trouble: error.trouble(),
+                    });
+                }
+            }
+        }
+        Ok(self.registers)
+    }
+}
+
+/// As much of `text` as fits.
+fn text<const N: usize>(text: &str) -> String<N> {
+    let mut short = String::new();
+    for character in text.chars() {
+        if short.push(character).is_err() {
+            break;
+        }
+    }
+    short
+}

@@ -1,0 +1,304 @@
+//! Commands that take time: start, calibrations, self-test.
+//!
+//! All begin alike: RESET, configuration, verification, one common SYNC, settling. A converter
+//! that does not do as told gets a rest and two more attempts before the command is refused.
+
+use inm_protocol::{AXES, Answer, Filter, Refusal, Reply, SelfTestStep, Settings, Trouble};
+
+use super::{Instrument, Stage};
+use crate::Platform;
+use crate::ads1281::calibrate::{AVERAGED_READINGS, Calibration};
+use crate::ads1281::config::Config;
+use crate::ads1281::register::FSC_UNITY;
+use crate::ads1281::{IDLE_READINGS, RESET_US, SETTLING_READINGS};
+
+/// Attempts to configure the converters before a command is refused.
+const ATTEMPTS: u8 = 3;
+
+/// Words averaged for each half of the self-test.
+const SELF_TEST_WORDS: u32 = 64;
+
+/// The accelerometer answers its self-test pin within 5 ms; twice that, microseconds.
+const SELF_TEST_RESPONSE_US: u32 = 10_000;
+
+/// A command being carried out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Job {
+    /// Number of the command.
+    pub id: u16,
+    pub task: Task,
+    /// Attempts made.
+    pub attempt: u8,
+}
+
+/// What is to be done once the converters have settled.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Task {
+    Start,
+    Calibrate(Kind),
+    SelfTest,
+}
+
+/// Kind of calibration.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    Offset,
+    Gain,
+}
+
+/// State of the self-test.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SelfTest {
+    job: Job,
+    /// Self-test pin high.
+    driven: bool,
+    /// Edges before this are not measured, ticks.
+    from: u64,
+    /// The measurement has failed by then, ticks.
+    until: u64,
+    sums: [i64; AXES],
+    counts: [u32; AXES],
+    steps: [SelfTestStep; AXES],
+}
+
+impl<P: Platform> Instrument<P> {
+    pub(super) fn begin_job(&mut self, id: u16, task: Task, now: u64) {
+        let settings = match task {
+            Task::Start => self.settings,
+            // The high-pass would delete the offset and the step.
+            Task::Calibrate(_) | Task::SelfTest => without_high_pass(self.settings),
+        };
+        self.configs = self.calibration.map(|calibration| {
+            let calibration = match task {
+                Task::Start | Task::SelfTest => calibration,
+                Task::Calibrate(Kind::Offset) => Calibration::default(),
+                Task::Calibrate(Kind::Gain) => Calibration {
+                    gain: FSC_UNITY,
+                    ..calibration
+                },
+            };
+            Config::new(settings, calibration)
+        });
+        let job = Job {
+            id,
+            task,
+            attempt: 0,
+        };
+        self.reset_all(job, now);
+    }
+
+    pub(super) fn reset_all(&mut self, job: Job, now: u64) -> bool {
+        self.send_reset_to_all();
+        self.stage = Stage::Reset {
+            until: now + self.clock.micros(RESET_US),
+            job,
+        };
+        true
+    }
+
+    pub(super) fn configure_all(&mut self, job: Job, now: u64) -> bool {
+        for axis in 0..AXES {
+            if let Err(error) = self.write_configuration(axis) {
+                self.attempt_failed(job, axis, error.trouble(), now);
+                return true;
+            }
+        }
+        self.synchronise(Some(job));
+        true
+    }
+
+    fn attempt_failed(&mut self, job: Job, axis: usize, trouble: Trouble, now: u64) {
+        let attempt = job.attempt + 1;
+        if attempt < ATTEMPTS {
+            self.stage = Stage::Rest {
+                until: now + self.clock.periods(IDLE_READINGS),
+                job: Job { attempt, ..job },
+            };
+        } else {
+            self.refuse_job(job, axis, trouble);
+        }
+    }
+
+    pub(super) fn refuse_job(&mut self, job: Job, axis: usize, trouble: Trouble) {
+        self.finish(
+            job,
+            Err(Refusal::Converter {
+                axis: axis as u8,
+                trouble,
+            }),
+        );
+    }
+
+    pub(super) fn answer_started(&mut self, job: Job) {
+        self.outbox.reply(Reply {
+            id: job.id,
+            result: Ok(Answer::Settings(self.settings)),
+        });
+    }
+
+    fn finish(&mut self, job: Job, result: Result<Answer, Refusal>) {
+        self.outbox.reply(Reply { id: job.id, result });
+        self.stage = Stage::Idle;
+    }
+
+    pub(super) fn begin_calibration(&mut self, job: Job, kind: Kind, now: u64) {
+        for axis in 0..AXES {
+            let converter = &mut self.converters[axis];
+            let sent = match kind {
+                Kind::Offset => converter.calibrate_offset(),
+                Kind::Gain => converter.calibrate_gain(),
+            };
+            if let Err(error) = sent {
+                self.refuse_job(job, axis, error.trouble());
+                return;
+            }
+        }
+        // The command may restart the filter, before the readings and after them.
+        let longest = 2 * (SETTLING_READINGS + AVERAGED_READINGS) + 16;
+        self.stage = Stage::Calibrate {
+            until: now + self.clock.periods(longest),
+            job,
+            done: [false; AXES],
+        };
+    }
+
+    pub(super) fn await_calibration(
+        &mut self,
+        now: u64,
+        until: u64,
+        job: Job,
+        mut done: [bool; AXES],
+    ) -> bool {
+        for (done, converter) in done.iter_mut().zip(&mut self.converters) {
+            *done |= converter.take_edge();
+        }
+        if done == [true; AXES] {
+            self.end_calibration(job);
+            return true;
+        }
+        if now < until {
+            self.stage = Stage::Calibrate { until, job, done };
+            return false;
+        }
+        let axis = done.iter().position(|done| !done).unwrap_or(0);
+        self.refuse_job(job, axis, Trouble::Stalled);
+        true
+    }
+
+    fn end_calibration(&mut self, job: Job) {
+        let mut found = [0; AXES];
+        for (axis, found) in found.iter_mut().enumerate() {
+            let read = match self.converters[axis].read_calibration() {
+                Ok(read) => read,
+                Err(error) => return self.refuse_job(job, axis, error.trouble()),
+            };
+            let kept = &mut self.calibration[axis];
+            *found = if job.task == Task::Calibrate(Kind::Gain) {
+                kept.gain = read.gain;
+                // 24 bits: the sign stays clear.
+                read.gain.cast_signed()
+            } else {
+                kept.offset = read.offset;
+                read.offset
+            };
+        }
+        self.finish(job, Ok(Answer::Calibration(found)));
+    }
+
+    pub(super) fn begin_self_test(&mut self, job: Job, now: u64) {
+        self.measure(
+            SelfTest {
+                job,
+                driven: false,
+                from: now,
+                until: now,
+                sums: [0; AXES],
+                counts: [0; AXES],
+                steps: [SelfTestStep::default(); AXES],
+            },
+            now,
+        );
+    }
+
+    /// Begins one half of the measurement at `from`.
+    fn measure(&mut self, test: SelfTest, from: u64) {
+        self.stage = Stage::SelfTest(SelfTest {
+            from,
+            until: from + self.clock.periods(2 * SELF_TEST_WORDS),
+            sums: [0; AXES],
+            counts: [0; AXES],
+            ..test
+        });
+    }
+
+    pub(super) fn self_test(&mut self, mut test: SelfTest, edge: Option<u64>, now: u64) -> bool {
+        let Some(stamp) = edge else {
+            if now > test.until {
+                let axis = test
+                    .counts
+                    .iter()
+                    .position(|&count| count < SELF_TEST_WORDS)
+                    .unwrap_or(0);
+                self.platform.self_test(false);
+                self.refuse_job(test.job, axis, Trouble::Stalled);
+                return true;
+            }
+            return false;
+        };
+        if stamp < test.from {
+            for converter in &mut self.converters {
+                converter.forget_edge();
+            }
+            return true;
+        }
+        for (axis, converter) in self.converters.iter_mut().enumerate() {
+            match converter.take_new() {
+                Ok(Some(reading)) if !reading.torn && test.counts[axis] < SELF_TEST_WORDS => {
+                    test.sums[axis] += i64::from(reading.word.code().0);
+                    test.counts[axis] += 1;
+                }
+                // Too few words end the test at its deadline.
+                Ok(_) | Err(_) => {}
+            }
+        }
+        self.stage = Stage::SelfTest(test);
+        if test.counts == [SELF_TEST_WORDS; AXES] {
+            self.end_half(test, now);
+        }
+        true
+    }
+
+    fn end_half(&mut self, mut test: SelfTest, now: u64) {
+        for (step, sum) in test.steps.iter_mut().zip(test.sums) {
+            // A mean of 32-bit words fits 32 bits.
+            let mean = (sum / i64::from(SELF_TEST_WORDS)) as i32;
+            if test.driven {
+                step.driven = mean;
+            } else {
+                step.rest = mean;
+            }
+        }
+        self.platform.self_test(!test.driven);
+        if test.driven {
+            self.finish(test.job, Ok(Answer::SelfTest(test.steps)));
+        } else {
+            let response =
+                self.clock.micros(SELF_TEST_RESPONSE_US) + self.clock.periods(SETTLING_READINGS);
+            test.driven = true;
+            self.measure(test, now + response);
+        }
+    }
+}
+
+fn without_high_pass(settings: Settings) -> Settings {
+    Settings {
+        filter: match settings.filter {
+            Filter::Fir { phase, .. } => Filter::Fir {
+                phase,
+                high_pass: None,
+            },
+            other => other,
+        },
+        ..settings
+    }
+}

@@ -1,0 +1,311 @@
+//! The instrument: three converters to batches, health and events; commands to replies.
+//!
+//! ```text
+//!   DRDY stamp --> stream --> axis (flags, trouble) --> batch --> outbox --> link
+//!                    |          |                                   ^
+//!                    |          +--> recover: rest, RESET, SYNC     | events, replies, health
+//!   link --> host (commands) --> job (start, calibrate, self-test) -+
+//! ```
+//!
+//! All of it runs in one loop, by [`Instrument::step`]; nothing waits. What takes time is a
+//! stage with a deadline on the board's timer. X's DRDY drives the reading of all three
+//! axes, which convert together after a common SYNC. Conversions are numbered by the time
+//! between the stamps: whatever makes the board late shows as a gap in the index.
+
+mod axis;
+mod batch;
+mod clock;
+mod health;
+mod host;
+mod job;
+mod outbox;
+mod read_back;
+mod recover;
+mod stream;
+
+use embedded_hal::digital::OutputPin;
+use inm_protocol::{AXES, Decoder, REGISTERS, Settings, Trouble};
+
+use crate::ads1281::calibrate::Calibration;
+use crate::ads1281::config::Config;
+use crate::ads1281::{Ads1281, POWER_UP_US};
+use crate::{Board, Platform};
+
+use axis::Axis;
+use batch::Batcher;
+use clock::Clock;
+use job::{Job, SelfTest};
+use outbox::Outbox;
+use read_back::Rounds;
+use stream::Position;
+
+/// Driver of one converter on platform `P`.
+pub type Converter<P> =
+    Ads1281<<P as Platform>::Spi, <P as Platform>::Drdy, <P as Platform>::Delay>;
+
+/// Longest frame that the host sends; the longest command takes 20 bytes.
+const COMMAND_FRAME: usize = 64;
+
+/// What the instrument is doing. `until` and the like are ticks of the board's timer.
+#[derive(Debug, Clone, Copy)]
+enum Stage {
+    /// The converters are coming up.
+    PowerUp { until: u64 },
+    /// RESET was sent at the start of the board; the IDs come next.
+    Identify { until: u64 },
+    /// Nothing; commands are welcome.
+    Idle,
+    /// A converter did not do as told: no clocks until the next attempt.
+    Rest { until: u64, job: Job },
+    /// RESET was sent to all converters.
+    Reset { until: u64, job: Job },
+    /// The filters fill after a common SYNC; for a job, or to go on streaming.
+    Settle { since: u64, job: Option<Job> },
+    /// Streaming.
+    Stream,
+    /// OFSCAL or GANCAL was sent.
+    Calibrate {
+        until: u64,
+        job: Job,
+        done: [bool; AXES],
+    },
+    /// Averaging the self-test.
+    SelfTest(SelfTest),
+    /// The reply to [`Request::Reset`](inm_protocol::Request::Reset) is leaving.
+    Restart { until: u64 },
+    /// The board should have restarted.
+    Halted,
+}
+
+/// The whole board above its [`Platform`].
+pub struct Instrument<P: Platform> {
+    platform: P,
+    converters: [Converter<P>; AXES],
+    sync: P::Sync,
+    board: Board,
+    clock: Clock,
+    settings: Settings,
+    calibration: [Calibration; AXES],
+    /// What is written to the converters, by axis.
+    configs: [Config; AXES],
+    /// ID registers as first found.
+    ids: [Option<u8>; AXES],
+    /// All registers as last read back.
+    registers: [[u8; REGISTERS]; AXES],
+    stage: Stage,
+    axes: [Axis; AXES],
+    position: Position,
+    rounds: Rounds,
+    /// The axes whose recovery brought the common SYNC on.
+    recovering: [bool; AXES],
+    lost_conversions: u64,
+    batcher: Batcher,
+    outbox: Outbox,
+    decoder: Decoder<COMMAND_FRAME>,
+    /// Timer of the next health record, ticks.
+    next_health: u64,
+}
+
+impl<P: Platform> Instrument<P> {
+    /// Takes the machine, the converters X, Y, Z and the SYNC pin. Nothing is sent yet.
+    pub fn new(platform: P, converters: [Converter<P>; AXES], sync: P::Sync) -> Self {
+        let board = platform.board();
+        let settings = Settings::default();
+        let clock = Clock::new(&board, settings);
+        let now = platform.now();
+        let power_up = now + clock.micros(POWER_UP_US);
+        Self {
+            platform,
+            converters,
+            sync,
+            board,
+            clock,
+            settings,
+            calibration: [Calibration::default(); AXES],
+            configs: [Config::default(); AXES],
+            ids: [None; AXES],
+            registers: [[0; REGISTERS]; AXES],
+            stage: Stage::PowerUp { until: power_up },
+            axes: core::array::from_fn(|_| Axis::new()),
+            position: Position::default(),
+            rounds: Rounds::default(),
+            recovering: [false; AXES],
+            lost_conversions: 0,
+            batcher: Batcher::default(),
+            outbox: Outbox::new(),
+            decoder: Decoder::with_capacity(),
+            next_health: power_up,
+        }
+    }
+
+    /// Does what there is to do and returns: `true` when something was done, `false` when the
+    /// caller may sleep until the next interrupt.
+    ///
+    /// Takes about 100 us when a conversion is read and 1 ms when the converters are
+    /// configured; never waits for anything.
+    pub fn step(&mut self) -> bool {
+        if matches!(self.stage, Stage::Halted) {
+            return false;
+        }
+        self.platform.feed_watchdog();
+        let edge = self.platform.take_edge_stamp();
+        let now = self.platform.now();
+        let mut busy = edge.is_some();
+        busy |= self.advance(edge, now);
+        busy |= self.serve_host(now);
+        busy |= self.outbox.flush(&mut self.platform);
+        if now >= self.next_health {
+            self.report_health(now);
+            busy = true;
+        }
+        busy
+    }
+
+    /// The machine.
+    pub fn platform(&self) -> &P {
+        &self.platform
+    }
+
+    /// The machine, to drive it from outside.
+    pub fn platform_mut(&mut self) -> &mut P {
+        &mut self.platform
+    }
+
+    /// Whether samples are being sent, or will be again after a recovery.
+    pub fn is_streaming(&self) -> bool {
+        matches!(self.stage, Stage::Stream | Stage::Settle { job: None, .. })
+    }
+
+    /// Gives everything back.
+    pub fn release(self) -> (P, [Converter<P>; AXES], P::Sync) {
+        (self.platform, self.converters, self.sync)
+    }
+
+    /// Takes the stage as far as the time allows; `true` if it moved.
+    fn advance(&mut self, edge: Option<u64>, now: u64) -> bool {
+        match self.stage {
+            Stage::Stream => {
+                if let Some(stamp) = edge {
+                    self.conversion(stamp);
+                }
+                self.watch_trigger(now) | self.recover(now)
+            }
+            Stage::Settle { since, job } => self.settle(edge, now, since, job),
+            Stage::Idle | Stage::Halted => false,
+            Stage::SelfTest(test) => self.self_test(test, edge, now),
+            Stage::Calibrate { until, job, done } => self.await_calibration(now, until, job, done),
+            Stage::PowerUp { until }
+            | Stage::Identify { until }
+            | Stage::Rest { until, .. }
+            | Stage::Reset { until, .. }
+                if now < until =>
+            {
+                false
+            }
+            Stage::PowerUp { .. } => self.reset_for_identity(now),
+            Stage::Identify { .. } => self.identify_converters(),
+            Stage::Rest { job, .. } => self.reset_all(job, now),
+            Stage::Reset { job, .. } => self.configure_all(job, now),
+            Stage::Restart { until } => self.restart(now, until),
+        }
+    }
+
+    /// One rising edge on the common SYNC: the converters start anew together.
+    fn synchronise(&mut self, job: Option<Job>) {
+        // Two converter clocks (0.5 us) each; a pin that cannot fail is the rule, and one that
+        // does shows as stalled converters.
+        let [x, ..] = &mut self.converters;
+        let _ = self.sync.set_low();
+        x.pause_us(1);
+        let _ = self.sync.set_high();
+        x.pause_us(1);
+        for converter in &mut self.converters {
+            converter.forget_edge();
+        }
+        self.stage = Stage::Settle {
+            since: self.platform.now(),
+            job,
+        };
+    }
+
+    /// Waits until the filters are full. Words within 63 data periods of SYNC are dropped
+    /// whether or not DRDY announces them.
+    fn settle(&mut self, edge: Option<u64>, now: u64, since: u64, job: Option<Job>) -> bool {
+        use crate::ads1281::SETTLING_READINGS;
+        let settled = since + self.clock.periods(SETTLING_READINGS) - self.clock.periods(1) / 2;
+        match edge {
+            Some(stamp) if stamp >= settled => self.settled(stamp, now, job),
+            Some(_) => {
+                for converter in &mut self.converters {
+                    converter.forget_edge();
+                }
+            }
+            None if now > settled + self.clock.periods(2 * axis::STALLED) => {
+                self.trigger_failed(now, job);
+            }
+            None => return job.is_none() && self.recover(now),
+        }
+        true
+    }
+
+    fn settled(&mut self, stamp: u64, now: u64, job: Option<Job>) {
+        match job.map(|job| (job, job.task)) {
+            None => {
+                self.stage = Stage::Stream;
+                self.conversion(stamp);
+            }
+            Some((job, job::Task::Start)) => {
+                self.begin_stream(job);
+                self.conversion(stamp);
+            }
+            Some((job, job::Task::Calibrate(kind))) => self.begin_calibration(job, kind, now),
+            Some((job, job::Task::SelfTest)) => self.begin_self_test(job, now),
+        }
+    }
+
+    /// X gave no edge after SYNC.
+    fn trigger_failed(&mut self, now: u64, job: Option<Job>) {
+        match job {
+            Some(job) => self.refuse_job(job, 0, Trouble::Stalled),
+            None => {
+                self.stage = Stage::Stream;
+                if self.axes[0].is_running() {
+                    self.fail(0, Trouble::Stalled, now);
+                }
+            }
+        }
+    }
+
+    /// Commands other than those that are answered at once have to wait.
+    fn is_occupied(&self) -> bool {
+        !(matches!(self.stage, Stage::Idle) || self.is_streaming())
+    }
+
+    fn reset_for_identity(&mut self, now: u64) -> bool {
+        self.send_reset_to_all();
+        self.stage = Stage::Identify {
+            until: now + self.clock.micros(crate::ads1281::RESET_US),
+        };
+        true
+    }
+
+    fn identify_converters(&mut self) -> bool {
+        for (converter, id) in self.converters.iter_mut().zip(&mut self.ids) {
+            *id = converter.identify().ok();
+        }
+        self.stage = Stage::Idle;
+        true
+    }
+
+    fn restart(&mut self, now: u64, until: u64) -> bool {
+        let gone = !self.outbox.reply_waits() && self.platform.transmit_idle();
+        if gone || now >= until {
+            self.stage = Stage::Halted;
+            self.platform.restart();
+        }
+        gone
+    }
+}
+
+/// How long [`Request::Reset`](inm_protocol::Request::Reset) waits for its reply to leave, microseconds.
+const RESTART_US: u32 = 200_000;

@@ -1,0 +1,117 @@
+//! Messages on their way to the link: nothing waits for it, and what is given up is counted.
+//!
+//! Batches and health records that find no room are dropped. Replies and events wait for room,
+//! so that a command is answered exactly once and trouble is told even when the trouble is the
+//! link.
+
+use heapless::Deque;
+use inm_protocol::{Batch, Event, Health, MAX_FRAME, Reply, ToHost, Trouble, encode};
+
+use crate::Platform;
+
+/// Events that can wait.
+const EVENTS: usize = 16;
+
+/// The sending side of the link.
+pub(super) struct Outbox {
+    frame: [u8; MAX_FRAME],
+    reply: Option<Reply>,
+    events: Deque<Event, EVENTS>,
+    /// Batches dropped in a row, and the index of the first.
+    dropped: (u32, u64),
+    /// Frames handed to the transmitter.
+    pub sent: u32,
+    /// Frames given up.
+    pub given_up: u32,
+}
+
+impl Outbox {
+    pub(super) const fn new() -> Self {
+        Self {
+            frame: [0; MAX_FRAME],
+            reply: None,
+            events: Deque::new(),
+            dropped: (0, 0),
+            sent: 0,
+            given_up: 0,
+        }
+    }
+
+    /// Sends what waits, as far as there is room; `true` if anything was sent.
+    pub(super) fn flush<P: Platform>(&mut self, platform: &mut P) -> bool {
+        let before = self.sent;
+        if let Some(reply) = self.reply.take() {
+            let message = ToHost::Reply(reply);
+            if !self.send(platform, &message)
+                && let ToHost::Reply(reply) = message
+            {
+                self.reply = Some(reply);
+            }
+        }
+        while let Some(&event) = self.events.front()
+            && self.send(platform, &ToHost::Event(event))
+        {
+            self.events.pop_front();
+        }
+        self.sent != before
+    }
+
+    /// Whether a reply waits: the next command has to wait too.
+    pub(super) fn reply_waits(&self) -> bool {
+        self.reply.is_some()
+    }
+
+    /// Answers a command.
+    pub(super) fn reply(&mut self, reply: Reply) {
+        self.reply = Some(reply);
+    }
+
+    /// Tells the host what happened.
+    pub(super) fn event(&mut self, event: Event) {
+        if self.events.push_back(event).is_err() {
+            self.given_up = self.given_up.saturating_add(1);
+        }
+    }
+
+    /// Sends a batch or drops it.
+    pub(super) fn batch<P: Platform>(&mut self, platform: &mut P, batch: Batch) {
+        let first = batch.first;
+        if self.send(platform, &ToHost::Samples(batch)) {
+            let (batches, index) = core::mem::take(&mut self.dropped);
+            if batches > 0 {
+                self.event(Event {
+                    index,
+                    axis: None,
+                    trouble: Trouble::LinkFull { batches },
+                });
+            }
+        } else {
+            self.given_up = self.given_up.saturating_add(1);
+            let (batches, index) = self.dropped;
+            let since = if batches == 0 { first } else { index };
+            self.dropped = (batches.saturating_add(1), since);
+        }
+    }
+
+    /// Sends a health record or drops it.
+    pub(super) fn health<P: Platform>(&mut self, platform: &mut P, health: Health) {
+        if !self.send(platform, &ToHost::Health(health)) {
+            self.given_up = self.given_up.saturating_add(1);
+        }
+    }
+
+    fn send<P: Platform>(&mut self, platform: &mut P, message: &ToHost) -> bool {
+        // The frame has room for every message there is; an error would be a drop, and counted.
+        let Ok(len) = encode(message, &mut self.frame) else {
+            return false;
+        };
+        let queued = self
+            .frame
+            .get(..len)
+            .is_some_and(|frame| platform.transmit(frame));
+        if queued {
+            self.sent = self.sent.wrapping_add(1);
+        }
+        queued
+    }
+}

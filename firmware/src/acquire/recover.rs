@@ -1,0 +1,127 @@
+//! Back to good words: rest, RESET, configure, prove, one common SYNC.
+//!
+//! An axis that fails is left without a clock for 64 data periods, so that its serial
+//! interface begins a new byte whatever the bus did to it, then reset and configured like at
+//! the start. Y and Z have to show an edge of DRDY on their own before the common SYNC makes a
+//! gap of 63 conversions in all axes: a dead converter costs the others nothing. X has no such
+//! test, since nothing is read without it. Attempts go on for as long as the stream does, the
+//! rest doubling from one to the next up to [`LONGEST_REST_US`].
+
+use inm_protocol::Trouble;
+
+use super::axis::State;
+use super::{Instrument, Stage};
+use crate::Platform;
+use crate::ads1281::{Error, IDLE_READINGS, RESET_US, SETTLING_READINGS};
+
+/// Longest rest between two attempts, microseconds.
+const LONGEST_REST_US: u32 = 5_000_000;
+
+/// Data periods in which a configured axis has to show an edge.
+const PROOF_READINGS: u32 = SETTLING_READINGS + 16;
+
+impl<P: Platform> Instrument<P> {
+    /// Takes an axis out of the stream and tells the host why.
+    pub(super) fn fail(&mut self, axis: usize, trouble: Trouble, now: u64) {
+        self.event(self.position.next_index(), Some(axis as u8), trouble);
+        let state = &mut self.axes[axis];
+        let rest = self.clock.periods(IDLE_READINGS) << state.attempts.min(16);
+        let longest = self
+            .clock
+            .micros(LONGEST_REST_US)
+            .max(self.clock.periods(IDLE_READINGS));
+        state.rest(trouble, now + rest.min(longest));
+    }
+
+    /// Takes each axis that is not running one step on, when it is due; `true` if one moved.
+    pub(super) fn recover(&mut self, now: u64) -> bool {
+        let mut moved = false;
+        for axis in 0..self.axes.len() {
+            moved |= match self.axes[axis].state {
+                State::Running => false,
+                State::Resting { until } => now >= until && self.reset_axis(axis, now),
+                State::Resetting { until } => now >= until && self.configure_axis(axis, now),
+                State::Proving { until } => self.prove_axis(axis, now, until),
+            };
+        }
+        moved
+    }
+
+    fn reset_axis(&mut self, axis: usize, now: u64) -> bool {
+        match self.converters[axis].reset() {
+            Ok(()) => {
+                let state = &mut self.axes[axis];
+                state.counters.resets = state.counters.resets.saturating_add(1);
+                state.state = State::Resetting {
+                    until: now + self.clock.micros(RESET_US),
+                };
+            }
+            Err(error) => self.fail(axis, error.trouble(), now),
+        }
+        true
+    }
+
+    fn configure_axis(&mut self, axis: usize, now: u64) -> bool {
+        match self.write_configuration(axis) {
+            Ok(()) if axis == 0 => self.rejoin(axis),
+            Ok(()) => {
+                self.axes[axis].state = State::Proving {
+                    until: now + self.clock.periods(PROOF_READINGS),
+                };
+            }
+            Err(error) => self.fail(axis, error.trouble(), now),
+        }
+        true
+    }
+
+    fn prove_axis(&mut self, axis: usize, now: u64, until: u64) -> bool {
+        if self.converters[axis].take_edge() {
+            self.rejoin(axis);
+            true
+        } else if now >= until {
+            self.fail(axis, Trouble::Stalled, now);
+            true
+        } else {
+            false
+        }
+    }
+
+    /// Brings an axis back into the stream.
+    fn rejoin(&mut self, axis: usize) {
+        self.flush_batch();
+        self.axes[axis].resume();
+        self.recovering[axis] = true;
+        self.synchronise(None);
+        // SYNC restarts the filters of those that are still being proved, too.
+        let proved = self.platform.now() + self.clock.periods(PROOF_READINGS);
+        for other in &mut self.axes {
+            if let State::Proving { until } = &mut other.state {
+                *until = proved;
+            }
+        }
+    }
+
+    /// Configures one converter, verifies, and starts read-continuous mode.
+    pub(super) fn write_configuration(&mut self, axis: usize) -> Result<(), Error> {
+        let registers = self.converters[axis].configure(&self.configs[axis])?;
+        self.registers[axis] = registers;
+        let [id, ..] = registers;
+        self.ids[axis] = self.ids[axis].or(Some(id));
+        self.converters[axis].read_continuously()
+    }
+
+    /// RESET to every converter; one that cannot be reached shows when it is configured.
+    pub(super) fn send_reset_to_all(&mut self) {
+        for (converter, axis) in self.converters.iter_mut().zip(&mut self.axes) {
+            if converter.reset().is_ok() {
+                axis.counters.resets = axis.counters.resets.saturating_add(1);
+            }
+        }
+    }
+
+    /// Stops streaming. What was gathered is sent.
+    pub(super) fn end_stream(&mut self) {
+        self.flush_batch();
+        self.stage = Stage::Idle;
+    }
+}

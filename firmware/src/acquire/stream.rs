@@ -1,0 +1,160 @@
+//! One conversion of all axes, from its stamp to the batch.
+
+use inm_protocol::{AXES, Code, Event, Flags, Trouble};
+
+use super::axis::STALLED;
+use super::batch::Conversion;
+use super::clock::Interval;
+use super::read_back::Rounds;
+use super::{Instrument, Job, Stage};
+use crate::Platform;
+
+/// Where the stream stands.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Position {
+    /// Index and stamp of the last conversion.
+    last: Option<(u64, u64)>,
+}
+
+impl Position {
+    /// Index of the next conversion.
+    pub(super) fn next_index(&self) -> u64 {
+        self.last.map_or(0, |(index, _)| index + 1)
+    }
+}
+
+impl<P: Platform> Instrument<P> {
+    /// The converters have settled after a start command: index 0 comes next.
+    pub(super) fn begin_stream(&mut self, job: Job) {
+        self.position = Position::default();
+        self.rounds = Rounds::default();
+        self.batcher.restart();
+        self.lost_conversions = 0;
+        self.recovering = [false; AXES];
+        for axis in &mut self.axes {
+            axis.start();
+        }
+        self.stage = Stage::Stream;
+        self.answer_started(job);
+    }
+
+    /// Reads the conversion that X's DRDY announced at `stamp`.
+    pub(super) fn conversion(&mut self, stamp: u64) {
+        let (index, interval) = match self.position.last {
+            None => (0, Interval::Next),
+            Some((index, last)) => match self.clock.between(last, stamp) {
+                Interval::Early => {
+                    self.rounds.suspect(0);
+                    return;
+                }
+                Interval::Next => (index + 1, Interval::Next),
+                Interval::Gap { periods } => (index + periods, Interval::Gap { periods }),
+            },
+        };
+        if !self.clock.in_time_to_read(stamp, self.platform.now()) {
+            // Too late for any word: the conversion is lost, and the index shows it.
+            return;
+        }
+        self.position.last = Some((index, stamp));
+        if let Interval::Gap { periods } = interval {
+            self.after_gap(index, periods.saturating_sub(1));
+        }
+
+        let mut troubles = [None; AXES];
+        let conversion = self.read_axes(index, stamp, &mut troubles);
+        if let Some(batch) = self.batcher.push(&conversion) {
+            self.outbox.batch(&mut self.platform, batch);
+        }
+        if troubles.iter().any(Option::is_some) {
+            let now = self.platform.now();
+            for (axis, trouble) in troubles.into_iter().enumerate() {
+                match trouble {
+                    None => {}
+                    // The part recovers from an overload by itself.
+                    Some(Trouble::OverRange) => {
+                        self.event(index, Some(axis as u8), Trouble::OverRange);
+                    }
+                    Some(trouble) => self.fail(axis, trouble, now),
+                }
+            }
+        }
+        self.read_back(stamp);
+    }
+
+    /// The conversion with this index does not follow the last one: `lost` are missing between.
+    #[cold]
+    fn after_gap(&mut self, index: u64, lost: u64) {
+        self.lost_conversions += lost;
+        self.flush_batch();
+        if self.recovering == [false; AXES] {
+            self.rounds.suspect(0);
+        }
+        for (axis, recovered) in (0..).zip(core::mem::take(&mut self.recovering)) {
+            if recovered {
+                let lost = u32::try_from(lost).unwrap_or(u32::MAX);
+                self.event(index, Some(axis), Trouble::Recovered { lost });
+            }
+        }
+    }
+
+    fn read_axes(
+        &mut self,
+        index: u64,
+        stamp: u64,
+        troubles: &mut [Option<Trouble>; AXES],
+    ) -> Conversion {
+        let mut conversion = Conversion {
+            index,
+            stamp,
+            codes: [Code(0); AXES],
+            flags: [Flags::NONE; AXES],
+        };
+        let output = self.configs[0].config0.output;
+        let axes = self.axes.iter_mut().zip(&mut self.converters);
+        for (axis, (state, converter)) in axes.enumerate() {
+            // Later, the next word would be taken for this one.
+            let in_time = self.clock.in_time_to_read(stamp, self.platform.now());
+            let judgement = if state.is_running() && in_time {
+                state.judge(converter.take_new(), output)
+            } else {
+                state.absent()
+            };
+            if state.has_just_missed() {
+                self.rounds.suspect(axis);
+            }
+            conversion.codes[axis] = judgement.code;
+            conversion.flags[axis] = judgement.flags;
+            troubles[axis] = judgement.trouble;
+        }
+        conversion
+    }
+
+    /// X's DRDY drives everything: without it only the timer tells.
+    pub(super) fn watch_trigger(&mut self, now: u64) -> bool {
+        let Some((_, stamp)) = self.position.last else {
+            return false;
+        };
+        let stalled = self.axes[0].is_running()
+            && now.saturating_sub(stamp) > self.clock.periods(STALLED) + self.clock.periods(1) / 2;
+        if stalled {
+            self.flush_batch();
+            self.fail(0, Trouble::Stalled, now);
+        }
+        stalled
+    }
+
+    /// Sends what has been gathered: a gap follows, or the end.
+    pub(super) fn flush_batch(&mut self) {
+        if let Some(batch) = self.batcher.take() {
+            self.outbox.batch(&mut self.platform, batch);
+        }
+    }
+
+    pub(super) fn event(&mut self, index: u64, axis: Option<u8>, trouble: Trouble) {
+        self.outbox.event(Event {
+            index,
+            axis,
+            trouble,
+        });
+    }
+}

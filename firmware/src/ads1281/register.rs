@@ -1,0 +1,147 @@
+//! Register map: addresses, fields, reset values.
+//!
+//! The map is that of the family (ADS1282-SP data sheet and the vendor's example code) with the
+//! cells of the ADS1281 as far as SBAS378D was read; CONFIG1 holds multiplexer and gain on the
+//! ADS1282, is reserved here, and is never written.
+
+use inm_protocol::{Phase, REGISTERS, Rate};
+
+/// Address of a register.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+#[repr(u8)]
+pub enum Address {
+    /// Identification: low nibble 0, high nibble factory set. Read only.
+    Id = 0x00,
+    /// Filter, data rate, kind of synchronisation: [`Config0`].
+    Config0 = 0x01,
+    /// Reserved on this part: left at its reset value.
+    Config1 = 0x02,
+    /// High-pass corner, low byte.
+    Hpf0 = 0x03,
+    /// High-pass corner, high byte.
+    Hpf1 = 0x04,
+    /// Offset, low byte.
+    Ofc0 = 0x05,
+    /// Offset, middle byte.
+    Ofc1 = 0x06,
+    /// Offset, high byte.
+    Ofc2 = 0x07,
+    /// Gain, low byte.
+    Fsc0 = 0x08,
+    /// Gain, middle byte.
+    Fsc1 = 0x09,
+    /// Gain, high byte.
+    Fsc2 = 0x0A,
+}
+
+impl Address {
+    /// All registers in order.
+    pub const ALL: [Self; REGISTERS] = [
+        Self::Id,
+        Self::Config0,
+        Self::Config1,
+        Self::Hpf0,
+        Self::Hpf1,
+        Self::Ofc0,
+        Self::Ofc1,
+        Self::Ofc2,
+        Self::Fsc0,
+        Self::Fsc1,
+        Self::Fsc2,
+    ];
+
+    /// Place in a table of all registers.
+    pub const fn index(self) -> usize {
+        self as usize
+    }
+}
+
+/// Reset value of the HPF word: corner at 5e-4 of the data rate.
+pub const HPF_RESET: u16 = 0x0332;
+
+/// FSC word of gain one, the reset value.
+pub const FSC_UNITY: u32 = 0x40_0000;
+
+/// Whether an ID register can be that of an ADS1281: its low nibble is 0.
+pub const fn id_is_plausible(id: u8) -> bool {
+    id & 0x0F == 0
+}
+
+/// How SYNC acts (SBAS378D, page 21).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+pub enum SyncMode {
+    /// Each rising edge restarts the filter; DRDY stays high until the data have settled.
+    #[default]
+    Pulse,
+    /// SYNC is a clock: the filter restarts only when its period does not fit. DRDY goes on
+    /// and the words read zero until settled.
+    Continuous,
+}
+
+/// FILTR field: what leaves the converter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+#[repr(u8)]
+pub enum Output {
+    /// Modulator bits, digital filter off.
+    Modulator = 0b00,
+    /// Sinc stage only.
+    Sinc = 0b01,
+    /// Sinc and FIR stages.
+    #[default]
+    Fir = 0b10,
+    /// Sinc and FIR stages, then the high-pass.
+    FirHighPass = 0b11,
+}
+
+/// CONFIG0, 01h. Default is the reset value, 52h.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+pub struct Config0 {
+    /// SYNC, bit 7.
+    pub sync: SyncMode,
+    /// DR, bits 5 to 3: data rate of the FIR output.
+    pub rate: Rate,
+    /// PHS, bit 2: phase response of the FIR stages.
+    pub phase: Phase,
+    /// FILTR, bits 1 and 0.
+    pub output: Output,
+}
+
+impl Default for Config0 {
+    fn default() -> Self {
+        Self {
+            sync: SyncMode::Pulse,
+            rate: Rate::Sps1000,
+            phase: Phase::Linear,
+            output: Output::Fir,
+        }
+    }
+}
+
+impl Config0 {
+    /// Bit 6: MODE on the ADS1282, where 1 is high resolution; kept at its reset value of 1.
+    const ALWAYS: u8 = 1 << 6;
+
+    /// The register's value.
+    pub const fn bits(self) -> u8 {
+        let sync = match self.sync {
+            SyncMode::Pulse => 0,
+            SyncMode::Continuous => 1 << 7,
+        };
+        let rate = match self.rate {
+            Rate::Sps250 => 0b000,
+            Rate::Sps500 => 0b001,
+            Rate::Sps1000 => 0b010,
+            Rate::Sps2000 => 0b011,
+            Rate::Sps4000 => 0b100,
+        };
+        let phase = match self.phase {
+            Phase::Linear => 0,
+            Phase::Minimum => 1 << 2,
+        };
+        sync | Self::ALWAYS | rate << 3 | phase | self.output as u8
+    }
+}

@@ -1,0 +1,117 @@
+//! What the instrument needs of the machine it runs on.
+//!
+//! One super-loop calls [`Instrument::step`](crate::Instrument::step) for ever. Interrupts
+//! only stamp DRDY edges and move link bytes through queues; they are the far ends of
+//! [`Platform::take_edge_stamp`], [`Platform::receive`] and [`Platform::transmit`]. All
+//! methods return at once.
+
+use embedded_hal::delay::DelayNs;
+use embedded_hal::digital::OutputPin;
+use embedded_hal::spi::SpiBus;
+use inm_protocol::{Restart, SensorRange};
+
+use crate::ads1281::DataReady;
+
+/// Machine under the instrument.
+pub trait Platform {
+    /// SPI bus of one converter; the same type for all three.
+    ///
+    /// Mode 0, MSB first, at most 2.048 MHz. The ADS1281 has no CS and drives DOUT always, so
+    /// that each has a bus of its own. Where the three peripherals differ in type, an enum
+    /// over them serves.
+    type Spi: SpiBus<u8>;
+    /// DRDY of one converter.
+    type Drdy: DataReady;
+    /// SYNC, common to the converters.
+    type Sync: OutputPin;
+    /// Blocking delay, exact to a microsecond or so upwards.
+    type Delay: DelayNs;
+
+    /// What the board is; constant from start to restart.
+    fn board(&self) -> Board;
+
+    /// Free-running timer, ticks of [`Board::timer_hz`] since some moment before the start.
+    fn now(&self) -> u64;
+
+    /// Timer at the latest falling edge of X's DRDY, once: `None` if there was none since the
+    /// last call.
+    ///
+    /// One stamp is kept, not a queue: conversions are numbered by the time between stamps, an
+    /// edge that came and went shows as a gap in the index, and its word is gone anyway. The
+    /// latch of [`DataReady::take_edge`] of X is another one, set by the same edge.
+    fn take_edge_stamp(&mut self) -> Option<u64>;
+
+    /// Next byte from the host.
+    fn receive(&mut self) -> Option<u8>;
+
+    /// Bytes from the host that found the receive queue full, or broken on the line, since the
+    /// start.
+    fn receive_lost(&self) -> u32 {
+        0
+    }
+
+    /// Queues a whole frame for the host; `false` when the queue has no room for all of it,
+    /// and then none of it is queued.
+    fn transmit(&mut self, frame: &[u8]) -> bool;
+
+    /// Whether all that was queued has left.
+    fn transmit_idle(&self) -> bool;
+
+    /// Temperature of the microcontroller, 0.01 degC; `None` without a sensor.
+    fn temperature_centi_celsius(&mut self) -> Option<i16> {
+        None
+    }
+
+    /// Supply of the accelerometers, millivolts; `None` where it is not measured.
+    fn supply_mv(&mut self) -> Option<u16> {
+        None
+    }
+
+    /// Drives the accelerometers' self-test pin.
+    fn self_test(&mut self, on: bool);
+
+    /// Stack of the program; zeros where it is not measured.
+    fn stack(&self) -> Stack {
+        Stack::default()
+    }
+
+    /// Restarts the watchdog's count; called in every step.
+    fn feed_watchdog(&mut self);
+
+    /// Restarts the board, so that [`Board::restart`] is [`Restart::Command`] afterwards. If
+    /// it returns, the instrument does nothing more, and the watchdog is no longer fed.
+    fn restart(&mut self);
+}
+
+/// What a board is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Board {
+    /// What the image was built for: `stm32f405`, `qemu`, `virtual`; at most 16 bytes.
+    pub platform: &'static str,
+    /// Unique number of the microcontroller.
+    pub serial: [u32; 3],
+    /// Ticks of the timer in a second; 100 kHz or more, so that a stamp tells conversions
+    /// apart.
+    pub timer_hz: u32,
+    /// Clock of the SPI buses, hertz.
+    pub spi_hz: u32,
+    /// Speed of the link, bit/s; ten bits make a byte.
+    pub baud: u32,
+    /// Range of the accelerometers.
+    pub range: SensorRange,
+    /// Reference voltage of the converters, microvolts.
+    pub reference_uv: u32,
+    /// Nominal supply of the accelerometers, microvolts.
+    pub sensor_supply_uv: u32,
+    /// Why the board last started.
+    pub restart: Restart,
+}
+
+/// Use of the stack.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Stack {
+    /// Most ever used, bytes.
+    pub used: u32,
+    /// Bytes there are.
+    pub size: u32,
+}

@@ -1,0 +1,152 @@
+//! What a capture says about itself.
+
+use std::path::Path;
+
+use inm_firmware::mma7331l::Scaling;
+use inm_protocol::{AXES, Filter, Identity, REGISTERS, SensorRange, Settings, VERSION};
+use serde::{Deserialize, Serialize};
+
+use super::CaptureError;
+use crate::chain::Chain;
+use crate::signal::{Axis, Signal, Unit};
+
+/// The second line of a capture, one JSON object.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Header {
+    /// Protocol version of the frames.
+    pub protocol: u8,
+    /// Release of the program that wrote the file.
+    pub inm: String,
+    /// Wall clock when streaming was started, RFC 3339.
+    pub created: String,
+    /// Samples a second.
+    pub rate_hz: f64,
+    /// Who recorded.
+    pub board: BoardHeader,
+    /// How the converters were set up.
+    pub settings: Settings,
+    /// Registers 00h to 0Ah of each converter at the start.
+    pub registers: [[u8; REGISTERS]; AXES],
+    /// The axes in the order of the codes.
+    pub axes: Vec<AxisHeader>,
+}
+
+/// The board that recorded.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BoardHeader {
+    /// Unique number of its microcontroller, hexadecimal.
+    pub serial: String,
+    /// What the image was built for.
+    pub platform: String,
+    /// Release of its firmware.
+    pub firmware: String,
+    /// ID registers of the converters; null where one did not answer.
+    pub converters: [Option<u8>; AXES],
+    /// Ticks a second of the stamps in the batches.
+    pub timer_hz: u32,
+    /// Clock of the converters, hertz.
+    pub converter_clock_hz: u32,
+    /// Reference of the converters, volts.
+    pub reference_v: f64,
+    /// Range of the accelerometers.
+    pub range: SensorRange,
+    /// Nominal supply of the accelerometers, volts.
+    pub sensor_supply_v: f64,
+}
+
+/// One axis: `value = scale * (code - zero)`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AxisHeader {
+    /// X, Y or Z.
+    pub name: String,
+    /// Unit of the value.
+    pub unit: Unit,
+    /// Units per count of the 32-bit word.
+    pub scale: f64,
+    /// Word at zero signal.
+    pub zero: f64,
+    /// What lies between acceleration and word, as for `--chain`.
+    pub chain: String,
+}
+
+/// Corner of the MMA7331L's own low-pass, hertz (data sheet, typical: 400 in plane, 300 across).
+const SENSOR_POLE_HZ: [f64; AXES] = [400.0, 400.0, 300.0];
+
+impl Header {
+    /// The header of a recording by this board, from now on.
+    pub fn new(identity: &Identity, registers: [[u8; REGISTERS]; AXES], created: String) -> Self {
+        let settings = identity.settings;
+        let reference_v = f64::from(identity.reference_uv) * 1e-6;
+        let supply_v = f64::from(identity.sensor_supply_uv) * 1e-6;
+        let converter = match settings.filter {
+            Filter::Fir { phase, .. } => Some(phase),
+            Filter::Sinc | Filter::Modulator => None,
+        };
+        let scaling = Scaling::new(
+            identity.reference_uv,
+            identity.range,
+            identity.sensor_supply_uv,
+        );
+        let axes = ["X", "Y", "Z"]
+            .into_iter()
+            .zip(SENSOR_POLE_HZ)
+            .map(|(name, pole_hz)| AxisHeader {
+                name: name.to_owned(),
+                unit: Unit::MetrePerSecondSquared,
+                scale: scaling.scale(),
+                zero: scaling.zero(),
+                chain: Chain {
+                    converter,
+                    poles_hz: vec![pole_hz],
+                }
+                .to_string(),
+            });
+        Self {
+            protocol: VERSION,
+            inm: env!("CARGO_PKG_VERSION").to_owned(),
+            created,
+            rate_hz: f64::from(settings.rate.hz()),
+            board: BoardHeader {
+                serial: identity.serial.map(|word| format!("{word:08x}")).concat(),
+                platform: identity.platform.to_string(),
+                firmware: identity.firmware.to_string(),
+                converters: identity.converters,
+                timer_hz: identity.timer_hz,
+                converter_clock_hz: identity.converter_clock_hz,
+                reference_v,
+                range: identity.range,
+                sensor_supply_v: supply_v,
+            },
+            settings,
+            registers,
+            axes: axes.collect(),
+        }
+    }
+
+    /// The record that a capture with this header is one of.
+    ///
+    /// # Errors
+    /// [`CaptureError::Chain`] if an axis names a signal chain that is not known.
+    pub fn signal(&self, path: &Path) -> Result<Signal, CaptureError> {
+        let axes = self.axes.iter().map(|axis| {
+            let chain = axis.chain.parse().map_err(|source| CaptureError::Chain {
+                path: path.to_owned(),
+                axis: axis.name.clone(),
+                source,
+            })?;
+            Ok(Axis {
+                name: axis.name.clone(),
+                unit: axis.unit,
+                scale: axis.scale,
+                zero: axis.zero,
+                chain: Some(chain),
+            })
+        });
+        Ok(Signal {
+            name: path.display().to_string(),
+            rate_hz: self.rate_hz,
+            axes: axes.collect::<Result<_, _>>()?,
+            start: Some(self.created.clone()),
+        })
+    }
+}

@@ -1,0 +1,27 @@
+//! The recording: a text header and then every byte as it came from the board.
+//!
+//! ```text
+//! #inm-capture 1\n
+//! {"protocol":1,"created":"...","board":{...},"settings":{...},"axes":[...]}\n
+//! frame frame frame ...            as in protocol/WIRE.md, damaged ones included
+//! ```
+//!
+//! The file is only ever appended to, and each read from the port is written at once, so a
+//! capture cut at any byte is a capture of everything up to its last whole frame. What the
+//! host itself has to say (the port went away, the recording was ended on purpose) stands
+//! between the frames as a [`Note`](inm_protocol::Note) in a frame of its own. Because the
+//! bytes are kept as received, `inm replay` sends them down the path that live data take, and
+//! a fault of the link can be looked at years later.
+
+mod error;
+mod header;
+mod reader;
+mod writer;
+
+pub use error::CaptureError;
+pub use header::{AxisHeader, BoardHeader, Header};
+pub use reader::Reader;
+pub use writer::Writer;
+
+/// First line of every capture, without its line feed.
+pub const MAGIC: &str = "#inm-capture 1";

@@ -1,0 +1,116 @@
+//! Options of the subcommands that talk to a board.
+
+use std::time::Duration;
+
+use clap::Args;
+use inm_protocol::{Filter, Phase, Rate, Settings};
+
+use crate::link::{Connect, Patience, SerialConnect};
+use crate::source::board::Plan;
+use crate::source::virtual_board::VirtualConnect;
+
+/// Which board, and how it is to record.
+#[derive(Debug, Clone, Args)]
+pub struct BoardOptions {
+    /// Serial port of the board (`/dev/ttyUSB0`, `COM3`), or `virtual` for one without hardware.
+    #[arg(long, value_name = "PORT")]
+    pub source: String,
+
+    /// Samples a second: 250, 500, 1000, 2000 (default) or 4000.
+    #[arg(long, value_name = "HZ", value_parser = parse_rate)]
+    pub rate: Option<Rate>,
+
+    /// Converter filter: linear phase, or minimum phase for a shorter delay.
+    #[arg(long, value_enum, default_value_t)]
+    pub phase: PhaseArg,
+
+    /// High-pass of the converter: its HPF word, decimal or 0x hexadecimal. Deletes drift.
+    #[arg(long, value_name = "WORD", value_parser = parse_word)]
+    pub high_pass: Option<u16>,
+
+    /// Stop after this many seconds of samples.
+    #[arg(long, value_name = "S", value_parser = parse_positive)]
+    pub duration: Option<f64>,
+
+    /// Speed of the serial port, bit/s.
+    #[arg(long, value_name = "BIT_PER_S", default_value_t = 921_600)]
+    pub baud: u32,
+
+    /// Wait this long for a port that went away to come back.
+    #[arg(long, value_name = "S", default_value_t = 60.0)]
+    pub reconnect: f64,
+
+    /// Seed of the virtual board's noise.
+    #[arg(long, default_value_t = 1)]
+    pub seed: u64,
+
+    /// Virtual board only: seconds of board time in a second, or 0 for as fast as it goes.
+    #[arg(long, value_name = "FACTOR")]
+    pub speed: Option<f64>,
+}
+
+/// Phase response of the converter's filter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+pub enum PhaseArg {
+    /// Symmetric impulse response.
+    #[default]
+    Linear,
+    /// Shortest delay.
+    Minimum,
+}
+
+impl BoardOptions {
+    /// How to reach the board; `default_speed` is that of the virtual board.
+    pub fn connect(&self, default_speed: f64) -> Box<dyn Connect> {
+        if self.source == "virtual" {
+            let speed = self.speed.unwrap_or(default_speed);
+            return Box::new(VirtualConnect::published(self.seed, speed));
+        }
+        Box::new(SerialConnect {
+            path: self.source.clone(),
+            baud: self.baud,
+        })
+    }
+
+    /// What to ask of the board.
+    pub fn plan(&self) -> Plan {
+        let rate = self.rate.unwrap_or_default();
+        let phase = match self.phase {
+            PhaseArg::Linear => Phase::Linear,
+            PhaseArg::Minimum => Phase::Minimum,
+        };
+        let filter = Filter::Fir {
+            phase,
+            high_pass: self.high_pass,
+        };
+        Plan {
+            settings: Some(Settings { rate, filter }),
+            samples: self
+                .duration
+                .map(|s| (s * f64::from(rate.hz())).round() as u64),
+            patience: Patience::default(),
+            reconnect: (self.reconnect > 0.0).then(|| Duration::from_secs_f64(self.reconnect)),
+        }
+    }
+}
+
+fn parse_rate(text: &str) -> Result<Rate, String> {
+    let known = || Rate::ALL.map(|rate| rate.hz().to_string()).join(", ");
+    let hz = text.parse().ok().and_then(Rate::from_hz);
+    hz.ok_or_else(|| format!("the converter has {} samples a second", known()))
+}
+
+fn parse_word(text: &str) -> Result<u16, String> {
+    let parsed = match text.strip_prefix("0x") {
+        Some(hex) => u16::from_str_radix(hex, 16),
+        None => text.parse(),
+    };
+    parsed.map_err(|_| "a number from 0 to 65535 or 0x0 to 0xffff is expected".to_owned())
+}
+
+fn parse_positive(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(seconds) if f64::is_finite(seconds) && seconds > 0.0 => Ok(seconds),
+        _ => Err("a positive number of seconds is expected".to_owned()),
+    }
+}

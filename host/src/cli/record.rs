@@ -1,0 +1,42 @@
+//! `inm record`: samples of a board into a capture.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::board::BoardOptions;
+use super::interrupt;
+use crate::live::{Screen, watch};
+use crate::source::board::BoardSource;
+
+/// Arguments of `inm record`.
+#[derive(Debug, Args)]
+pub struct RecordCommand {
+    #[command(flatten)]
+    board: BoardOptions,
+    /// Capture to write; it must not exist yet.
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+}
+
+impl RecordCommand {
+    /// Runs the subcommand. Ctrl-C ends the recording in good order.
+    ///
+    /// # Errors
+    /// What the board or the file says; what was recorded until then stays.
+    pub fn run(self) -> anyhow::Result<()> {
+        let stop = interrupt::stop_on_signal()?;
+        let connect = self.board.connect(0.0);
+        let mut source = BoardSource::start(connect, self.board.plan(), Some(&self.output), stop)?;
+        let ended = watch(&mut source, None, &mut Screen::stderr());
+        // Said in either case: a recording that broke off is still a recording.
+        println!(
+            "{}: {} samples an axis, {} lost, {} bytes",
+            self.output.display(),
+            source.next_index(),
+            source.losses().lost_samples,
+            source.captured_bytes()
+        );
+        Ok(ended?)
+    }
+}

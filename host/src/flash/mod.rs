@@ -1,0 +1,16 @@
+//! Programming the board through a debug probe.
+//!
+//! [`Image`] is what the ELF file asks for, checked without any hardware; [`program`] brings
+//! it into the flash of a board behind a probe.
+
+mod image;
+mod program;
+
+pub use image::{Image, ImageError};
+pub use program::{FlashError, Progress, choose_probe, program};
+
+/// The board's microcontroller, as probe-rs calls it.
+pub const CHIP: &str = "STM32F405RGTx";
+
+/// Where its flash begins, and the vector table with it.
+pub const FLASH_ORIGIN: u64 = 0x0800_0000;

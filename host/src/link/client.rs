@@ -1,0 +1,190 @@
+//! Commands and their replies over an open port.
+
+use std::io::{self, ErrorKind};
+use std::time::{Duration, Instant};
+
+use inm_protocol::{
+    Answer, Command, Identity, MAX_FRAME, REGISTERS, Reply, Request, Settings, ToBoard, encode,
+};
+
+use super::{LinkError, Port};
+
+/// How long to wait for a reply, and how often to ask.
+#[derive(Debug, Clone, Copy)]
+pub struct Patience {
+    /// Wait for one reply.
+    pub wait: Duration,
+    /// Times to ask before giving up: a byte lost on the link costs one.
+    pub tries: u32,
+}
+
+impl Default for Patience {
+    fn default() -> Self {
+        Self {
+            wait: Duration::from_millis(1500),
+            tries: 3,
+        }
+    }
+}
+
+/// An open port, and the number of the next command.
+///
+/// Whatever arrives while a reply is awaited is handed to the caller, so that no sample is
+/// lost to a question.
+pub struct Client {
+    port: Box<dyn Port>,
+    name: String,
+    next_id: u16,
+    patience: Patience,
+}
+
+impl Client {
+    /// Speaks to the board at `port`; `name` is for messages.
+    pub fn new(port: Box<dyn Port>, name: String, patience: Patience) -> Self {
+        Self {
+            port,
+            name,
+            next_id: 1,
+            patience,
+        }
+    }
+
+    /// Reads what has arrived, or nothing if nothing did within the port's own short time.
+    ///
+    /// # Errors
+    /// [`LinkError::Gone`] if the port went away.
+    pub fn read(&mut self, buf: &mut [u8]) -> Result<usize, LinkError> {
+        match self.port.read(buf) {
+            Ok(len) => Ok(len),
+            Err(error) if is_wait(&error) => Ok(0),
+            Err(source) => Err(LinkError::Gone {
+                port: self.name.clone(),
+                source,
+            }),
+        }
+    }
+
+    /// Sends a request and waits for its answer.
+    ///
+    /// `arrived` is given every byte that arrives and returns the reply with a given number
+    /// once it has decoded it.
+    ///
+    /// # Errors
+    /// [`LinkError::NoReply`], [`LinkError::Refused`], [`LinkError::Gone`], or what `arrived`
+    /// returns.
+    pub fn request<E: From<LinkError>>(
+        &mut self,
+        request: Request,
+        mut arrived: impl FnMut(&[u8], u16) -> Result<Option<Reply>, E>,
+    ) -> Result<Answer, E> {
+        let mut buf = [0; 4096];
+        for _ in 0..self.patience.tries {
+            let id = self.next_id;
+            self.next_id = self.next_id.wrapping_add(1);
+            self.send(Command { id, request })?;
+            let deadline = Instant::now() + self.patience.wait;
+            while Instant::now() < deadline {
+                let len = self.read(&mut buf)?;
+                if let Some(reply) = arrived(&buf[..len], id)? {
+                    return reply.result.map_err(|refusal| {
+                        LinkError::Refused {
+                            port: self.name.clone(),
+                            request,
+                            refusal,
+                        }
+                        .into()
+                    });
+                }
+            }
+        }
+        let Patience {
+            wait: waited,
+            tries,
+        } = self.patience;
+        Err(LinkError::NoReply {
+            port: self.name.clone(),
+            request,
+            waited,
+            tries,
+        }
+        .into())
+    }
+
+    fn send(&mut self, command: Command) -> Result<(), LinkError> {
+        // A zero first ends whatever noise the board believes to be a frame.
+        let mut frame = [0; MAX_FRAME + 1];
+        let gone = |source| LinkError::Gone {
+            port: self.name.clone(),
+            source,
+        };
+        let len = encode(&ToBoard::Command(command), &mut frame[1..])
+            .map_err(|error| gone(io::Error::other(error)))?;
+        self.port
+            .write_all(&frame[..=len])
+            .and_then(|()| self.port.flush())
+            .map_err(gone)
+    }
+
+    /// The error for a board of another protocol version.
+    pub(crate) fn foreign_version(&self, theirs: u8) -> LinkError {
+        LinkError::Version {
+            port: self.name.clone(),
+            theirs,
+        }
+    }
+
+    /// The error for an answer that does not belong to its request.
+    pub(crate) fn wrong_answer(&self, request: Request) -> LinkError {
+        LinkError::WrongAnswer {
+            port: self.name.clone(),
+            request,
+        }
+    }
+}
+
+/// Nothing arrived in time, which is no fault.
+fn is_wait(error: &io::Error) -> bool {
+    matches!(
+        error.kind(),
+        ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted
+    )
+}
+
+/// What an answer should hold, by kind.
+pub(crate) trait Expect: Sized {
+    /// The content, or `None` if the answer is of another kind.
+    fn from_answer(answer: Answer) -> Option<Self>;
+}
+
+impl Expect for Identity {
+    fn from_answer(answer: Answer) -> Option<Self> {
+        match answer {
+            Answer::Identity(identity) => Some(identity),
+            _ => None,
+        }
+    }
+}
+
+impl Expect for Settings {
+    fn from_answer(answer: Answer) -> Option<Self> {
+        match answer {
+            Answer::Settings(settings) => Some(settings),
+            _ => None,
+        }
+    }
+}
+
+impl Expect for [[u8; REGISTERS]; inm_protocol::AXES] {
+    fn from_answer(answer: Answer) -> Option<Self> {
+        match answer {
+            Answer::Registers(registers) => Some(registers),
+            _ => None,
+        }
+    }
+}
+
+impl Expect for () {
+    fn from_answer(_: Answer) -> Option<Self> {
+        Some(())
+    }
+}

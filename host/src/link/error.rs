@@ -1,0 +1,116 @@
+//! What can go wrong between host and board.
+
+use std::io;
+use std::time::Duration;
+
+use inm_protocol::{Refusal, Request, VERSION};
+
+use super::words::why;
+use crate::source::SourceError;
+
+/// Why the board cannot be reached, or does not do what it was asked.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum LinkError {
+    /// The port cannot be opened.
+    #[error("{port}: the port cannot be opened: {source}")]
+    Open {
+        /// Name of the port.
+        port: String,
+        /// Ports that this machine has.
+        available: Vec<String>,
+        /// What the system said.
+        #[source]
+        source: serialport::Error,
+    },
+    /// Reading or writing failed: the port went away.
+    #[error("{port}: the port went away")]
+    Gone {
+        /// Name of the port.
+        port: String,
+        /// What the system said.
+        #[source]
+        source: io::Error,
+    },
+    /// No reply.
+    #[error("{port}: no answer to `{request:?}` within {} ms, asked {tries} times", waited.as_millis())]
+    NoReply {
+        /// Name of the port.
+        port: String,
+        /// What was asked.
+        request: Request,
+        /// How long each time.
+        waited: Duration,
+        /// How often.
+        tries: u32,
+    },
+    /// The board speaks another version.
+    #[error("{port}: the board speaks protocol version {theirs}, this program version {VERSION}")]
+    Version {
+        /// Name of the port.
+        port: String,
+        /// The board's version.
+        theirs: u8,
+    },
+    /// The board said no.
+    #[error("{port}: the board refuses `{request:?}`: {}", why(*refusal))]
+    Refused {
+        /// Name of the port.
+        port: String,
+        /// What was asked.
+        request: Request,
+        /// Its reason.
+        refusal: Refusal,
+    },
+    /// The reply does not belong to the request.
+    #[error("{port}: the answer to `{request:?}` is of another kind")]
+    WrongAnswer {
+        /// Name of the port.
+        port: String,
+        /// What was asked.
+        request: Request,
+    },
+}
+
+impl LinkError {
+    /// What to do about it.
+    pub fn remedy(&self) -> String {
+        match self {
+            Self::Open { available, .. } if available.is_empty() => {
+                "this machine has no serial port: plug the board in, or use `--source virtual`"
+                    .to_owned()
+            }
+            Self::Open { available, .. } => {
+                format!("ports of this machine: {}", available.join(", "))
+            }
+            Self::Gone { .. } => "check cable and power of the board".to_owned(),
+            Self::NoReply { .. } => {
+                "is this the board's port, is the board powered, is its firmware flashed \
+                 (`inm flash`)?"
+                    .to_owned()
+            }
+            Self::Version { .. } => {
+                "flash the firmware of this release (`inm flash`), or use the program that \
+                 belongs to the board's"
+                    .to_owned()
+            }
+            Self::Refused { refusal, .. } => match refusal {
+                Refusal::Streaming => "stop the stream first".to_owned(),
+                Refusal::LinkTooSlow { .. } | Refusal::BusTooSlow { .. } => {
+                    "choose a lower rate, or the FIR filter".to_owned()
+                }
+                Refusal::Converter { .. } => {
+                    "check supply, clock and SPI wiring of that converter".to_owned()
+                }
+            },
+            Self::WrongAnswer { .. } => "restart the board and try again".to_owned(),
+        }
+    }
+}
+
+impl From<LinkError> for SourceError {
+    fn from(error: LinkError) -> Self {
+        let remedy = error.remedy();
+        Self::new(&error, remedy)
+    }
+}

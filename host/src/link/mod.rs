@@ -1,0 +1,12 @@
+//! Talking to a board: a port that bytes come from, and commands with their replies.
+
+mod client;
+mod error;
+mod port;
+mod words;
+
+pub(crate) use client::Expect;
+pub use client::{Client, Patience};
+pub use error::LinkError;
+pub use port::{Connect, Port, SerialConnect};
+pub(crate) use words::{axis_name, describe};

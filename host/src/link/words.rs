@@ -1,0 +1,64 @@
+//! What the board says, in words for people.
+
+use inm_protocol::{Refusal, Trouble};
+
+/// A refusal in words.
+pub(super) fn why(refusal: Refusal) -> String {
+    match refusal {
+        Refusal::Streaming => "it is streaming".to_owned(),
+        Refusal::LinkTooSlow { needed, available } => {
+            format!("these settings need {needed} byte/s and the link carries {available} byte/s")
+        }
+        Refusal::BusTooSlow { asked, readable } => format!(
+            "{asked} conversions/s were asked for and the SPI buses can be read at {readable}/s"
+        ),
+        Refusal::Converter { axis, trouble } => {
+            format!("converter {}: {}", axis_name(axis), describe(trouble))
+        }
+    }
+}
+
+/// X, Y or Z.
+pub(crate) fn axis_name(axis: u8) -> char {
+    match axis {
+        0 => 'X',
+        1 => 'Y',
+        2 => 'Z',
+        _ => '?',
+    }
+}
+
+/// Trouble in words.
+pub(crate) fn describe(trouble: Trouble) -> String {
+    match trouble {
+        Trouble::Stalled => "DRDY stopped; the converter is being reset".to_owned(),
+        Trouble::Stuck { ones } => format!(
+            "the bus reads all {}; the converter is being reset",
+            if ones { "ones" } else { "zeros" }
+        ),
+        Trouble::Slipped { doubled } => format!(
+            "the level {} and stayed: a bit slipped; the converter is being reset",
+            if doubled { "doubled" } else { "halved" }
+        ),
+        Trouble::OverRange => "the converter clips".to_owned(),
+        Trouble::WrongId { found } => {
+            format!("its ID register reads {found:02X}h, an ADS1281 ends in 0h")
+        }
+        Trouble::RegisterLost {
+            address,
+            wrote,
+            found,
+        } => format!(
+            "register {address:02X}h reads {found:02X}h where {wrote:02X}h was written (a \
+             brown-out?); the converter is being reset"
+        ),
+        Trouble::Bus => "the SPI peripheral reports a fault".to_owned(),
+        Trouble::LinkFull { batches } => {
+            format!("the host did not keep up: {batches} batches were dropped")
+        }
+        Trouble::Recovered { lost } => {
+            format!("running again after {lost} data periods without samples")
+        }
+        _ => "trouble of a kind that this program does not know".to_owned(),
+    }
+}

@@ -1,0 +1,64 @@
+//! Text that stays in one place of the terminal.
+
+use std::io;
+use std::time::{Duration, Instant};
+
+use console::Term;
+
+/// A block of lines that is drawn over itself; where the output is not a terminal, one line
+/// now and then.
+#[derive(Debug)]
+pub struct Screen {
+    term: Term,
+    drawn: usize,
+    last: Option<Instant>,
+}
+
+/// Between two pictures on a terminal.
+const PERIOD: Duration = Duration::from_millis(500);
+
+/// Between two lines in a log.
+const LOG_PERIOD: Duration = Duration::from_secs(10);
+
+impl Screen {
+    /// A screen on standard error, so that results can be piped.
+    pub fn stderr() -> Self {
+        Self {
+            term: Term::stderr(),
+            drawn: 0,
+            last: None,
+        }
+    }
+
+    /// Whether it is time for another picture.
+    pub fn is_due(&self) -> bool {
+        let period = if self.term.is_term() {
+            PERIOD
+        } else {
+            LOG_PERIOD
+        };
+        self.last.is_none_or(|last| last.elapsed() >= period)
+    }
+
+    /// Shows `text` in the place of what was shown before. In a log only its second line
+    /// (the progress) appears.
+    ///
+    /// # Errors
+    /// What the terminal says.
+    pub fn show(&mut self, text: &str) -> io::Result<()> {
+        self.last = Some(Instant::now());
+        if !self.term.is_term() {
+            return self.term.write_line(text.lines().nth(1).unwrap_or(text));
+        }
+        let (rows, columns) = self.term.size();
+        // A block taller than the terminal cannot be drawn over; its end matters least.
+        let lines: Vec<String> = text
+            .lines()
+            .take(usize::from(rows).saturating_sub(1))
+            .map(|line| line.chars().take(usize::from(columns)).collect())
+            .collect();
+        self.term.clear_last_lines(self.drawn)?;
+        self.drawn = lines.len();
+        self.term.write_line(&lines.join("\n"))
+    }
+}

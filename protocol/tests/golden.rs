@@ -1,0 +1,171 @@
+//! The bytes of WIRE.md. A change here is a new protocol version.
+
+use inm_protocol::{
+    Batch, Code, Command, Decoder, Event, Fault, Filter, Flag, Flags, Identity, MAX_FRAME, Phase,
+    Rate, Refusal, Reply, Request, Restart, SensorRange, Settings, ToBoard, ToHost, Trouble,
+    VERSION, encode,
+};
+use serde::Serialize;
+
+const WIRE: &str = include_str!("../WIRE.md");
+
+fn hex(message: &impl Serialize) -> String {
+    let mut out = [0; MAX_FRAME];
+    let len = encode(message, &mut out).expect("fits");
+    out[..len]
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect::<Vec<_>>()
+        .join(" ")
+}
+
+/// The frame must stand in WIRE.md under `### <name>`, which is what people implement from.
+fn assert_documented(name: &str, message: &impl Serialize) {
+    let section = WIRE
+        .split("\n### ")
+        .find(|section| section.starts_with(name))
+        .unwrap_or_else(|| panic!("WIRE.md has no section `{name}`"));
+    let documented: Vec<&str> = section
+        .split("```text\n")
+        .nth(1)
+        .and_then(|block| block.split("```").next())
+        .unwrap_or_else(|| panic!("section `{name}` has no text block"))
+        .split_whitespace()
+        .collect();
+    assert_eq!(
+        documented.join(" "),
+        hex(message),
+        "section `{name}` of WIRE.md"
+    );
+}
+
+#[test]
+fn identify() {
+    let command = Command {
+        id: 1,
+        request: Request::Identify,
+    };
+    assert_documented("Identify", &ToBoard::Command(command));
+}
+
+#[test]
+fn configure() {
+    let settings = Settings {
+        rate: Rate::Sps4000,
+        filter: Filter::Fir {
+            phase: Phase::Minimum,
+            high_pass: Some(0x0332),
+        },
+    };
+    let command = Command {
+        id: 300,
+        request: Request::Configure(settings),
+    };
+    assert_documented("Configure", &ToBoard::Command(command));
+}
+
+#[test]
+fn refused() {
+    let refusal = Refusal::LinkTooSlow {
+        needed: 99_500,
+        available: 92_160,
+    };
+    assert_documented(
+        "Refused",
+        &ToHost::Reply(Reply {
+            id: 300,
+            result: Err(refusal),
+        }),
+    );
+}
+
+#[test]
+fn identity() {
+    let identity = Identity {
+        serial: [0x0020_0041, 0x5246_5002, 0x2031_3432],
+        firmware: "0.1.0".try_into().expect("short"),
+        platform: "stm32f405".try_into().expect("short"),
+        timer_hz: 84_000_000,
+        converter_clock_hz: 4_096_000,
+        baud: 921_600,
+        range: SensorRange::G4,
+        reference_uv: 5_000_000,
+        sensor_supply_uv: 2_800_000,
+        converters: [Some(0x50), Some(0x50), None],
+        settings: Settings::default(),
+        restart: Restart::Power,
+    };
+    let answer = inm_protocol::Answer::Identity(identity);
+    assert_documented(
+        "Identity",
+        &ToHost::Reply(Reply {
+            id: 1,
+            result: Ok(answer),
+        }),
+    );
+}
+
+#[test]
+fn samples() {
+    let batch = Batch {
+        seq: 5,
+        first: 160,
+        stamp: 6_720_000,
+        codes: [
+            [Code(1), Code(-2), Code(0x7fff_ffff)],
+            [Code(3), Code(-4), Code(0x1000_0000)],
+        ]
+        .into_iter()
+        .collect(),
+        flags: [Flag {
+            conversion: 0,
+            axis: 2,
+            flags: Flags::OVER_RANGE,
+        }]
+        .into_iter()
+        .collect(),
+    };
+    assert_documented("Samples", &ToHost::Samples(batch));
+}
+
+#[test]
+fn event() {
+    let trouble = Trouble::RegisterLost {
+        address: 1,
+        wrote: 0x5a,
+        found: 0x52,
+    };
+    assert_documented(
+        "Event",
+        &ToHost::Event(Event {
+            index: 1000,
+            axis: Some(1),
+            trouble,
+        }),
+    );
+}
+
+#[test]
+fn a_frame_of_another_version_says_so() {
+    let mut out = [0; MAX_FRAME];
+    let command = ToBoard::Command(Command {
+        id: 1,
+        request: Request::Identify,
+    });
+    let len = encode(&command, &mut out).expect("fits");
+    // Rebuild the frame by hand with the next version and a fresh check sum.
+    let mut payload = [0; MAX_FRAME];
+    let body = cobs::decode(&out[..len - 1], &mut payload).expect("own frame");
+    payload[0] = VERSION + 1;
+    let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(&payload[..body - 4]);
+    payload[body - 4..body].copy_from_slice(&crc.to_le_bytes());
+    let len = cobs::encode(&payload[..body], &mut out);
+    out[len] = 0;
+    let mut decoder = Decoder::new();
+    assert_eq!(
+        decoder.next::<ToBoard>(&mut &out[..=len]),
+        Some(Err(Fault::Version {
+            theirs: VERSION + 1
+        }))
+    );
+}
