@@ -18,7 +18,7 @@ pub struct ResultOptions {
     /// Write a self-contained page with plots to this file.
     #[arg(long, value_name = "OUT.html")]
     pub report: Option<String>,
-    /// Write the Allan plot to this file.
+    /// Write the Allan plots to this file as a bitmap.
     #[arg(long, value_name = "OUT.png")]
     pub png: Option<String>,
 }
@@ -33,6 +33,13 @@ impl ResultOptions {
             write_to(path, |mut output| {
                 report::json::write(analysis, &mut output)
             })?;
+        }
+        if let Some(path) = &self.report {
+            write_to(path, |output| output.write_all(report::html::render(analysis).as_bytes()))?;
+        }
+        if let Some(path) = &self.png {
+            let bitmap = report::png::render(analysis)?;
+            write_to(path, |output| output.write_all(&bitmap))?;
         }
         if self.json.as_deref() != Some("-") {
             let mut output = std::io::stdout().lock();

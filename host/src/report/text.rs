@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::number::{duration, grouped, significant};
+use super::number::{duration, grouped, plain, significant};
 use super::verdict;
 use crate::analyse::{Analysis, AxisAnalysis, CurvePoint, PublishedValue, SourceSummary};
 use crate::model::Coefficient;
@@ -34,9 +34,7 @@ fn head(text: &mut String, source: &SourceSummary) -> std::fmt::Result {
         "{}: {} samples an axis at {}/s, {}",
         source.file,
         grouped(source.samples),
-        significant(source.rate_hz, 6)
-            .trim_end_matches('0')
-            .trim_end_matches('.'),
+        plain(source.rate_hz),
         duration(source.duration_s),
     )?;
     if let Some(chain) = &source.chain {
