@@ -10,6 +10,8 @@
 //! real board.
 
 use heapless::Deque;
+use inm_emulator::link::Link;
+use inm_emulator::time::PS_PER_S;
 use inm_emulator::{Bench, Delay, Drdy, Signal, Spi, SyncPin};
 use inm_protocol::{AXES, Restart, SensorRange};
 
@@ -21,7 +23,6 @@ use crate::{Board, Instrument, Platform};
 /// Ticks of the virtual board's timer in a second.
 pub const TIMER_HZ: u32 = 1_000_000;
 
-const PS_PER_S: u64 = 1_000_000_000_000;
 const PS_PER_TICK: u64 = PS_PER_S / TIMER_HZ as u64;
 
 /// Longest time that passes in one step without an edge: a quarter of the shortest wait of the
@@ -44,8 +45,8 @@ pub trait Environment {
         0
     }
 
-    /// Queues a whole frame, as [`Platform::transmit`].
-    fn transmit(&mut self, frame: &[u8]) -> bool;
+    /// Queues a whole frame at virtual time `now_ps`, as [`Platform::transmit`].
+    fn transmit(&mut self, frame: &[u8], now_ps: u64) -> bool;
 
     /// Whether all that was queued has left.
     fn transmit_idle(&self) -> bool;
@@ -185,7 +186,7 @@ impl<'b, S: Signal, E: Environment> Platform for VirtualBoard<'b, S, E> {
     }
 
     fn transmit(&mut self, frame: &[u8]) -> bool {
-        self.environment.transmit(frame)
+        self.environment.transmit(frame, self.bench.now_ps())
     }
 
     fn transmit_idle(&self) -> bool {
@@ -217,36 +218,32 @@ impl<'b, S: Signal, E: Environment> Platform for VirtualBoard<'b, S, E> {
     }
 }
 
-/// A serial link in virtual time: frames enter a queue of `N` bytes, the line takes them out at
-/// its speed, the far end takes what has arrived.
+/// The host's end of a serial link in virtual time: frames enter a queue of `N` bytes, the line
+/// takes them out at its speed, the far end takes what has arrived.
 ///
 /// A far end that takes nothing holds the line up, as a USB adapter does, and the queue fills.
 #[derive(Debug)]
 pub struct VirtualLink<const N: usize> {
-    to_host: Deque<u8, N>,
+    to_host: Link<N>,
     to_board: Deque<u8, 256>,
-    /// Picoseconds a byte; 0 for a line without a speed.
-    byte_ps: u64,
-    /// When the line was last free or ended a byte, picoseconds.
-    line_ps: u64,
     /// Bytes for the board that found its queue full.
     lost: u32,
     /// Most bytes that ever waited.
     most_waiting: usize,
     restarts: u32,
+    self_test: bool,
 }
 
 impl<const N: usize> VirtualLink<N> {
-    /// A link at `baud` bit/s, ten bits to a byte; `None` for one that takes no time.
+    /// A link at `baud` bit/s; `None` for one that takes next to no time.
     pub fn new(baud: Option<u32>) -> Self {
         Self {
-            to_host: Deque::new(),
+            to_host: Link::new(baud.unwrap_or(u32::MAX)),
             to_board: Deque::new(),
-            byte_ps: baud.map_or(0, |baud| 10 * PS_PER_S / u64::from(baud.max(1))),
-            line_ps: 0,
             lost: 0,
             most_waiting: 0,
             restarts: 0,
+            self_test: false,
         }
     }
 
@@ -261,34 +258,28 @@ impl<const N: usize> VirtualLink<N> {
 
     /// Gives `taker` each byte that has arrived at the host by `now_ps`.
     pub fn take(&mut self, now_ps: u64, mut taker: impl FnMut(u8)) {
-        let arrived = match now_ps
-            .saturating_sub(self.line_ps)
-            .checked_div(self.byte_ps)
-        {
-            Some(bytes) => usize::try_from(bytes).unwrap_or(usize::MAX),
-            None => usize::MAX,
-        };
-        let bytes = arrived.min(self.to_host.len());
-        for _ in 0..bytes {
-            if let Some(byte) = self.to_host.pop_front() {
-                taker(byte);
-            }
+        while let Some(arrival) = self.to_host.receive(now_ps) {
+            taker(arrival.byte);
         }
-        self.line_ps = if self.to_host.is_empty() {
-            now_ps
-        } else {
-            self.line_ps + bytes as u64 * self.byte_ps
-        };
     }
 
-    /// Most bytes that ever waited for the line.
+    /// Most bytes that ever waited for the line or the host.
     pub fn most_waiting(&self) -> usize {
         self.most_waiting
+    }
+
+    /// Whether the board drives the accelerometers' self-test pin.
+    pub fn self_test_is_on(&self) -> bool {
+        self.self_test
     }
 
     /// How often the board has asked to be restarted.
     pub fn restarts(&self) -> u32 {
         self.restarts
+    }
+
+    fn waiting(&self) -> usize {
+        N - self.to_host.room()
     }
 }
 
@@ -301,18 +292,21 @@ impl<const N: usize> Environment for VirtualLink<N> {
         self.lost
     }
 
-    fn transmit(&mut self, frame: &[u8]) -> bool {
-        if N - self.to_host.len() < frame.len() {
+    fn transmit(&mut self, frame: &[u8], now_ps: u64) -> bool {
+        if self.to_host.room() < frame.len() {
             return false;
         }
-        // There is room for each.
-        self.to_host.extend(frame.iter().copied());
-        self.most_waiting = self.most_waiting.max(self.to_host.len());
+        self.to_host.send(now_ps, frame);
+        self.most_waiting = self.most_waiting.max(self.waiting());
         true
     }
 
     fn transmit_idle(&self) -> bool {
-        self.to_host.is_empty()
+        self.waiting() == 0
+    }
+
+    fn self_test(&mut self, on: bool) {
+        self.self_test = on;
     }
 
     fn restart(&mut self) {

@@ -5,14 +5,15 @@ mod rig;
 
 use std::cmp::Ordering;
 
-use inm_emulator::{Fault, Slip};
+use inm_emulator::channel::published;
+use inm_emulator::{Bench, Converter, Fault, Signal, Slip};
 use inm_protocol::{Answer, AxisCounters, Flags, Phase, Rate, Refusal, Request, Trouble};
 use rig::{OFFSETS, Received, Rig, bench, settings};
 
 /// Streams, lets `fault` happen on `axis`, waits for the recovery and some more, and proves
 /// all that arrived.
 #[track_caller]
-fn suffer(rig: &mut Rig<'_, rig::Noisy>, axis: usize, fault: Fault) -> Vec<Received> {
+fn suffer(rig: &mut Rig<'_, impl Signal>, axis: usize, fault: Fault) -> Vec<Received> {
     rig.start();
     rig.run_ms(300);
     assert_eq!(rig.events, []);
@@ -36,7 +37,7 @@ fn suffer(rig: &mut Rig<'_, rig::Noisy>, axis: usize, fault: Fault) -> Vec<Recei
 
 /// Conversions that did not arrive, all counted by the board.
 #[track_caller]
-fn lost(rig: &mut Rig<'_, rig::Noisy>, received: &[Received]) -> u64 {
+fn lost(rig: &mut Rig<'_, impl Signal>, received: &[Received]) -> u64 {
     let (first, last) = (received[0], received[received.len() - 1]);
     let lost = last.index - first.index + 1 - received.len() as u64;
     let told: u64 = rig
@@ -54,7 +55,7 @@ fn lost(rig: &mut Rig<'_, rig::Noisy>, received: &[Received]) -> u64 {
 }
 
 #[track_caller]
-fn counters(rig: &mut Rig<'_, rig::Noisy>, axis: usize) -> AxisCounters {
+fn counters(rig: &mut Rig<'_, impl Signal>, axis: usize) -> AxisCounters {
     rig.fresh_health().axes[axis]
 }
 
@@ -151,6 +152,50 @@ fn a_slipped_bit_is_seen_on_axes_with_offset() {
             assert_eq!(counters(&mut rig, axis).slipped, 1);
         }
     }
+}
+
+#[test]
+fn a_slipped_bit_is_seen_on_the_published_sensors_within_a_tenth_of_a_second() {
+    for axis in 0..3 {
+        for (slip, doubled) in [(Slip::Early, true), (Slip::Late, false)] {
+            let bench = Bench::new([0, 1, 2].map(|axis| Converter::new(published(axis, 7))));
+            let mut rig = Rig::new(&bench);
+            rig.start();
+            rig.run_ms(1000);
+            assert_eq!(rig.events, []);
+            rig.inject(axis, Fault::Slip(slip));
+            rig.run_until(1000, "recovery", |rig| rig.recoveries() > 0);
+            rig.run_ms(500);
+            let told = rig.events[0];
+            assert_eq!(told.trouble, Trouble::Slipped { doubled });
+            assert_eq!(told.axis, Some(axis as u8));
+            // One word does not tell here: up to the event they are not flagged, and these are
+            // a few blocks of 32.
+            let blind = 1990..told.index;
+            assert!(told.index < 2200, "axis {axis} {slip:?}: {}", told.index);
+            let received = rig.proven_but(|index, of| of == axis && blind.contains(&index));
+            let good = [Flags::NONE; 3];
+            assert!(
+                received[received.len() - 800..]
+                    .iter()
+                    .all(|c| c.flags == good)
+            );
+            assert_eq!(rig.events.len(), 2, "{:?}", rig.events);
+        }
+    }
+}
+
+#[test]
+fn a_slip_where_nothing_else_tells_shows_in_the_registers() {
+    let bench = bench([0; 3]);
+    let mut rig = Rig::new(&bench);
+    rig.start();
+    rig.run_ms(300);
+    rig.inject(1, Fault::Slip(Slip::Early));
+    rig.run_until(3000, "recovery", |rig| rig.recoveries() > 0);
+    assert_eq!(rig.troubles(1)[0], Trouble::Slipped { doubled: true });
+    assert_eq!(rig.troubles(1).len(), 2);
+    assert!(rig.events[0].index < 600 + 528);
 }
 
 #[test]

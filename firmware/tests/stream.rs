@@ -3,6 +3,7 @@
 
 mod rig;
 
+use inm_emulator::channel::published;
 use inm_emulator::{Bench, Converter, ReadMode, Tear};
 use inm_protocol::{Phase, Rate, Request, samples_load};
 use rig::{OFFSETS, Rig, bench, inputs, settings};
@@ -78,10 +79,25 @@ fn a_second_stream_starts_again_from_zero() {
         assert_eq!(received[0].index, 0);
         assert_eq!(rig.batches[0].seq, 0);
         // The last batch is sent as far as it is filled.
-        assert!(received.len() > 350 && received.len() % 32 != 0);
+        assert!(received.len() > 350 && !received.len().is_multiple_of(32));
         rig.batches.clear();
         rig.run_ms(100);
         assert_eq!(rig.batches, []);
+    }
+}
+
+/// Two minutes of the published sensors: nothing about their noise looks like trouble.
+#[test]
+fn noise_is_not_trouble() {
+    for seed in [1, 2] {
+        let bench = Bench::new([0, 1, 2].map(|axis| Converter::new(published(axis, seed))));
+        let mut rig = Rig::new(&bench);
+        rig.start();
+        rig.run_ms(120_000);
+        assert!(rig.proven().len() > 239_000);
+        assert_eq!(rig.events, [], "seed {seed}");
+        let flagged: usize = rig.batches.iter().map(|batch| batch.flags.len()).sum();
+        assert_eq!(flagged, 0, "seed {seed}");
     }
 }
 

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //!   command   opcodes        register   addresses and fields     config  settings to registers
-//!   word      one reading    slip       the level jumped by two  calibrate  OFC and FSC
+//!   word      one reading    calibrate  OFC and FSC
+//!   slip      the level jumped by two, word by word or (slip_mean) under much noise
 //! ```
 //!
 //! The part has no CS: every clock counts, nothing realigns a shifted stream but its RESET pin
@@ -17,6 +18,7 @@ pub mod config;
 mod error;
 pub mod register;
 pub mod slip;
+pub mod slip_mean;
 pub mod word;
 
 use embedded_hal::delay::DelayNs;
