@@ -23,7 +23,7 @@ struct Budget {
 const fn budget(image: Image) -> Budget {
     match image {
         Image::Board => Budget {
-            flash: 64 * 1024,
+            flash: 80 * 1024,
             ram: 16 * 1024,
         },
         // The emulator's filters and its tables come on top.
