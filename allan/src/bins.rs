@@ -1,5 +1,6 @@
 //! The host's estimator: Allan, modified Allan and Hadamard variance from one pass.
 
+use crate::block::BLOCK;
 use crate::engine::Engine;
 use crate::head::Head;
 use crate::knot::Running;
@@ -68,10 +69,23 @@ impl<const LEVELS: usize> Bins<LEVELS> {
         }
     }
 
+    /// Accepts at most [`BLOCK`] codes that differ by at most `spread`.
+    pub(crate) fn push_block(&mut self, codes: impl ExactSizeIterator<Item = i64>, spread: u64) {
+        let head = &mut self.head;
+        self.engine
+            .push_block(codes, spread, |level, index, knot| match level {
+                0 => head.file_ground(index, knot),
+                _ => head.file(level, index, knot),
+            });
+    }
+
     /// Accepts a run of codes; the result is the same bits as pushing them one by one.
     pub fn push_slice(&mut self, codes: &[i32]) {
-        for &code in codes {
-            self.push(code);
+        for block in codes.chunks(BLOCK) {
+            self.push_block(
+                block.iter().map(|&code| i64::from(code)),
+                u64::from(u32::MAX),
+            );
         }
     }
 

@@ -13,6 +13,12 @@ pub(crate) trait Knot: core::fmt::Debug + Copy + PartialEq {
 
     /// Before the first sample.
     const ORIGIN: Self;
+
+    /// The sum modulo 2^64.
+    fn sum_word(self) -> u64;
+
+    /// The sum of sums modulo 2^64, where it is kept.
+    fn double_word(self) -> u64;
 }
 
 /// Cumulative sums at the present index.
@@ -31,9 +37,6 @@ pub(crate) trait Running: core::fmt::Debug + Copy + PartialEq {
 
     /// The knot to remember.
     fn knot(self) -> Self::Knot;
-
-    /// The sum modulo 2^64.
-    fn sum_low(self) -> u64;
 }
 
 /// The sum modulo 2^64, for the Allan variance alone.
@@ -42,17 +45,18 @@ pub(crate) trait Running: core::fmt::Debug + Copy + PartialEq {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct SumKnot(u64);
 
-impl SumKnot {
-    /// The sum modulo 2^64.
-    #[inline]
-    pub(crate) fn sum(self) -> u64 {
-        self.0
-    }
-}
-
 impl Knot for SumKnot {
     type Running = Self;
     const ORIGIN: Self = Self(0);
+
+    #[inline]
+    fn sum_word(self) -> u64 {
+        self.0
+    }
+
+    fn double_word(self) -> u64 {
+        0
+    }
 }
 
 impl Running for SumKnot {
@@ -71,10 +75,6 @@ impl Running for SumKnot {
     #[inline]
     fn knot(self) -> Self {
         self
-    }
-
-    fn sum_low(self) -> u64 {
-        self.0
     }
 }
 
@@ -142,6 +142,16 @@ impl Knot for PairKnot {
         double_low: 0,
         high: 0,
     };
+
+    #[inline]
+    fn sum_word(self) -> u64 {
+        self.sum_low
+    }
+
+    #[inline]
+    fn double_word(self) -> u64 {
+        self.double_low
+    }
 }
 
 /// The sum and the sum of sums modulo 2^128.
@@ -186,10 +196,6 @@ impl Running for PairSums {
     #[inline]
     fn knot(self) -> PairKnot {
         PairKnot::new(self.sum, self.double)
-    }
-
-    fn sum_low(self) -> u64 {
-        self.sum as u64
     }
 }
 
