@@ -11,9 +11,9 @@
 use crate::knot::Knot;
 
 /// Indices kept in the ground ring.
-const GROUND: usize = 128;
+pub(crate) const GROUND: usize = 128;
 /// Knots in the ring of a level.
-const RING: usize = 64;
+pub(crate) const RING: usize = 64;
 /// Age in strides at which a level takes a knot over from below.
 pub(crate) const HANDOVER: u64 = 60;
 /// Age in strides up to which a ring is certain to hold a knot, wherever between two of the

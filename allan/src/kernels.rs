@@ -33,8 +33,20 @@ const HALF_MASK: u64 = (1 << HALF_BITS) - 1;
 /// A row of cumulative sums modulo 2^64, and the same modulo 2^32.
 #[derive(Clone, Copy)]
 pub(crate) struct Row<'a> {
-    pub(crate) words: &'a [i64],
-    pub(crate) halves: &'a [i32],
+    words: &'a [i64],
+    halves: &'a [i32],
+}
+
+impl<'a> Row<'a> {
+    /// Of `words`, with room for their halves.
+    #[inline(always)]
+    pub(crate) fn new(words: &'a [i64], halves: &'a mut [i32]) -> Self {
+        let halves = &mut halves[..words.len()];
+        for (half, &word) in halves.iter_mut().zip(words) {
+            *half = word as i32;
+        }
+        Self { words, halves }
+    }
 }
 
 /// Sum of the squares of `v[i] - 2 v[i-lag] + v[i-2 lag]` for `i` from `from` (at least `2 lag`) to
