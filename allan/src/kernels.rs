@@ -54,26 +54,36 @@ impl<'a> Row<'a> {
 #[inline(always)]
 pub(crate) fn second_differences(row: Row<'_>, lag: usize, from: usize, bound: u64) -> u128 {
     if bound <= NARROW {
-        chunks(row.halves.len(), from, |from, to| {
-            let part = |lags: usize| &row.halves[from - lags * lag..to - lags * lag];
-            let knots = part(2).iter().zip(part(1)).zip(part(0));
-            narrow(knots.map(|((old, middle), new)| {
-                new.wrapping_sub(*middle)
-                    .wrapping_sub(middle.wrapping_sub(*old))
-            }))
-        })
-    } else {
-        chunks(row.words.len(), from, |from, to| {
-            let part = |lags: usize| &row.words[from - lags * lag..to - lags * lag];
-            let knots = part(2).iter().zip(part(1)).zip(part(0));
-            wider(
-                bound,
-                knots.map(|((old, middle), new)| {
+        chunks(
+            row.halves.len(),
+            from,
+            #[inline(always)]
+            |from, to| {
+                let part = |lags: usize| &row.halves[from - lags * lag..to - lags * lag];
+                let knots = part(2).iter().zip(part(1)).zip(part(0));
+                narrow(knots.map(|((old, middle), new)| {
                     new.wrapping_sub(*middle)
                         .wrapping_sub(middle.wrapping_sub(*old))
-                }),
-            )
-        })
+                }))
+            },
+        )
+    } else {
+        chunks(
+            row.words.len(),
+            from,
+            #[inline(always)]
+            |from, to| {
+                let part = |lags: usize| &row.words[from - lags * lag..to - lags * lag];
+                let knots = part(2).iter().zip(part(1)).zip(part(0));
+                wider(
+                    bound,
+                    knots.map(|((old, middle), new)| {
+                        new.wrapping_sub(*middle)
+                            .wrapping_sub(middle.wrapping_sub(*old))
+                    }),
+                )
+            },
+        )
     }
 }
 
@@ -81,28 +91,38 @@ pub(crate) fn second_differences(row: Row<'_>, lag: usize, from: usize, bound: u
 #[inline(always)]
 pub(crate) fn third_differences(row: Row<'_>, lag: usize, from: usize, bound: u64) -> u128 {
     if bound <= NARROW {
-        chunks(row.halves.len(), from, |from, to| {
-            let part = |lags: usize| &row.halves[from - lags * lag..to - lags * lag];
-            let knots = part(3).iter().zip(part(2)).zip(part(1)).zip(part(0));
-            narrow(knots.map(|(((oldest, old), middle), new)| {
-                let inner = middle.wrapping_sub(*old);
-                new.wrapping_sub(*oldest)
-                    .wrapping_sub(inner.wrapping_mul(3))
-            }))
-        })
-    } else {
-        chunks(row.words.len(), from, |from, to| {
-            let part = |lags: usize| &row.words[from - lags * lag..to - lags * lag];
-            let knots = part(3).iter().zip(part(2)).zip(part(1)).zip(part(0));
-            wider(
-                bound,
-                knots.map(|(((oldest, old), middle), new)| {
+        chunks(
+            row.halves.len(),
+            from,
+            #[inline(always)]
+            |from, to| {
+                let part = |lags: usize| &row.halves[from - lags * lag..to - lags * lag];
+                let knots = part(3).iter().zip(part(2)).zip(part(1)).zip(part(0));
+                narrow(knots.map(|(((oldest, old), middle), new)| {
                     let inner = middle.wrapping_sub(*old);
-                    let thrice = inner.wrapping_add(inner).wrapping_add(inner);
-                    new.wrapping_sub(*oldest).wrapping_sub(thrice)
-                }),
-            )
-        })
+                    new.wrapping_sub(*oldest)
+                        .wrapping_sub(inner.wrapping_mul(3))
+                }))
+            },
+        )
+    } else {
+        chunks(
+            row.words.len(),
+            from,
+            #[inline(always)]
+            |from, to| {
+                let part = |lags: usize| &row.words[from - lags * lag..to - lags * lag];
+                let knots = part(3).iter().zip(part(2)).zip(part(1)).zip(part(0));
+                wider(
+                    bound,
+                    knots.map(|(((oldest, old), middle), new)| {
+                        let inner = middle.wrapping_sub(*old);
+                        let thrice = inner.wrapping_add(inner).wrapping_add(inner);
+                        new.wrapping_sub(*oldest).wrapping_sub(thrice)
+                    }),
+                )
+            },
+        )
     }
 }
 
