@@ -51,6 +51,7 @@ mod history;
 mod kernels;
 mod knot;
 mod merge;
+mod state;
 mod statistic;
 mod sums;
 mod wide;
