@@ -1,16 +1,23 @@
 //! Nanoseconds a sample of the streaming bins, for codes like a converter's and for adversarial
-//! ones. Prints a table; `cargo bench -p inm-allan`.
+//! ones. Prints a table; `cargo bench -p inm-allan [--features simd] [-- PART-OF-NAME]`.
 
 use std::hint::black_box;
 use std::time::Instant;
 
 use inm_allan::{AllanBins, BoardBins, FloatBins, HostBins, Statistic, fixed_point::FixedPoint};
 
-const SAMPLES: usize = 10_800_000;
-const REPEATS: usize = 3;
+/// Short enough that some runs of a busy machine's time slices hold a whole one.
+const SAMPLES: usize = 200_000;
+const REPEATS: usize = 200;
 
-/// The best of a few runs, in nanoseconds a sample.
+/// The best of many runs, in nanoseconds a sample.
 fn time(name: &str, mut run: impl FnMut()) {
+    if std::env::args()
+        .skip(1)
+        .any(|only| !only.starts_with('-') && !name.contains(&only))
+    {
+        return;
+    }
     let best = (0..REPEATS)
         .map(|_| {
             let start = Instant::now();

@@ -1,5 +1,6 @@
 //! The board's estimator: Allan variance alone, one conversion at a time.
 
+use crate::block::{BLOCK, Scratch};
 use crate::engine::Engine;
 use crate::sums::AllanSums;
 use crate::{Estimate, Statistic};
@@ -58,9 +59,14 @@ impl<const LEVELS: usize> AllanBins<LEVELS> {
     }
 
     /// Accepts a run of codes; the result is the same bits as pushing them one by one.
+    ///
+    /// For hosts: needs about 100 KiB of stack.
     pub fn push_slice(&mut self, codes: &[i32]) {
-        for &code in codes {
-            self.push(code);
+        let mut scratch = Scratch::EMPTY;
+        for block in codes.chunks(BLOCK) {
+            let codes = block.iter().map(|&code| i64::from(code));
+            self.engine
+                .push_block(&mut scratch, codes, u64::from(u32::MAX), |_, _| {});
         }
     }
 

@@ -1,5 +1,6 @@
 //! The host's estimator: Allan, modified Allan and Hadamard variance from one pass.
 
+use crate::block::{BLOCK, Scratch};
 use crate::engine::Engine;
 use crate::head::Head;
 use crate::knot::Running;
@@ -68,10 +69,29 @@ impl<const LEVELS: usize> Bins<LEVELS> {
         }
     }
 
+    /// Accepts at most [`BLOCK`] codes that differ by at most `spread`.
+    pub(crate) fn push_block(
+        &mut self,
+        scratch: &mut Scratch,
+        codes: impl ExactSizeIterator<Item = i64>,
+        spread: u64,
+    ) {
+        let (head, begin) = (&mut self.head, self.engine.next);
+        self.engine.push_block(scratch, codes, spread, |end, knot| {
+            if head.end.is_none() {
+                head.extend(begin, end, false, knot);
+            }
+        });
+    }
+
     /// Accepts a run of codes; the result is the same bits as pushing them one by one.
+    ///
+    /// Fastest for slices of thousands. Needs about 100 KiB of stack.
     pub fn push_slice(&mut self, codes: &[i32]) {
-        for &code in codes {
-            self.push(code);
+        let mut scratch = Scratch::EMPTY;
+        for block in codes.chunks(BLOCK) {
+            let codes = block.iter().map(|&code| i64::from(code));
+            self.push_block(&mut scratch, codes, u64::from(u32::MAX));
         }
     }
 

@@ -78,33 +78,18 @@ impl<S: Sums, const LEVELS: usize> Engine<S, LEVELS> {
         if level as usize > LEVELS || index < self.start {
             return None;
         }
-        for (lag, slot) in LEVEL_LAGS.into_iter().zip(0..) {
-            let mut sums = self.levels[level as usize - 1][slot];
-            if !self.add_difference(lag << level, index, &mut sums) {
+        let knot = |index| self.history.get(self.next, index);
+        for (lag, sums) in LEVEL_LAGS
+            .into_iter()
+            .zip(&mut self.levels[level as usize - 1])
+        {
+            if !add_difference(self.start, lag << level, index, knot, sums) {
                 break;
             }
-            self.levels[level as usize - 1][slot] = sums;
         }
         self.history
             .take_over(level, self.next, index, self.start)
             .map(|(old, knot)| (level, old, knot))
-    }
-
-    /// Adds the differences at averaging factor `m` that end at `end`, as far as they lie in the
-    /// current run; false if none does.
-    #[inline]
-    fn add_difference(&self, m: u64, end: u64, sums: &mut S) -> bool {
-        let run = end.saturating_sub(self.start);
-        if run < 2 * m {
-            return false;
-        }
-        let knot = |lags: u64| self.history.get(self.next, end - lags * m);
-        let recent = [knot(2), knot(1), knot(0)];
-        sums.add_second(recent);
-        if S::THIRD && run >= 3 * m {
-            sums.add_third([knot(3), recent[0], recent[1], recent[2]]);
-        }
-        true
     }
 
     /// Passes over `missing` samples that were not seen. No difference will span them.
@@ -128,8 +113,9 @@ impl<S: Sums, const LEVELS: usize> Engine<S, LEVELS> {
         let mut all = self.levels[level as usize - 1];
         let (index, pending) = newest(level, self.next);
         if pending {
+            let knot = |index| self.history.get(self.next, index);
             for (lag, sums) in LEVEL_LAGS.into_iter().zip(&mut all) {
-                if !self.add_difference(lag << level, index, sums) {
+                if !add_difference(self.start, lag << level, index, knot, sums) {
                     break;
                 }
             }
@@ -161,14 +147,41 @@ impl<S: Sums, const LEVELS: usize> Engine<S, LEVELS> {
         let mut enter = |word: u64| {
             digest = (digest.rotate_left(29) ^ word).wrapping_mul(MULTIPLIER);
         };
-        [self.next, self.start, self.samples, self.running.sum_low()]
-            .into_iter()
-            .for_each(&mut enter);
+        [
+            self.next,
+            self.start,
+            self.samples,
+            self.running.knot().sum_word(),
+        ]
+        .into_iter()
+        .for_each(&mut enter);
         for sums in self.ground.iter().chain(self.levels.iter().flatten()) {
             sums.for_each_word(&mut enter);
         }
         digest ^ digest >> 32
     }
+}
+
+/// Adds the differences at averaging factor `m` that end at `end`, as far as they lie in the run
+/// from `start`; false if none does.
+#[inline]
+pub(crate) fn add_difference<S: Sums>(
+    start: u64,
+    m: u64,
+    end: u64,
+    knot: impl Fn(u64) -> S::Knot,
+    sums: &mut S,
+) -> bool {
+    let run = end.saturating_sub(start);
+    if run < 2 * m {
+        return false;
+    }
+    let recent = [knot(end - 2 * m), knot(end - m), knot(end)];
+    sums.add_second(recent);
+    if S::THIRD && run >= 3 * m {
+        sums.add_third([knot(end - 3 * m), recent[0], recent[1], recent[2]]);
+    }
+    true
 }
 
 /// Compares what has a meaning: history that no turn will use any more may differ.

@@ -10,11 +10,11 @@
 //! most `resolution` (Allan and modified: two means of rounded samples, divided by the square
 //! root of two; Hadamard: weights 1, 2, 1 over the square root of six).
 
-/// Magnitude limit of a code: |code| < 2^46.
+/// Magnitude limit of a code: |code| < 2^42.
 ///
-/// At averaging times below 2^31 samples this keeps a third difference below 2^79 and the inner sum
+/// At averaging times below 2^34 samples this keeps a third difference below 2^79 and the inner sum
 /// of a modified one below 2^111, the widths that the streaming state holds.
-pub const CODE_LIMIT: i64 = 1 << 46;
+pub const CODE_LIMIT: i64 = 1 << 42;
 
 /// An affine map from `f64` samples to integer codes: `sample = offset + resolution * code`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -44,9 +44,9 @@ impl FixedPoint {
         } else {
             offset.abs()
         };
-        // reach < 2^exponent, so every code is below 2^45 and rounding cannot reach the limit.
+        // reach < 2^exponent, so every code is below 2^41 and rounding cannot reach the limit.
         let (_, exponent) = libm::frexp(reach.min(f64::MAX));
-        let resolution = libm::ldexp(1.0, (exponent - 45).max(-1022));
+        let resolution = libm::ldexp(1.0, (exponent - 41).max(-1022));
         Self { offset, resolution }
     }
 

@@ -2,7 +2,8 @@
 
 use core::fmt;
 
-use crate::fixed_point::FixedPoint;
+use crate::block::{BLOCK, Scratch};
+use crate::fixed_point::{CODE_LIMIT, FixedPoint};
 use crate::{Bins, Estimate, NotAdjacent, Statistic};
 
 /// A sample that has no code on the grid of the bins.
@@ -52,7 +53,7 @@ impl core::error::Error for MergeError {}
 /// accuracy stands [there](crate::fixed_point).
 ///
 /// The grid is chosen beforehand, from the whole record where it is at hand or from its first
-/// block with headroom. `LEVELS` is at most 25 (averaging times to 10^9 samples), checked at
+/// block with headroom. `LEVELS` is at most 28 (averaging times to 10^10 samples), checked at
 /// compile time: codes are wider here than those of a converter.
 ///
 /// ```
@@ -82,8 +83,8 @@ impl<const LEVELS: usize> FloatBins<LEVELS> {
     pub const fn starting_at(grid: FixedPoint, first: u64) -> Self {
         const {
             assert!(
-                LEVELS <= 25,
-                "a difference of 47-bit codes must fit 79 bits"
+                LEVELS <= 28,
+                "an inner sum of 43-bit codes must fit 111 bits"
             );
         };
         Self {
@@ -99,16 +100,36 @@ impl<const LEVELS: usize> FloatBins<LEVELS> {
     /// [`OffGrid`] for the first finite sample outside the grid; those before it are accepted, it
     /// and those after it are not.
     pub fn push_slice(&mut self, samples: &[f64]) -> Result<(), OffGrid> {
-        for &sample in samples {
-            match self.grid.code(sample) {
-                Some(code) => self.bins.push_wide(code),
-                None if sample.is_finite() => {
-                    return Err(OffGrid {
-                        index: self.bins.next_index(),
-                        sample,
-                    });
+        let mut scratch = Scratch::EMPTY;
+        let mut codes = [0; BLOCK];
+        for block in samples.chunks(BLOCK) {
+            let mut rest = block;
+            while let Some(&sample) = rest.first() {
+                let mut run = 0;
+                for (slot, code) in codes
+                    .iter_mut()
+                    .zip(rest.iter().map_while(|&sample| self.grid.code(sample)))
+                {
+                    *slot = code;
+                    run += 1;
                 }
-                None => self.bins.skip(1),
+                if run == 0 {
+                    if sample.is_finite() {
+                        return Err(OffGrid {
+                            index: self.bins.next_index(),
+                            sample,
+                        });
+                    }
+                    self.bins.skip(1);
+                    run = 1;
+                } else {
+                    self.bins.push_block(
+                        &mut scratch,
+                        codes[..run].iter().copied(),
+                        2 * CODE_LIMIT as u64,
+                    );
+                }
+                rest = &rest[run..];
             }
         }
         Ok(())

@@ -11,9 +11,9 @@
 use crate::knot::Knot;
 
 /// Indices kept in the ground ring.
-const GROUND: usize = 128;
+pub(crate) const GROUND: usize = 128;
 /// Knots in the ring of a level.
-const RING: usize = 64;
+pub(crate) const RING: usize = 64;
 /// Age in strides at which a level takes a knot over from below.
 pub(crate) const HANDOVER: u64 = 60;
 /// Age in strides up to which a ring is certain to hold a knot, wherever between two of the
@@ -36,11 +36,17 @@ pub(crate) fn newest(level: u32, next: u64) -> (u64, bool) {
     (index, next - index < 1 << (level - 1))
 }
 
-/// The multiple of its stride that `level` took over last, at its last turn before or at sample
-/// count `next`; `None` before the first.
-pub(crate) fn last_taken_over(level: u32, next: u64) -> Option<u64> {
+/// The index, as a multiple of the stride, of the last turn that `level` has had at sample count
+/// `next`; `None` before the first.
+#[inline]
+pub(crate) fn last_turn(level: u32, next: u64) -> Option<u64> {
     let (index, pending) = newest(level, next);
-    (index >> level).checked_sub(u64::from(pending) + HANDOVER)
+    (index >> level).checked_sub(u64::from(pending))
+}
+
+/// The multiple of its stride that `level` has taken over last at sample count `next`.
+pub(crate) fn last_taken_over(level: u32, next: u64) -> Option<u64> {
+    last_turn(level, next)?.checked_sub(HANDOVER)
 }
 
 /// Knots of the current run of samples, by index.
@@ -103,8 +109,14 @@ impl<K: Knot, const LEVELS: usize> History<K, LEVELS> {
             .checked_sub(HANDOVER << level)
             .filter(|&old| old >= start)?;
         let knot = self.get(next, old);
-        self.rings[level as usize - 1][(old >> level) as usize % RING] = knot;
+        self.put_level(level, old, knot);
         Some((old, knot))
+    }
+
+    /// Puts the knot at `index` into the ring of `level`.
+    #[inline]
+    pub(crate) fn put_level(&mut self, level: u32, index: u64, knot: K) {
+        self.rings[level as usize - 1][(index >> level) as usize % RING] = knot;
     }
 
     /// The knot at `index`, a multiple of the stride of `level` no older than its ring holds; level

@@ -13,6 +13,12 @@ pub(crate) trait Knot: core::fmt::Debug + Copy + PartialEq {
 
     /// Before the first sample.
     const ORIGIN: Self;
+
+    /// The sum modulo 2^64.
+    fn sum_word(self) -> u64;
+
+    /// The sum of sums modulo 2^64, where it is kept.
+    fn double_word(self) -> u64;
 }
 
 /// Cumulative sums at the present index.
@@ -32,8 +38,12 @@ pub(crate) trait Running: core::fmt::Debug + Copy + PartialEq {
     /// The knot to remember.
     fn knot(self) -> Self::Knot;
 
-    /// The sum modulo 2^64.
-    fn sum_low(self) -> u64;
+    /// The sum and the sum of sums modulo 2^64; the latter is anything where it is not kept.
+    fn words(self) -> (u64, u64);
+
+    /// The sums `distance` samples later, given their words: exact while what was added meanwhile,
+    /// beyond `distance` times the sum here, is below 2^63.
+    fn later(self, distance: u64, sum_word: u64, double_word: u64) -> Self;
 }
 
 /// The sum modulo 2^64, for the Allan variance alone.
@@ -42,17 +52,18 @@ pub(crate) trait Running: core::fmt::Debug + Copy + PartialEq {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct SumKnot(u64);
 
-impl SumKnot {
-    /// The sum modulo 2^64.
-    #[inline]
-    pub(crate) fn sum(self) -> u64 {
-        self.0
-    }
-}
-
 impl Knot for SumKnot {
     type Running = Self;
     const ORIGIN: Self = Self(0);
+
+    #[inline]
+    fn sum_word(self) -> u64 {
+        self.0
+    }
+
+    fn double_word(self) -> u64 {
+        0
+    }
 }
 
 impl Running for SumKnot {
@@ -73,17 +84,23 @@ impl Running for SumKnot {
         self
     }
 
-    fn sum_low(self) -> u64 {
-        self.0
+    #[inline]
+    fn words(self) -> (u64, u64) {
+        (self.0, 0)
+    }
+
+    #[inline]
+    fn later(self, _distance: u64, sum_word: u64, _double_word: u64) -> Self {
+        Self(sum_word)
     }
 }
 
 /// The sum modulo 2^80 and the sum of sums modulo 2^112, packed into three words.
 ///
-/// At averaging factor `m` and codes of range `r` (2^32 for 32-bit codes, 2^47 for
+/// At averaging factor `m` and codes of range `r` (2^32 for 32-bit codes, 2^43 for
 /// [`fixed_point`](crate::fixed_point) ones) a Hadamard difference is below `2 m r` and the inner
 /// sum of a modified one below `m^2 r`. Both fit for `m < 2^39` with 32-bit codes and for
-/// `m < 2^31` with fixed-point ones.
+/// `m < 2^34` with fixed-point ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) struct PairKnot {
     sum_low: u64,
@@ -142,6 +159,16 @@ impl Knot for PairKnot {
         double_low: 0,
         high: 0,
     };
+
+    #[inline]
+    fn sum_word(self) -> u64 {
+        self.sum_low
+    }
+
+    #[inline]
+    fn double_word(self) -> u64 {
+        self.double_low
+    }
 }
 
 /// The sum and the sum of sums modulo 2^128.
@@ -188,8 +215,20 @@ impl Running for PairSums {
         PairKnot::new(self.sum, self.double)
     }
 
-    fn sum_low(self) -> u64 {
-        self.sum as u64
+    #[inline]
+    fn words(self) -> (u64, u64) {
+        (self.sum as u64, self.double as u64)
+    }
+
+    #[inline]
+    fn later(self, distance: u64, sum_word: u64, double_word: u64) -> Self {
+        let follow = |from: u128, word: u64| {
+            from.wrapping_add_signed(i128::from(word.wrapping_sub(from as u64) as i64))
+        };
+        Self {
+            sum: follow(self.sum, sum_word),
+            double: follow(self.coast(distance).double, double_word),
+        }
     }
 }
 

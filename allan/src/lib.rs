@@ -39,6 +39,7 @@ extern crate std;
 
 mod allan_bins;
 mod bins;
+mod block;
 pub mod edf;
 mod engine;
 pub mod fixed_point;
@@ -47,6 +48,7 @@ pub mod full;
 mod grid;
 mod head;
 mod history;
+mod kernels;
 mod knot;
 mod merge;
 mod statistic;

@@ -21,6 +21,9 @@ pub(crate) trait Sums: core::fmt::Debug + Copy + PartialEq {
     /// Adds what third differences give: knots `3m`, `2m`, `m` and 0 samples before the end.
     fn add_third(&mut self, knots: [Self::Knot; 4]);
 
+    /// Adds `terms` squared differences of one statistic that sum to `squares`.
+    fn add_total(&mut self, statistic: Statistic, squares: u128, terms: u64);
+
     /// The estimate of one statistic, if any difference has entered it.
     fn estimate(&self, statistic: Statistic, m: u64, stride: u64) -> Option<Estimate>;
 
@@ -45,6 +48,11 @@ impl<const LIMBS: usize> Sum<LIMBS> {
     fn add(&mut self, difference: i128) {
         self.squares.add_square(difference);
         self.terms += 1;
+    }
+
+    fn add_total(&mut self, squares: u128, terms: u64) {
+        self.squares.add_u128(squares);
+        self.terms += terms;
     }
 
     /// Adds another sum over other differences of the same statistic.
@@ -81,14 +89,18 @@ impl Sums for AllanSums {
 
     #[inline]
     fn add_second(&mut self, [old, middle, new]: [SumKnot; 3]) {
-        let recent = new.sum().wrapping_sub(middle.sum());
-        let before = middle.sum().wrapping_sub(old.sum());
+        let recent = new.sum_word().wrapping_sub(middle.sum_word());
+        let before = middle.sum_word().wrapping_sub(old.sum_word());
         let magnitude = u128::from((recent.wrapping_sub(before) as i64).unsigned_abs());
         self.allan.squares.add_u128(magnitude * magnitude);
         self.allan.terms += 1;
     }
 
     fn add_third(&mut self, _knots: [SumKnot; 4]) {}
+
+    fn add_total(&mut self, _statistic: Statistic, squares: u128, terms: u64) {
+        self.allan.add_total(squares, terms);
+    }
 
     fn estimate(&self, statistic: Statistic, m: u64, stride: u64) -> Option<Estimate> {
         match statistic {
@@ -145,6 +157,14 @@ impl Sums for FamilySums {
             .add(nearest_80(third_difference(knots.map(PairKnot::sum))));
         self.modified
             .add(nearest_112(third_difference(knots.map(PairKnot::double))));
+    }
+
+    fn add_total(&mut self, statistic: Statistic, squares: u128, terms: u64) {
+        match statistic {
+            Statistic::Allan => self.allan.add_total(squares, terms),
+            Statistic::Modified => self.modified.add_total(squares, terms),
+            Statistic::Hadamard => self.hadamard.add_total(squares, terms),
+        }
     }
 
     fn estimate(&self, statistic: Statistic, m: u64, stride: u64) -> Option<Estimate> {

@@ -79,6 +79,21 @@ proptest! {
     }
 }
 
+/// Feeds codes in pieces whose sizes the seed decides, some of them one by one.
+fn push_in_pieces(bins: &mut Bins<LEVELS>, mut codes: &[i32], mut seed: u64) {
+    while !codes.is_empty() {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        let longest = [1, 7, 300, 5000][(seed >> 40) as usize % 4];
+        let (piece, rest) = codes.split_at(((seed >> 33) as usize % longest + 1).min(codes.len()));
+        if longest == 7 {
+            piece.iter().for_each(|&code| bins.push(code));
+        } else {
+            bins.push_slice(piece);
+        }
+        codes = rest;
+    }
+}
+
 /// Bins over the part of a record from index `from` to `to`.
 fn part(runs: &Runs, from: u64, to: u64) -> Bins<LEVELS> {
     let mut bins = Bins::starting_at(from);
@@ -96,6 +111,23 @@ fn part(runs: &Runs, from: u64, to: u64) -> Bins<LEVELS> {
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn any_chunking_gives_the_same_bits(runs in runs_strategy(), seed in any::<u64>()) {
+        let mut single = Bins::<LEVELS>::starting_at(runs[0].0);
+        feed(&mut single, &runs, Bins::skip, |bins, codes| codes.iter().for_each(|&c| bins.push(c)));
+        let mut whole = Bins::<LEVELS>::starting_at(runs[0].0);
+        feed(&mut whole, &runs, Bins::skip, Bins::push_slice);
+        prop_assert!(single == whole, "slices");
+        let mut pieces = Bins::<LEVELS>::starting_at(runs[0].0);
+        feed(&mut pieces, &runs, Bins::skip, |bins, codes| push_in_pieces(bins, codes, seed));
+        prop_assert!(single == pieces, "pieces");
+        let mut board = AllanBins::<LEVELS>::starting_at(runs[0].0);
+        feed(&mut board, &runs, AllanBins::skip, |bins, codes| codes.iter().for_each(|&c| bins.push(c)));
+        let mut host = AllanBins::<LEVELS>::starting_at(runs[0].0);
+        feed(&mut host, &runs, AllanBins::skip, AllanBins::push_slice);
+        prop_assert_eq!(board.digest(), host.digest());
+    }
 
     #[test]
     fn merge_from_any_parts(runs in runs_strategy(), cuts in prop::collection::vec(0.0_f64..1.0, 0..5)) {
