@@ -23,7 +23,16 @@ fn elf(machine: u16, address: u32, bytes: &[u8]) -> Vec<u8> {
     for half in [52u16, 32, 1, 40, 0, 0] {
         file.extend(half.to_le_bytes());
     }
-    for word in [1, offset, address, address, bytes.len() as u32, bytes.len() as u32, 5, 4] {
+    for word in [
+        1,
+        offset,
+        address,
+        address,
+        bytes.len() as u32,
+        bytes.len() as u32,
+        5,
+        4,
+    ] {
         file.extend(word.to_le_bytes());
     }
     file.extend(bytes);
@@ -58,7 +67,10 @@ fn without_a_probe_the_message_says_what_to_plug_in() {
     // A name that no probe has, so that the test holds on a bench with a probe, too.
     let (output, stderr, _folder) = flash(&image, &["--probe", "no such probe"]);
     assert_eq!(output.status.code(), Some(2), "{stderr}");
-    assert!(stderr.contains("no debug probe `no such probe`"), "{stderr}");
+    assert!(
+        stderr.contains("no debug probe `no such probe`"),
+        "{stderr}"
+    );
 }
 
 #[test]
@@ -77,7 +89,10 @@ fn what_is_no_image_for_the_board_is_refused() {
     for (contents, expected) in cases {
         let (output, stderr, _folder) = flash(contents, &["--dry-run"]);
         assert_eq!(output.status.code(), Some(2), "{stderr}");
-        assert!(stderr.contains(expected), "`{expected}` is not in: {stderr}");
+        assert!(
+            stderr.contains(expected),
+            "`{expected}` is not in: {stderr}"
+        );
         assert!(stderr.contains("image.elf"), "{stderr}");
     }
 }

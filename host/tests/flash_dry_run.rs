@@ -10,17 +10,25 @@ use probe_rs::integration::FakeProbe;
 #[test]
 fn an_image_is_laid_out_for_the_boards_chip() {
     let probe = FakeProbe::with_mocked_core().into_probe();
-    let mut session = probe.attach(CHIP, Permissions::default()).expect("the fake probe attaches");
-    let image = Image { segments: vec![(0x0800_0000, vec![0x55; 20_000])] };
+    let mut session = probe
+        .attach(CHIP, Permissions::default())
+        .expect("the fake probe attaches");
+    let image = Image {
+        segments: vec![(0x0800_0000, vec![0x55; 20_000])],
+    };
     program(&mut session, &image, true, |_| {}).expect("the dry run passes");
 }
 
 #[test]
 fn an_image_beyond_the_chips_flash_is_refused() {
     let probe = FakeProbe::with_mocked_core().into_probe();
-    let mut session = probe.attach(CHIP, Permissions::default()).expect("the fake probe attaches");
+    let mut session = probe
+        .attach(CHIP, Permissions::default())
+        .expect("the fake probe attaches");
     // The STM32F405RG has 1 MiB.
-    let image = Image { segments: vec![(0x0800_0000, vec![0x55; (1 << 20) + 1])] };
+    let image = Image {
+        segments: vec![(0x0800_0000, vec![0x55; (1 << 20) + 1])],
+    };
     let error = program(&mut session, &image, true, |_| {}).expect_err("it does not fit");
     assert!(error.to_string().contains(CHIP), "{error}");
 }

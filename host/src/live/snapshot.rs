@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use inm_protocol::{AXES, Health};
+use inm_protocol::{AxisCounters, Health};
 
 use crate::source::assemble::Losses;
 
@@ -114,9 +114,9 @@ impl Snapshot {
             if let Some(mv) = health.supply_mv {
                 write!(out, ", sensor supply {:.3} V", f64::from(mv) / 1000.0)?;
             }
-            let resets: u32 = (0..AXES).map(|axis| health.axes[axis].resets).sum();
-            if resets > 0 {
-                write!(out, ", converter resets {resets}")?;
+            let trouble: u32 = health.axes.iter().map(trouble).sum();
+            if trouble > 0 {
+                write!(out, ", converter trouble {trouble} times")?;
             }
         }
         writeln!(out)?;
@@ -147,6 +147,11 @@ impl Snapshot {
         }
         Ok(())
     }
+}
+
+/// Times that a converter had to be reset because of something that went wrong.
+fn trouble(axis: &AxisCounters) -> u32 {
+    axis.slipped + axis.stuck + axis.stalled + axis.registers_lost
 }
 
 /// `hh:mm:ss`.
