@@ -45,6 +45,19 @@ impl<S: Sums, const LEVELS: usize> Engine<S, LEVELS> {
         }
     }
 
+    /// Forgets everything and begins with `first`, in place. What the history's slots hold is not
+    /// cleared: no run reads what another has left.
+    pub(crate) fn restart(&mut self, first: u64) {
+        self.first = first;
+        self.next = first;
+        self.start = first;
+        self.samples = 0;
+        self.running = Running::ORIGIN;
+        self.history.put(first, self.running.knot());
+        self.ground.fill(S::ZERO);
+        self.levels.as_flattened_mut().fill(S::ZERO);
+    }
+
     /// Accepts one sample. Returns the level whose turn it was and the knot it took over, if any.
     #[inline]
     pub(crate) fn push(&mut self, code: i64) -> Option<(u32, u64, S::Knot)> {
