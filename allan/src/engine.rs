@@ -48,6 +48,7 @@ impl<S: Sums, const LEVELS: usize> Engine<S, LEVELS> {
     /// Forgets everything and begins with `first`, in place. What the history's slots hold is not
     /// cleared: no run reads what another has left.
     pub(crate) fn restart(&mut self, first: u64) {
+        let first = first.min(LAST_INDEX);
         self.first = first;
         self.next = first;
         self.start = first;
@@ -114,7 +115,8 @@ impl<S: Sums, const LEVELS: usize> Engine<S, LEVELS> {
             let settled = self.settled(level);
             self.levels[level as usize - 1] = settled;
         }
-        let next = self.next.saturating_add(missing).min(LAST_INDEX);
+        let next = self.next.saturating_add(missing);
+        let next = next.min(LAST_INDEX).max(self.next);
         self.running = self.running.coast(next - self.next);
         self.next = next;
         self.start = next;

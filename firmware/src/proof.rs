@@ -41,6 +41,7 @@ impl ProofBins {
     pub fn begin(&mut self, epoch: u64) {
         self.epoch = epoch;
         for bins in &mut self.axes {
+            // Stops at 2^63 conversions, which only a damaged number can name.
             bins.restart(epoch);
         }
     }

@@ -58,6 +58,9 @@ impl Analyze {
         if self.json.as_deref() != Some("-") {
             let mut output = std::io::stdout().lock();
             output.write_all(report::text::render(&analysis).as_bytes())?;
+            if let Some(proof) = source.proof() {
+                writeln!(output, "{proof}")?;
+            }
             output.flush()?;
         }
         Ok(())
