@@ -145,6 +145,11 @@ impl Assembler {
         self.losses
     }
 
+    /// What leads from the board's index to that of the record.
+    pub(super) fn offset(&self) -> u64 {
+        self.offset
+    }
+
     /// Index that the next sample should have: the number of samples, lost ones included.
     pub fn next_index(&self) -> u64 {
         self.next.unwrap_or(0)
