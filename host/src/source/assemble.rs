@@ -375,7 +375,7 @@ mod tests {
             flags: Flags::OVER_RANGE,
         };
         clipped.flags.push(flag).expect("room");
-        let (chunks, losses) = run(&[batch(0, 0, 32), clipped, batch(2, 64, 64)]);
+        let (chunks, losses) = run(&[batch(0, 0, 32), clipped, batch(2, 64, 32), batch(3, 96, 32)]);
         let mut marked: Vec<u64> = Vec::new();
         for chunk in &chunks {
             if let Chunk::Samples(block) = chunk {
