@@ -15,3 +15,4 @@ pub mod link;
 pub mod live;
 pub mod signal;
 pub mod source;
+pub mod spectrum;
