@@ -90,19 +90,8 @@ impl HalfBand {
             self.odd.push(value);
             rest = tail;
         }
-        let pairs = rest.chunks_exact(2);
-        if let [value] = pairs.remainder() {
-            self.even.reserve(pairs.len() + 1);
-            self.odd.reserve(pairs.len());
-            for pair in pairs {
-                self.even.push(pair[0]);
-                self.odd.push(pair[1]);
-            }
-            self.even.push(*value);
-        } else {
-            self.even.extend(pairs.clone().map(|pair| pair[0]));
-            self.odd.extend(pairs.map(|pair| pair[1]));
-        }
+        let (even, odd) = (&mut self.even, &mut self.odd);
+        arch.dispatch(|| deinterleave(rest, even, odd));
         // Output `base + reach + j` needs odd[j .. j + 2 reach] and even[j + reach].
         let reach = self.taps.len();
         let count = (self.odd.len() + 1).saturating_sub(2 * reach);
@@ -119,6 +108,15 @@ impl HalfBand {
         }
         first_out
     }
+}
+
+/// Appends alternate values of `input` to `even` and `odd`.
+#[inline(always)]
+fn deinterleave(input: &[f64], even: &mut Vec<f64>, odd: &mut Vec<f64>) {
+    let pairs = input.chunks_exact(2);
+    even.extend(pairs.clone().map(|pair| pair[0]));
+    even.extend_from_slice(pairs.remainder());
+    odd.extend(pairs.map(|pair| pair[1]));
 }
 
 /// `out[j] = even[j] / 2 + sum_i taps[i] (odd[reach + j + i] + odd[reach + j - 1 - i])`, in

@@ -110,6 +110,7 @@ pub struct Segments {
     /// Samples of the present run that later pairs still need, from index `start` on.
     pending: Vec<f64>,
     start: u64,
+    tapered: Vec<Complex64>,
     transform: Vec<Complex64>,
     scratch: Vec<Complex64>,
 }
@@ -122,8 +123,9 @@ impl Segments {
             power: Power::new(),
             pending: Vec::with_capacity(4 * LEN),
             start: 0,
+            tapered: vec![Complex64::default(); LEN],
             transform: vec![Complex64::default(); LEN],
-            scratch: vec![Complex64::default(); plan.fft.get_inplace_scratch_len()],
+            scratch: vec![Complex64::default(); plan.fft.get_outofplace_scratch_len()],
             plan: plan.clone(),
         }
     }
@@ -175,9 +177,13 @@ impl Segments {
             })
         };
         let (first, second) = (segment(a, 0), segment(b, HOP as i64));
-        let (window, out) = (&self.plan.window, &mut self.transform);
+        let (window, out) = (&self.plan.window, &mut self.tapered);
         self.plan.arch.dispatch(|| taper(window, first, second, out));
-        self.plan.fft.process_with_scratch(out, &mut self.scratch);
+        self.plan.fft.process_outofplace_with_scratch(
+            out,
+            &mut self.transform,
+            &mut self.scratch,
+        );
         let (sums, transform) = (&mut self.power.sums, &self.transform);
         self.plan.arch.dispatch(|| {
             for (sum, z) in sums.iter_mut().zip(transform) {
