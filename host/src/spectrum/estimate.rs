@@ -348,26 +348,26 @@ impl<'a> Sources<'a> {
             let nodes = Nodes::new(run.near_bins(), bin_hz, &settings.peaks);
             let windows = run.windows(&nodes);
             let far = run.far_panels();
-            let near_hz: Vec<f64> = nodes.nodes.iter().map(|node| nodes.place(node) * bin_hz).collect();
+            let places = nodes.nodes.iter().map(|node| (nodes.place(node), node.weight));
+            let shares: Vec<(f64, f64)> = places
+                .chain(far.iter().copied())
+                .map(|(place, width)| (place, width * path.response(place * bin_hz).powi(2)))
+                .collect();
             for (kernel, members) in kernels.iter_mut().zip(members) {
                 let from = kernel.len();
-                kernel.resize(from + near_hz.len() + far.len(), 0.0);
+                kernel.resize(from + shares.len(), 0.0);
                 for &(of_run, index) in members.iter().filter(|(of_run, _)| *of_run == number) {
                     let share = weight(runs, members, of_run, index);
-                    for (at, (node, &f_hz)) in nodes.nodes.iter().zip(&near_hz).enumerate() {
-                        let gain = path.response(f_hz);
-                        let window = windows[index][at].unwrap_or(0.0);
-                        kernel[from + at] += share * node.weight * gain * gain * window;
-                    }
-                    for (at, &(centre, width)) in far.iter().enumerate() {
-                        let gain = path.response(centre * bin_hz);
-                        let window = run.far_window(&run.ordinates[index], centre);
-                        kernel[from + near_hz.len() + at] += share * width * gain * gain * window;
+                    let ordinate = &run.ordinates[index];
+                    let far = far.iter().map(|&(centre, _)| run.far_window(ordinate, centre));
+                    let near = windows[index].iter().map(|window| window.unwrap_or(0.0));
+                    let kernel = kernel[from..].iter_mut();
+                    for ((total, (_, gain)), window) in kernel.zip(&shares).zip(near.chain(far)) {
+                        *total += share * gain * window;
                     }
                 }
             }
-            nodes_hz.extend(near_hz);
-            nodes_hz.extend(far.iter().map(|(centre, _)| centre * bin_hz));
+            nodes_hz.extend(shares.iter().map(|(place, _)| place * bin_hz));
         }
         let first = bins.len();
         for members in members {
