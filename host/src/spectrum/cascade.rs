@@ -154,6 +154,9 @@ impl Cascade {
                     let good = run.len() - usize::from(run.last().is_some_and(|x| !x.is_finite()));
                     self.run(at, &run[..good], reference, sink);
                     at += run.len() as u64;
+                    if good < run.len() && self.running {
+                        self.finish(sink);
+                    }
                 }
             }
             self.chunk = chunk;
@@ -194,7 +197,7 @@ impl Cascade {
             level.segments.push(at, &input, sink);
             level.history.push(&input);
             let mut output = std::mem::take(&mut level.output);
-            at = level.decimator.process(self.plan.arch, at, &input, &mut output);
+            at = level.decimator.process(self.plan.arch(), at, &input, &mut output);
             level.output = std::mem::replace(&mut input, output);
             if input.is_empty() {
                 break;

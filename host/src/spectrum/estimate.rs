@@ -359,8 +359,8 @@ impl<'a> Sources<'a> {
                 for &(of_run, index) in members.iter().filter(|(of_run, _)| *of_run == number) {
                     let share = weight(runs, members, of_run, index);
                     let ordinate = &run.ordinates[index];
-                    let far = far.iter().map(|&(centre, _)| run.far_window(ordinate, centre));
-                    let near = windows[index].iter().map(|window| window.unwrap_or(0.0));
+                    let far = far.iter().map(|&(centre, _)| run.mean_window(ordinate, centre));
+                    let near = windows[index].iter().copied();
                     let kernel = kernel[from..].iter_mut();
                     for ((total, (_, gain)), window) in kernel.zip(&shares).zip(near.chain(far)) {
                         *total += share * gain * window;

@@ -2,6 +2,7 @@
 
 pub mod cascade;
 pub mod covariance;
+pub mod cross;
 pub mod decimate;
 pub mod estimate;
 pub mod expected;
@@ -13,3 +14,6 @@ pub mod quadrature;
 pub mod record_lines;
 pub mod segments;
 pub mod window;
+
+#[cfg(test)]
+mod expected_tests;

@@ -11,7 +11,7 @@
 //! Since a sine is the difference of two exponentials, every taper's transform is the difference
 //! of two points of one zero-padded transform.
 
-use super::quadrature::{Node, Nodes};
+use super::quadrature::Nodes;
 use rustfft::{FftPlanner, num_complex::Complex64};
 use std::f64::consts::PI;
 
@@ -21,7 +21,7 @@ pub const MOST_TAPERS: usize = 8;
 /// Lowest ordinate, cycles a run.
 pub const LOWEST_CYCLES: f64 = 2.0;
 
-/// Frequencies beyond the ordinate's that its response is evaluated at node by node, bins.
+/// Bins beyond the highest ordinate that responses are evaluated in at every node.
 const NEAR: usize = 100;
 
 /// Estimate at one frequency from one run.
@@ -130,22 +130,19 @@ impl Run {
     }
 
     /// Spectral windows (both signs of frequency together, per bin) of all ordinates at all
-    /// nodes: `[ordinate][node]`, `None` where they are negligible.
-    pub fn windows(&self, nodes: &Nodes) -> Vec<Vec<Option<f64>>> {
+    /// nodes: `[ordinate][node]`.
+    pub fn windows(&self, nodes: &Nodes) -> Vec<Vec<f64>> {
         let highest = self.ordinates.last().map_or(0, |last| last.half_bins);
         // Exponential sums at offset + m / 2 bins, m from -span.
         let span = highest + MOST_TAPERS + 2;
         let panels = nodes.nodes.iter().map(|node| node.panel).max().unwrap_or(0);
         let count = 2 * span + 2 * panels + 2;
-        let tables: Vec<[Vec<Complex64>; 2]> = nodes
+        let tables: Vec<Vec<Complex64>> = nodes
             .offsets
             .iter()
             .map(|&offset| {
-                [1.0, -1.0].map(|sign| {
-                    (0..count)
-                        .map(|m| self.exponential_sum(sign * (offset + 0.5 * (m as f64 - span as f64))))
-                        .collect()
-                })
+                let place = |m: usize| offset + 0.5 * (m as f64 - span as f64);
+                (0..count).map(|m| self.exponential_sum(place(m))).collect()
             })
             .collect();
         let trends: Vec<[Complex64; 2]> =
@@ -153,63 +150,62 @@ impl Run {
         self.ordinates
             .iter()
             .map(|ordinate| {
-                nodes
-                    .nodes
-                    .iter()
-                    .zip(&trends)
+                let places = nodes.nodes.iter().zip(&trends);
+                places
                     .map(|(node, trend)| {
-                        let distance = (2 * node.panel).abs_diff(ordinate.half_bins) / 2;
-                        (distance <= NEAR || node.panel <= NEAR / 2)
-                            .then(|| self.window_at(ordinate, node, span, &tables[node.offset], trend))
+                        let table = &tables[node.offset];
+                        let near = span + 2 * node.panel - ordinate.half_bins;
+                        let far = span + 2 * node.panel + ordinate.half_bins;
+                        self.window(ordinate, trend, |taper| {
+                            [
+                                table[near + taper] - table[near - taper],
+                                table[far - taper] - table[far + taper],
+                            ]
+                        })
                     })
                     .collect()
             })
             .collect()
     }
 
-    fn window_at(
+    /// Mean spectral window of an ordinate over the bin around `centre`.
+    pub fn mean_window(&self, ordinate: &Ordinate, centre: f64) -> f64 {
+        let frequency = 0.5 * ordinate.half_bins as f64;
+        let points = 6;
+        let total: f64 = (0..points)
+            .map(|point| {
+                let x = centre + (f64::from(point) + 0.5) / f64::from(points) - 0.5;
+                self.window(ordinate, &self.trend_response(x), |taper| {
+                    let half = 0.5 * taper as f64;
+                    let difference = |place: f64, half: f64| {
+                        self.exponential_sum(place + half) - self.exponential_sum(place - half)
+                    };
+                    [difference(x - frequency, half), difference(x + frequency, -half)]
+                })
+            })
+            .sum();
+        total / f64::from(points)
+    }
+
+    /// Spectral window at `x` bins from the trend's response there and each taper's differences
+    /// of exponential sums, at `x - f` (for positive frequency) and, conjugate, at `x + f` (for
+    /// negative: the sum at `-y` is the conjugate of that at `y`).
+    fn window(
         &self,
         ordinate: &Ordinate,
-        node: &Node,
-        span: usize,
-        tables: &[Vec<Complex64>; 2],
         trend: &[Complex64; 2],
+        differences: impl Fn(usize) -> [Complex64; 2],
     ) -> f64 {
         let scale = Complex64::new(0.0, -0.5) * (2.0 * self.bin()).sqrt();
         let mut total = 0.0;
         for (index, [constant, line]) in ordinate.trend.iter().enumerate() {
-            let taper = index + 1;
-            // Positive frequency x: arguments x - q/2 +- k/2. Negative: -(x + q/2 -+ k/2).
-            let up = span + 2 * node.panel - ordinate.half_bins;
-            let down = span + 2 * node.panel + ordinate.half_bins;
-            let positive = scale * (tables[0][up + taper] - tables[0][up - taper])
-                - trend[0] * constant
-                - trend[1] * line;
-            let negative = scale * (tables[1][down - taper] - tables[1][down + taper])
-                - trend[0].conj() * constant
-                - trend[1].conj() * line;
-            total += positive.norm_sqr() + negative.norm_sqr();
+            let [positive, negative] = differences(index + 1);
+            let left = |difference: Complex64, trend: [Complex64; 2]| {
+                (scale * difference - trend[0] * constant - trend[1] * line).norm_sqr()
+            };
+            total += left(positive, *trend) + left(negative.conj(), trend.map(|z| z.conj()));
         }
         total * self.bin() / ordinate.tapers as f64
-    }
-
-    /// Mean spectral window of an ordinate over the bin around `centre`, far from it.
-    pub fn far_window(&self, ordinate: &Ordinate, centre: f64) -> f64 {
-        let points = 6;
-        let mut total = 0.0;
-        for point in 0..points {
-            let place = centre + (f64::from(point) + 0.5) / f64::from(points) - 0.5;
-            let frequency = 0.5 * ordinate.half_bins as f64;
-            for signed in [place, -place] {
-                for taper in 1..=ordinate.tapers {
-                    let half = 0.5 * taper as f64;
-                    let difference = self.exponential_sum(signed - frequency + half)
-                        - self.exponential_sum(signed - frequency - half);
-                    total += difference.norm_sqr() * 0.5 * self.bin();
-                }
-            }
-        }
-        total * self.bin() / (f64::from(points) * ordinate.tapers as f64)
     }
 
     /// Covariance of two ordinates relative to the product of their expectations, for a spectrum

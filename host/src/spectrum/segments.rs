@@ -43,7 +43,7 @@ impl PairSink for () {
 /// Taper and transform that all levels and axes share.
 #[derive(Clone)]
 pub struct Plan {
-    pub(super) arch: Arch,
+    arch: Arch,
     pub(super) window: Arc<Window>,
     fft: Arc<dyn Fft<f64>>,
 }
@@ -62,6 +62,17 @@ impl Plan {
             window: Arc::new(Window::new(LEN)),
             fft: FftPlanner::new().plan_fft_forward(LEN),
         }
+    }
+
+    /// The processor's vector instructions, chosen when the plan was made.
+    pub(super) fn arch(&self) -> Arch {
+        self.arch
+    }
+}
+
+impl Default for Plan {
+    fn default() -> Self {
+        Self::new()
     }
 }
 
