@@ -95,6 +95,24 @@ pub(super) fn of(input: &Input<'_>) -> Covariance {
     covariance
 }
 
+/// Relative variances of all bins.
+pub(super) fn variances(groups: &[Group], powers: &[Power], window: &Window) -> Vec<f64> {
+    let correlations = Correlations::new(window);
+    let mut variances = Vec::new();
+    for group in groups {
+        match group {
+            Group::Level { level, bins } => {
+                let power = &powers[*level];
+                variances.extend(bins.iter().map(|ks| correlations.between(ks, ks, power)));
+            }
+            Group::Record { runs, bins, .. } => {
+                variances.extend(bins.iter().map(|bin| between_members(runs, bin, bin)));
+            }
+        }
+    }
+    variances
+}
+
 /// Squared correlations of the transforms of a segment, and of neighbours, by distance in bins.
 struct Correlations {
     same: Vec<f64>,

@@ -75,6 +75,13 @@ pub struct Bin {
     pub origin: Origin,
 }
 
+/// Bins of an axis up to now, by ascending frequency, without what a fit needs: for display, at a
+/// small part of the cost of an [`Estimate`].
+pub fn bins(cascade: &Cascade, rate_hz: f64, settings: &Settings) -> Vec<Bin> {
+    let sources = Sources::collect(cascade, rate_hz);
+    sources.bins(&sources.groups(settings))
+}
+
 /// Spectrum of one axis up to now, by ascending frequency.
 #[derive(Debug, Clone)]
 pub struct Estimate {
@@ -260,38 +267,51 @@ impl<'a> Sources<'a> {
             .collect()
     }
 
-    fn estimate(&self, settings: &Settings) -> Estimate {
-        let groups = self.groups(settings);
+    fn bins(&self, groups: &[Group]) -> Vec<Bin> {
         let mut bins = Vec::new();
-        let mut operator = Operator::default();
-        for group in &groups {
-            let first = bins.len();
+        for group in groups {
             match group {
-                Group::Level { level, bins: ks } => {
-                    self.add_level(*level, ks, settings, &mut bins, &mut operator);
-                }
+                Group::Level { level, bins: ks } => self.level_densities(*level, ks, &mut bins),
                 Group::Record { level, runs, bins: members } => {
-                    self.add_record(*level, runs, members, settings, &mut bins, &mut operator);
+                    self.record_densities(*level, runs, members, &mut bins);
                 }
             }
-            let centres: Vec<f64> = bins[first..].iter().map(|bin: &Bin| bin.f_hz).collect();
-            let level = match group {
-                Group::Level { level, .. } | Group::Record { level, .. } => *level,
-            };
-            operator.add_aliases(first, &centres, &Path::new(self.rate_hz, level));
         }
-        let duration_s = self.cascade.samples() as f64 / self.rate_hz;
+        let variances = covariance::variances(groups, &self.powers, &self.cascade.plan().window);
+        for (bin, variance) in bins.iter_mut().zip(variances) {
+            bin.edf = 2.0 / variance;
+        }
+        bins
+    }
+
+    fn estimate(&self, settings: &Settings) -> Estimate {
+        let groups = self.groups(settings);
+        let bins = self.bins(&groups);
+        let mut operator = Operator::default();
+        for group in &groups {
+            let first = operator.rows().len();
+            let (level, count) = match group {
+                Group::Level { level, bins } => (*level, bins.len()),
+                Group::Record { level, bins, .. } => (*level, bins.len()),
+            };
+            let centres: Vec<f64> =
+                bins[first..first + count].iter().map(|bin| bin.f_hz).collect();
+            let path = Path::new(self.rate_hz, level);
+            let (nodes_hz, kernels) = match group {
+                Group::Level { bins, .. } => self.level_kernels(&path, bins, settings),
+                Group::Record { runs, bins, .. } => record_kernels(&path, runs, bins, settings),
+            };
+            operator.add(&nodes_hz, &kernels, &centres);
+            operator.add_aliases(first, &centres, &path);
+        }
         let covariance = covariance::of(&covariance::Input {
             groups: &groups,
             powers: &self.powers,
             window: &self.cascade.plan().window,
             operator: &operator,
             rate_hz: self.rate_hz,
-            duration_s,
+            duration_s: self.cascade.samples() as f64 / self.rate_hz,
         });
-        for (index, bin) in bins.iter_mut().enumerate() {
-            bin.edf = 2.0 / covariance.at(index, index);
-        }
         Estimate {
             bins,
             operator,
@@ -299,20 +319,11 @@ impl<'a> Sources<'a> {
         }
     }
 
-    fn add_level(
-        &self,
-        level: usize,
-        ks: &[RangeInclusive<usize>],
-        settings: &Settings,
-        bins: &mut Vec<Bin>,
-        operator: &mut Operator,
-    ) {
-        let path = Path::new(self.rate_hz, level);
+    fn level_densities(&self, level: usize, ks: &[RangeInclusive<usize>], bins: &mut Vec<Bin>) {
         let (window, power) = (&self.cascade.plan().window, &self.powers[level]);
-        let rate_hz = path.level_rate_hz();
+        let rate_hz = self.level_rate_hz(level);
         let bin_hz = rate_hz / LEN as f64;
         let scale = 1.0 / (power.segments as f64 * window.sum_of_squares() * rate_hz);
-        let first = bins.len();
         for range in ks {
             let count = range.clone().count() as f64;
             let total: f64 = range.clone().map(|k| power.at(k)).sum();
@@ -323,53 +334,16 @@ impl<'a> Sources<'a> {
                 origin: Origin::Segments { level },
             });
         }
-        let nodes = Nodes::new(LEN / 2, bin_hz, &settings.peaks);
-        let windows = SegmentWindows::new(window, &nodes.offsets);
-        let (nodes_hz, kernels) = level_kernels(&windows, &nodes, &path, ks);
-        let centres: Vec<f64> = bins[first..].iter().map(|bin| bin.f_hz).collect();
-        operator.add(&nodes_hz, &kernels, &centres);
     }
 
-    fn add_record(
+    fn record_densities(
         &self,
         level: usize,
         runs: &[Run],
         members: &[Vec<(usize, usize)>],
-        settings: &Settings,
         bins: &mut Vec<Bin>,
-        operator: &mut Operator,
     ) {
-        let path = Path::new(self.rate_hz, level);
-        let rate_hz = path.level_rate_hz();
-        let mut nodes_hz = Vec::new();
-        let mut kernels = vec![Vec::new(); members.len()];
-        for (number, run) in runs.iter().enumerate() {
-            let bin_hz = run.bin() * rate_hz;
-            let nodes = Nodes::new(run.near_bins(), bin_hz, &settings.peaks);
-            let windows = run.windows(&nodes);
-            let far = run.far_panels();
-            let places = nodes.nodes.iter().map(|node| (nodes.place(node), node.weight));
-            let shares: Vec<(f64, f64)> = places
-                .chain(far.iter().copied())
-                .map(|(place, width)| (place, width * path.response(place * bin_hz).powi(2)))
-                .collect();
-            for (kernel, members) in kernels.iter_mut().zip(members) {
-                let from = kernel.len();
-                kernel.resize(from + shares.len(), 0.0);
-                for &(of_run, index) in members.iter().filter(|(of_run, _)| *of_run == number) {
-                    let share = weight(runs, members, of_run, index);
-                    let ordinate = &run.ordinates[index];
-                    let far = far.iter().map(|&(centre, _)| run.mean_window(ordinate, centre));
-                    let near = windows[index].iter().copied();
-                    let kernel = kernel[from..].iter_mut();
-                    for ((total, (_, gain)), window) in kernel.zip(&shares).zip(near.chain(far)) {
-                        *total += share * gain * window;
-                    }
-                }
-            }
-            nodes_hz.extend(shares.iter().map(|(place, _)| place * bin_hz));
-        }
-        let first = bins.len();
+        let rate_hz = self.level_rate_hz(level);
         for members in members {
             let mean = |value: &dyn Fn(&Run, usize) -> f64| -> f64 {
                 members
@@ -384,9 +358,56 @@ impl<'a> Sources<'a> {
                 origin: Origin::Multitaper,
             });
         }
-        let centres: Vec<f64> = bins[first..].iter().map(|bin| bin.f_hz).collect();
-        operator.add(&nodes_hz, &kernels, &centres);
     }
+
+    fn level_kernels(
+        &self,
+        path: &Path,
+        ks: &[RangeInclusive<usize>],
+        settings: &Settings,
+    ) -> (Vec<f64>, Vec<Vec<f64>>) {
+        let nodes = Nodes::new(LEN / 2, path.level_rate_hz() / LEN as f64, &settings.peaks);
+        let windows = SegmentWindows::new(&self.cascade.plan().window, &nodes.offsets);
+        level_kernels(&windows, &nodes, path, ks)
+    }
+}
+
+/// Kernels of bins over the ordinates of runs: frequencies and `[bin][node]`.
+fn record_kernels(
+    path: &Path,
+    runs: &[Run],
+    bins: &[Vec<(usize, usize)>],
+    settings: &Settings,
+) -> (Vec<f64>, Vec<Vec<f64>>) {
+    let mut nodes_hz = Vec::new();
+    let mut kernels = vec![Vec::new(); bins.len()];
+    for (number, run) in runs.iter().enumerate() {
+        let bin_hz = run.bin() * path.level_rate_hz();
+        let nodes = Nodes::new(run.near_bins(), bin_hz, &settings.peaks);
+        let windows = run.windows(&nodes);
+        let far = run.far_panels();
+        let places = nodes.nodes.iter().map(|node| (nodes.place(node), node.weight));
+        let shares: Vec<(f64, f64)> = places
+            .chain(far.iter().copied())
+            .map(|(place, width)| (place, width * path.response(place * bin_hz).powi(2)))
+            .collect();
+        for (kernel, members) in kernels.iter_mut().zip(bins) {
+            let from = kernel.len();
+            kernel.resize(from + shares.len(), 0.0);
+            for &(of_run, index) in members.iter().filter(|(of_run, _)| *of_run == number) {
+                let share = weight(runs, members, of_run, index);
+                let ordinate = &run.ordinates[index];
+                let far = far.iter().map(|&(centre, _)| run.mean_window(ordinate, centre));
+                let near = windows[index].iter().copied();
+                let kernel = kernel[from..].iter_mut();
+                for ((total, (_, gain)), window) in kernel.zip(&shares).zip(near.chain(far)) {
+                    *total += share * gain * window;
+                }
+            }
+        }
+        nodes_hz.extend(shares.iter().map(|(place, _)| place * bin_hz));
+    }
+    (nodes_hz, kernels)
 }
 
 /// Share of an ordinate in its bin: by tapers times length, the information in it.

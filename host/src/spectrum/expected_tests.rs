@@ -30,8 +30,8 @@ fn doublet(len: usize, at: i64) -> Vec<f64> {
     (0..len as i64).map(|n| f64::from(u8::from(n == at)) - f64::from(u8::from(n == at + 1))).collect()
 }
 
-/// Pole radius and angle of the resonance: half width 0.02 bins of a segment.
-const RADIUS: f64 = 1.0 - 1.2e-4;
+/// Pole radius and angle of the resonance: half width 0.04 bins of a segment.
+const RADIUS: f64 = 1.0 - 2.4e-4;
 const ANGLE: f64 = 2.0 * PI * 0.123_4;
 
 fn resonance(len: usize, at: i64) -> Vec<f64> {
@@ -138,8 +138,8 @@ fn segments_of_a_narrow_resonance() {
         frequency_hz: ANGLE / (2.0 * PI),
         half_width_hz: (1.0 - RADIUS) / (2.0 * PI),
     };
-    // The response has fallen to e^-12 of its power after fifty thousand samples.
-    let exact = segments_exactly(0, LEN, &ks, -50_000..LEN as i64, resonance);
+    // The response has fallen to e^-12 of its power after twenty-five thousand samples.
+    let exact = segments_exactly(0, LEN, &ks, -25_000..LEN as i64, resonance);
     let expected = segments_expected(0, &ks, &[peak], resonance_density);
     assert_close("resonance", &ks, &exact, &expected);
 }

@@ -17,3 +17,5 @@ pub mod window;
 
 #[cfg(test)]
 mod expected_tests;
+#[cfg(test)]
+mod statistics_tests;
