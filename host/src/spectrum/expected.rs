@@ -2,7 +2,7 @@
 //!
 //! For a stationary process with two-sided density `S` of its *samples*, a bin's expectation is
 //! exactly `int_0^{fs/2} S(f) G(f) df`, where the bin's kernel `G` holds the taper's spectral
-//! window (both signs of frequency, weighted mean removed), the squared response of the decimators
+//! window (both signs of frequency, straight line removed), the squared response of the decimators
 //! in front of the level, and what they let fold in from above. [`Operator`] keeps `G` at
 //! quadrature nodes, so that each new model costs one evaluation a node and one sparse product.
 //! Fits should do what depends on frequency alone (a signal chain) once, at [`Operator::nodes_hz`].
@@ -150,45 +150,58 @@ impl Path {
     }
 }
 
-/// Spectral windows of the segments: the taper's transform at nodes, about bins.
+/// Spectral windows of the segments: the taper's transform at nodes, about bins, less what the
+/// straight line takes that is removed from every segment.
 pub(super) struct SegmentWindows {
-    /// For each offset, the transform at whole bins plus the offset.
-    tables: Vec<Vec<f64>>,
-    /// The transform at whole bins, over that at zero: what removing the mean takes.
-    mean: Vec<f64>,
+    /// For each offset, transforms of the taper (real) and of the taper times a line (imaginary)
+    /// at whole bins plus the offset.
+    tables: Vec<[Vec<f64>; 2]>,
+    /// Both at whole bins, over their own norms.
+    trend: [Vec<f64>; 2],
     scale: f64,
 }
 
 impl SegmentWindows {
     pub(super) fn new(window: &Window, offsets: &[f64]) -> Self {
         let fft = FftPlanner::new().plan_fft_forward(LEN);
-        let transform = |offset: f64| -> Vec<f64> {
+        let transform = |weights: &[f64], offset: f64| -> Vec<Complex64> {
             let mut z: Vec<Complex64> = (0..LEN)
                 .map(|n| {
                     let turn = 2.0 * PI * offset * (n as f64 - HALF) / LEN as f64;
-                    Complex64::from_polar(window.values()[n], -turn)
+                    Complex64::from_polar(1.0, -turn) * weights[n]
                 })
                 .collect();
             fft.process(&mut z);
             // Centring the taper turns bin m by half a cycle m times.
-            z.iter()
-                .enumerate()
-                .map(|(m, z)| if m % 2 == 0 { z.re } else { -z.re })
-                .collect()
+            for odd in z.iter_mut().skip(1).step_by(2) {
+                *odd = -*odd;
+            }
+            z
         };
+        let both = |offset: f64| -> [Vec<f64>; 2] {
+            [
+                transform(window.values(), offset).iter().map(|z| z.re).collect(),
+                transform(window.line(), offset).iter().map(|z| z.im).collect(),
+            ]
+        };
+        let [mut mean, mut slope] = both(0.0);
+        mean.iter_mut().for_each(|w| *w /= window.sum());
+        slope.iter_mut().for_each(|w| *w /= window.sum_of_line());
         Self {
-            tables: offsets.iter().map(|&offset| transform(offset)).collect(),
-            mean: transform(0.0).iter().map(|w| w / window.sum()).collect(),
+            tables: offsets.iter().map(|&offset| both(offset)).collect(),
+            trend: [mean, slope],
             scale: 1.0 / (LEN as f64 * window.sum_of_squares()),
         }
     }
 
     /// Window of bin `k`, per bin, at `panel + offsets[offset]` bins, both signs of frequency.
     pub(super) fn at(&self, k: usize, panel: usize, offset: usize) -> f64 {
-        let table = &self.tables[offset];
-        let leak = table[panel] * self.mean[k];
-        let positive = table[(panel + LEN - k) % LEN] - leak;
-        let negative = table[(panel + k) % LEN] - leak;
+        let [taper, line] = &self.tables[offset];
+        let mean = taper[panel] * self.trend[0][k];
+        let slope = line[panel] * self.trend[1][k];
+        // The line's transform is odd: it changes sign with the frequency.
+        let positive = taper[(panel + LEN - k) % LEN] - mean - slope;
+        let negative = taper[(panel + k) % LEN] - mean + slope;
         (positive * positive + negative * negative) * self.scale
     }
 }

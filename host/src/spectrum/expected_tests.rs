@@ -149,14 +149,21 @@ fn flicker_agrees_with_a_fine_sum() {
     let window = Window::new(LEN);
     for k in [3_usize, 6, 20] {
         let expected = segments_expected(0, &[k], &[], |cycles| 1.0 / cycles)[0];
-        let at = window.transform(k as f64) / window.sum();
+        let line = |bins: f64| -> f64 {
+            let step = 2.0 * PI * bins / LEN as f64;
+            let centred = window.line().iter().zip(-(LEN as i64) / 2..);
+            centred.map(|(w, n)| w * (step * n as f64).sin()).sum()
+        };
+        let mean_at = window.transform(k as f64) / window.sum();
+        let slope_at = line(k as f64) / window.sum_of_line();
         let steps = 64;
         let fine: f64 = (0..steps * 200)
             .map(|i| {
                 let place = (f64::from(i) + 0.5) / f64::from(steps);
-                let leak = window.transform(place) * at;
-                let up = window.transform(place - k as f64) - leak;
-                let down = window.transform(place + k as f64) - leak;
+                let mean = window.transform(place) * mean_at;
+                let slope = line(place) * slope_at;
+                let up = window.transform(place - k as f64) - mean - slope;
+                let down = window.transform(place + k as f64) - mean + slope;
                 (up * up + down * down) / place
             })
             .sum::<f64>()

@@ -4,7 +4,8 @@
 //! rate, so that the segments of all axes coincide and a gap costs exactly those that it touches.
 //! Two neighbours, `a` and `b`, share one complex transform, `z = a + i b`: since
 //! `|A_k|^2 + |B_k|^2 = (|Z_k|^2 + |Z_{N-k}|^2) / 2`, their power sums need no separation. The
-//! weighted mean of each is taken out first (`sum w (x - c) = 0`), so that no constant leaks.
+//! straight line that fits each best under the taper's weights is taken out first, so that no
+//! constant and no ramp leaks.
 
 use super::window::Window;
 use pulp::Arch;
@@ -215,43 +216,44 @@ impl Segments {
     }
 }
 
-/// `out = w (a - c_a) + i w (b - c_b)` with the weighted means `c`; an absent segment is zero.
+/// `out = w (a - line_a) + i w (b - line_b)`, each line fitted with the weights `w`; an absent
+/// segment is zero.
 #[inline(always)]
 fn taper(window: &Window, a: Option<&[f64]>, b: Option<&[f64]>, out: &mut [Complex64]) {
-    let weights = window.values();
-    let mean = |x: &[f64]| dot(weights, x) / window.sum();
+    let (weights, lines) = (window.values(), window.line());
+    let fit = |x: &[f64]| {
+        let [sum, tilt] = dots(weights, lines, x);
+        [sum / window.sum(), tilt / window.sum_of_line()]
+    };
     match (a, b) {
         (Some(a), Some(b)) => {
-            let (mean_a, mean_b) = (mean(a), mean(b));
-            for (((z, w), a), b) in out.iter_mut().zip(weights).zip(a).zip(b) {
-                *z = Complex64::new(w * (a - mean_a), w * (b - mean_b));
+            let ([mean_a, slope_a], [mean_b, slope_b]) = (fit(a), fit(b));
+            let weights = weights.iter().zip(lines);
+            for (((z, (w, l)), a), b) in out.iter_mut().zip(weights).zip(a).zip(b) {
+                *z = Complex64::new(w * (a - mean_a) - l * slope_a, w * (b - mean_b) - l * slope_b);
             }
         }
-        (Some(a), None) => {
-            let mean_a = mean(a);
-            for ((z, w), a) in out.iter_mut().zip(weights).zip(a) {
-                *z = Complex64::new(w * (a - mean_a), 0.0);
-            }
-        }
-        (None, Some(b)) => {
-            let mean_b = mean(b);
-            for ((z, w), b) in out.iter_mut().zip(weights).zip(b) {
-                *z = Complex64::new(0.0, w * (b - mean_b));
+        (Some(x), None) | (None, Some(x)) => {
+            let [mean, slope] = fit(x);
+            let unit = if a.is_some() { Complex64::ONE } else { Complex64::I };
+            for ((z, (w, l)), x) in out.iter_mut().zip(weights.iter().zip(lines)).zip(x) {
+                *z = unit * (w * (x - mean) - l * slope);
             }
         }
         (None, None) => out.fill(Complex64::default()),
     }
 }
 
-/// Scalar product in eight partial sums, so that it can be vectorised.
+/// Scalar products with `x`, each in eight partial sums, so that they can be vectorised.
 #[inline(always)]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 8];
-    let (a, b) = (a.chunks_exact(8), b.chunks_exact(8));
-    for (a, b) in a.zip(b) {
+fn dots(one: &[f64], other: &[f64], x: &[f64]) -> [f64; 2] {
+    let mut sums = [[0.0; 8]; 2];
+    let pairs = one.chunks_exact(8).zip(other.chunks_exact(8));
+    for ((one, other), x) in pairs.zip(x.chunks_exact(8)) {
         for i in 0..8 {
-            sums[i] += a[i] * b[i];
+            sums[0][i] += one[i] * x[i];
+            sums[1][i] += other[i] * x[i];
         }
     }
-    sums.iter().sum()
+    sums.map(|sums| sums.iter().sum())
 }

@@ -2,7 +2,7 @@
 
 use super::{
     cascade::Cascade,
-    estimate::{Estimate, Origin, Settings, bins},
+    estimate::{Estimate, Settings, bins},
     segments::Plan,
 };
 use rand_distr::{Distribution, StandardNormal};
@@ -151,13 +151,7 @@ fn offset_and_ramp_leave_the_estimate_alone() {
     let tilted = bins(&cascade(&plan, &tilted), 1.0, &settings);
     for (plain, tilted) in plain.iter().zip(&tilted) {
         let change = tilted.psd / plain.psd - 1.0;
-        // Segments only lose their mean: at their sixth bin the ramp within one still shows.
-        let allowed = if plain.origin == Origin::Multitaper { 1e-6 } else { 0.05 };
-        assert!(change.abs() < allowed, "{plain:?}: {change:e}");
-    }
-    let top = plain.len() - 40;
-    for (plain, tilted) in plain[top..].iter().zip(&tilted[top..]) {
-        assert!((tilted.psd / plain.psd - 1.0).abs() < 1e-6, "{plain:?}");
+        assert!(change.abs() < 1e-5, "seed 5, {plain:?}: {change:e}");
     }
 }
 

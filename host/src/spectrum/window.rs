@@ -18,8 +18,10 @@ use std::f64::consts::PI;
 #[derive(Debug, Clone)]
 pub struct Window {
     values: Vec<f64>,
+    line: Vec<f64>,
     sum: f64,
     sum_of_squares: f64,
+    sum_of_line: f64,
 }
 
 impl Window {
@@ -32,7 +34,11 @@ impl Window {
                 (0.5 * PI * sine * sine).sin()
             })
             .collect();
+        let line: Vec<f64> =
+            values.iter().enumerate().map(|(n, w)| w * (n as f64 - (len / 2) as f64)).collect();
         Self {
+            sum_of_line: line.iter().enumerate().map(|(n, w)| w * (n as f64 - (len / 2) as f64)).sum(),
+            line,
             sum: values.iter().sum(),
             sum_of_squares: values.iter().map(|w| w * w).sum(),
             values,
@@ -42,6 +48,16 @@ impl Window {
     /// The weights.
     pub fn values(&self) -> &[f64] {
         &self.values
+    }
+
+    /// The weights times a line through zero at the centre: `w[n] (n - N/2)`.
+    pub fn line(&self) -> &[f64] {
+        &self.line
+    }
+
+    /// Sum of the weights times that line squared, `sum w[n] (n - N/2)^2`.
+    pub fn sum_of_line(&self) -> f64 {
+        self.sum_of_line
     }
 
     /// Sum of the weights.
