@@ -135,14 +135,21 @@ impl Cascade {
         sink: &mut impl PairSink,
     ) -> Result<(), OutOfOrder> {
         if first < self.next {
-            return Err(OutOfOrder { first, next: self.next });
+            return Err(OutOfOrder {
+                first,
+                next: self.next,
+            });
         }
         let mut index = first;
         for piece in samples.chunks(CHUNK) {
             let mut chunk = std::mem::take(&mut self.chunk);
             chunk.clear();
             let reference = self.reference.unwrap_or_else(|| {
-                piece.iter().map(|&x| to_f64(x)).find(|x| x.is_finite()).unwrap_or(0.0)
+                piece
+                    .iter()
+                    .map(|&x| to_f64(x))
+                    .find(|x| x.is_finite())
+                    .unwrap_or(0.0)
             });
             chunk.extend(piece.iter().map(|&x| to_f64(x) - reference));
             // Counted rather than searched: without an early end the loop can be vectorised.
@@ -197,7 +204,9 @@ impl Cascade {
             level.segments.push(at, &input, sink);
             level.history.push(&input);
             let mut output = std::mem::take(&mut level.output);
-            at = level.decimator.process(self.plan.arch(), at, &input, &mut output);
+            at = level
+                .decimator
+                .process(self.plan.arch(), at, &input, &mut output);
             level.output = std::mem::replace(&mut input, output);
             if input.is_empty() {
                 break;
@@ -238,10 +247,17 @@ mod tests {
             let ks = LEN / 20..=LEN * 2 / 5;
             let count = ks.clone().count() as f64;
             let mean = ks.map(|k| power.at(k)).sum::<f64>()
-                / (count * power.segments as f64 * 0.5 * LEN as f64 * 8.0_f64.powi(-(depth as i32)));
+                / (count
+                    * power.segments as f64
+                    * 0.5
+                    * LEN as f64
+                    * 8.0_f64.powi(-(depth as i32)));
             // Every sample of the level carries 0.7 of a degree of freedom in this band.
             let sigma = (2.0 / (0.7 * LEN as f64 * 0.5 * power.segments as f64)).sqrt();
-            assert!((mean - 1.0).abs() < 4.0 * sigma, "seed {seed}, level {depth}: {mean}");
+            assert!(
+                (mean - 1.0).abs() < 4.0 * sigma,
+                "seed {seed}, level {depth}: {mean}"
+            );
         }
     }
 

@@ -38,7 +38,10 @@ impl Covariance {
 
     /// Covariance of two bins over the product of their expectations; zero outside the matrix.
     pub fn at(&self, one: usize, other: usize) -> f64 {
-        self.values.get(one * self.size + other).copied().unwrap_or(0.0)
+        self.values
+            .get(one * self.size + other)
+            .copied()
+            .unwrap_or(0.0)
     }
 
     fn set(&mut self, one: usize, other: usize, value: f64) {
@@ -121,14 +124,23 @@ struct Correlations {
 
 impl Correlations {
     fn new(window: &Window) -> Self {
-        let table = |lag| (0..=REACH).map(|bins| window.correlation(lag, bins as f64)).collect();
+        let table = |lag| {
+            (0..=REACH)
+                .map(|bins| window.correlation(lag, bins as f64))
+                .collect()
+        };
         Self {
             same: table(0),
             neighbour: table(HOP),
         }
     }
 
-    fn between(&self, one: &RangeInclusive<usize>, other: &RangeInclusive<usize>, power: &Power) -> f64 {
+    fn between(
+        &self,
+        one: &RangeInclusive<usize>,
+        other: &RangeInclusive<usize>,
+        power: &Power,
+    ) -> f64 {
         let (mut same, mut neighbour) = (0.0, 0.0);
         for k in one.clone() {
             for l in other.clone() {
@@ -174,7 +186,9 @@ fn seam(
     let bin_hz = level_rate_hz / LEN as f64;
     let start = *lowest.start() as f64;
     let density = |ks: &RangeInclusive<usize>, f_hz: f64| -> f64 {
-        let near = ks.clone().filter(|&k| (k as f64 - f_hz / bin_hz).abs() <= SEAM);
+        let near = ks
+            .clone()
+            .filter(|&k| (k as f64 - f_hz / bin_hz).abs() <= SEAM);
         let total: f64 = near
             .map(|k| input.window.transform(f_hz / bin_hz - k as f64).powi(2))
             .sum();

@@ -127,7 +127,13 @@ impl CrossCascade {
 
     /// Cross-spectrum of two axes sampled at `rate_hz`, by ascending frequency, with
     /// `bins_per_octave`. Empty if the axes are the same, do not exist, or share no segment.
-    pub fn cross(&self, one: usize, other: usize, rate_hz: f64, bins_per_octave: f64) -> Vec<CrossBin> {
+    pub fn cross(
+        &self,
+        one: usize,
+        other: usize,
+        rate_hz: f64,
+        bins_per_octave: f64,
+    ) -> Vec<CrossBin> {
         let (low, high) = (one.min(other), one.max(other));
         let count = self.axes.len();
         if low == high || high >= count {
@@ -137,14 +143,30 @@ impl CrossCascade {
         let levels = &self.sums[number];
         let ratio = (1.0 / bins_per_octave.max(0.1)).exp2();
         let mut bins = Vec::new();
-        for (level, sums) in levels.iter().enumerate().filter(|(_, sums)| sums.segments > 1) {
-            let top = if level == 0 { LEN / 2 - 2 } else { (PASS * LEN as f64) as usize };
+        for (level, sums) in levels
+            .iter()
+            .enumerate()
+            .filter(|(_, sums)| sums.segments > 1)
+        {
+            let top = if level == 0 {
+                LEN / 2 - 2
+            } else {
+                (PASS * LEN as f64) as usize
+            };
             // The next level takes over where it has segments.
             let next = levels.get(level + 1).is_some_and(|next| next.segments > 1);
-            let mut k = if next { top.min((PASS * LEN as f64) as usize) / FACTOR as usize + 1 } else { LOWEST_BIN };
+            let mut k = if next {
+                top.min((PASS * LEN as f64) as usize) / FACTOR as usize + 1
+            } else {
+                LOWEST_BIN
+            };
             while k <= top {
                 let end = ((k as f64 * ratio) as usize).clamp(k + 1, top + 1);
-                bins.push(sums.bin(k..end, rate_hz / (FACTOR as f64).powi(level as i32), one > other));
+                bins.push(sums.bin(
+                    k..end,
+                    rate_hz / (FACTOR as f64).powi(level as i32),
+                    one > other,
+                ));
                 k = end;
             }
         }
@@ -180,7 +202,10 @@ impl Sums {
     }
 
     fn add(&mut self, plan: &Plan, one: &Slot, other: &Slot) {
-        let common = [one.whole[0] && other.whole[0], one.whole[1] && other.whole[1]];
+        let common = [
+            one.whole[0] && other.whole[0],
+            one.whole[1] && other.whole[1],
+        ];
         if one.whole == other.whole {
             let (products, first, second) = (&mut self.products, &mut self.first, &mut self.second);
             plan.arch().dispatch(|| {
@@ -222,7 +247,11 @@ impl Sums {
         CrossBin {
             f_hz: 0.5 * (ks.start + ks.end - 1) as f64 * rate_hz / LEN as f64,
             density: if swapped { density.conj() } else { density },
-            coherence: if first * second > 0.0 { product.norm_sqr() / (first * second) } else { 0.0 },
+            coherence: if first * second > 0.0 {
+                product.norm_sqr() / (first * second)
+            } else {
+                0.0
+            },
             averages,
         }
     }
@@ -246,10 +275,15 @@ mod tests {
     /// Two axes that share half of their power, and one of its own.
     fn axes(seed: u64, len: usize) -> [Vec<f64>; 3] {
         let mut rng = rand_pcg::Pcg64::new(u128::from(seed), 9);
-        let mut draw = || -> Vec<f64> { (0..len).map(|_| StandardNormal.sample(&mut rng)).collect() };
+        let mut draw =
+            || -> Vec<f64> { (0..len).map(|_| StandardNormal.sample(&mut rng)).collect() };
         let (common, a, b, c) = (draw(), draw(), draw(), draw());
         let add = |noise: &[f64], gain: f64| {
-            noise.iter().zip(&common).map(|(n, s)| n + gain * s).collect()
+            noise
+                .iter()
+                .zip(&common)
+                .map(|(n, s)| n + gain * s)
+                .collect()
         };
         [add(&a, 1.0), add(&b, -1.0), c]
     }
@@ -262,7 +296,12 @@ mod tests {
         let mut cascade = CrossCascade::new(3);
         for start in (0..400_000).step_by(3333) {
             let end = (start + 3333).min(400_000);
-            cascade.push(start as u64, &[&x[start..end], &y[start..end], &z[start..end]]).unwrap();
+            cascade
+                .push(
+                    start as u64,
+                    &[&x[start..end], &y[start..end], &z[start..end]],
+                )
+                .unwrap();
         }
         // The bad sample costs the pair exactly the segments that it breaks.
         assert_eq!(cascade.sums[0][0].segments, cascade.sums[1][0].segments - 2);
@@ -271,10 +310,16 @@ mod tests {
             // Squared coherence 1/4: its standard deviation is sqrt(2 c / n) (1 - c).
             let sigma = (0.5 / bin.averages).sqrt() * 0.75;
             let error = bin.coherence - 0.25;
-            assert!(error.abs() < 5.0 * sigma + 1.0 / bin.averages, "seed {seed}: {bin:?}");
+            assert!(
+                error.abs() < 5.0 * sigma + 1.0 / bin.averages,
+                "seed {seed}: {bin:?}"
+            );
             // Density -1/2 (variance 1 over 2 Hz), real.
             let sigma = (0.625 / bin.averages).sqrt();
-            assert!((bin.density.re + 0.5).abs() < 5.0 * sigma, "seed {seed}: {bin:?}");
+            assert!(
+                (bin.density.re + 0.5).abs() < 5.0 * sigma,
+                "seed {seed}: {bin:?}"
+            );
             assert!(bin.density.im.abs() < 5.0 * sigma, "seed {seed}: {bin:?}");
         }
         for bin in cascade.cross(2, 0, 2.0, 4.0) {

@@ -241,7 +241,11 @@ mod tests {
             }
         }
         assert!(ripple < 3e-5, "ripple {ripple:e} dB");
-        assert!(20.0 * alias.log10() < -115.0, "alias {:.1} dB", 20.0 * alias.log10());
+        assert!(
+            20.0 * alias.log10() < -115.0,
+            "alias {:.1} dB",
+            20.0 * alias.log10()
+        );
     }
 
     #[test]

@@ -209,7 +209,10 @@ impl<'a> Sources<'a> {
             }
             upper = lower;
         }
-        plan.into_iter().rev().map(|(origin, bands)| self.group(origin, &bands)).collect()
+        plan.into_iter()
+            .rev()
+            .map(|(origin, bands)| self.group(origin, &bands))
+            .collect()
     }
 
     /// Fills bands (descending) with what their source has in them; empty ones vanish.
@@ -272,7 +275,11 @@ impl<'a> Sources<'a> {
         for group in groups {
             match group {
                 Group::Level { level, bins: ks } => self.level_densities(*level, ks, &mut bins),
-                Group::Record { level, runs, bins: members } => {
+                Group::Record {
+                    level,
+                    runs,
+                    bins: members,
+                } => {
                     self.record_densities(*level, runs, members, &mut bins);
                 }
             }
@@ -294,8 +301,10 @@ impl<'a> Sources<'a> {
                 Group::Level { level, bins } => (*level, bins.len()),
                 Group::Record { level, bins, .. } => (*level, bins.len()),
             };
-            let centres: Vec<f64> =
-                bins[first..first + count].iter().map(|bin| bin.f_hz).collect();
+            let centres: Vec<f64> = bins[first..first + count]
+                .iter()
+                .map(|bin| bin.f_hz)
+                .collect();
             let path = Path::new(self.rate_hz, level);
             let (nodes_hz, kernels) = match group {
                 Group::Level { bins, .. } => self.level_kernels(&path, bins, settings),
@@ -348,7 +357,9 @@ impl<'a> Sources<'a> {
             let mean = |value: &dyn Fn(&Run, usize) -> f64| -> f64 {
                 members
                     .iter()
-                    .map(|&(run, index)| weight(runs, members, run, index) * value(&runs[run], index))
+                    .map(|&(run, index)| {
+                        weight(runs, members, run, index) * value(&runs[run], index)
+                    })
                     .sum()
             };
             bins.push(Bin {
@@ -386,7 +397,10 @@ fn record_kernels(
         let nodes = Nodes::new(run.near_bins(), bin_hz, &settings.peaks);
         let windows = run.windows(&nodes);
         let far = run.far_panels();
-        let places = nodes.nodes.iter().map(|node| (nodes.place(node), node.weight));
+        let places = nodes
+            .nodes
+            .iter()
+            .map(|node| (nodes.place(node), node.weight));
         let shares: Vec<(f64, f64)> = places
             .chain(far.iter().copied())
             .map(|(place, width)| (place, width * path.response(place * bin_hz).powi(2)))
@@ -397,7 +411,9 @@ fn record_kernels(
             for &(of_run, index) in members.iter().filter(|(of_run, _)| *of_run == number) {
                 let share = weight(runs, members, of_run, index);
                 let ordinate = &run.ordinates[index];
-                let far = far.iter().map(|&(centre, _)| run.mean_window(ordinate, centre));
+                let far = far
+                    .iter()
+                    .map(|&(centre, _)| run.mean_window(ordinate, centre));
                 let near = windows[index].iter().copied();
                 let kernel = kernel[from..].iter_mut();
                 for ((total, (_, gain)), window) in kernel.zip(&shares).zip(near.chain(far)) {
@@ -414,6 +430,9 @@ fn record_kernels(
 pub(super) fn weight(runs: &[Run], members: &[(usize, usize)], run: usize, index: usize) -> f64 {
     let information =
         |run: usize, index: usize| (runs[run].ordinates[index].tapers * runs[run].len) as f64;
-    let total: f64 = members.iter().map(|&(run, index)| information(run, index)).sum();
+    let total: f64 = members
+        .iter()
+        .map(|&(run, index)| information(run, index))
+        .sum();
     information(run, index) / total
 }

@@ -138,7 +138,10 @@ impl Path {
         for _ in 0..self.level {
             let output_hz = input_hz / FACTOR as f64;
             for multiple in 1..=FACTOR / 2 {
-                for image_hz in [multiple as f64 * output_hz - f_hz, multiple as f64 * output_hz + f_hz] {
+                for image_hz in [
+                    multiple as f64 * output_hz - f_hz,
+                    multiple as f64 * output_hz + f_hz,
+                ] {
                     if image_hz < 0.5 * input_hz {
                         images.push(image_hz);
                     }
@@ -180,8 +183,14 @@ impl SegmentWindows {
         };
         let both = |offset: f64| -> [Vec<f64>; 2] {
             [
-                transform(window.values(), offset).iter().map(|z| z.re).collect(),
-                transform(window.line(), offset).iter().map(|z| z.im).collect(),
+                transform(window.values(), offset)
+                    .iter()
+                    .map(|z| z.re)
+                    .collect(),
+                transform(window.line(), offset)
+                    .iter()
+                    .map(|z| z.im)
+                    .collect(),
             ]
         };
         let [mut mean, mut slope] = both(0.0);
@@ -217,7 +226,11 @@ pub(super) fn level_kernels(
     bins: &[std::ops::RangeInclusive<usize>],
 ) -> (Vec<f64>, Vec<Vec<f64>>) {
     let bin_hz = path.level_rate_hz() / LEN as f64;
-    let nodes_hz: Vec<f64> = nodes.nodes.iter().map(|node| nodes.place(node) * bin_hz).collect();
+    let nodes_hz: Vec<f64> = nodes
+        .nodes
+        .iter()
+        .map(|node| nodes.place(node) * bin_hz)
+        .collect();
     let gains: Vec<f64> = nodes_hz
         .iter()
         .zip(&nodes.nodes)
@@ -232,8 +245,10 @@ pub(super) fn level_kernels(
                 .iter()
                 .zip(&gains)
                 .map(|(node, gain)| {
-                    let total: f64 =
-                        ks.clone().map(|k| windows.at(k, node.panel, node.offset)).sum();
+                    let total: f64 = ks
+                        .clone()
+                        .map(|k| windows.at(k, node.panel, node.offset))
+                        .sum();
                     total / count * gain
                 })
                 .collect()

@@ -19,15 +19,21 @@ use std::f64::consts::PI;
 type Response = fn(len: usize, at: i64) -> Vec<f64>;
 
 fn impulse(len: usize, at: i64) -> Vec<f64> {
-    (0..len as i64).map(|n| f64::from(u8::from(n == at))).collect()
+    (0..len as i64)
+        .map(|n| f64::from(u8::from(n == at)))
+        .collect()
 }
 
 fn step(len: usize, at: i64) -> Vec<f64> {
-    (0..len as i64).map(|n| f64::from(u8::from(n >= at))).collect()
+    (0..len as i64)
+        .map(|n| f64::from(u8::from(n >= at)))
+        .collect()
 }
 
 fn doublet(len: usize, at: i64) -> Vec<f64> {
-    (0..len as i64).map(|n| f64::from(u8::from(n == at)) - f64::from(u8::from(n == at + 1))).collect()
+    (0..len as i64)
+        .map(|n| f64::from(u8::from(n == at)) - f64::from(u8::from(n == at + 1)))
+        .collect()
 }
 
 /// Pole radius and angle of the resonance: half width 0.04 bins of a segment.
@@ -85,7 +91,12 @@ fn segments_exactly(
     totals
 }
 
-fn segments_expected(level: usize, ks: &[usize], peaks: &[Peak], density: fn(f64) -> f64) -> Vec<f64> {
+fn segments_expected(
+    level: usize,
+    ks: &[usize],
+    peaks: &[Peak],
+    density: fn(f64) -> f64,
+) -> Vec<f64> {
     let path = Path::new(1.0, level);
     let bin = path.level_rate_hz() / LEN as f64;
     let nodes = Nodes::new(LEN / 2, bin, peaks);
@@ -168,7 +179,10 @@ fn flicker_agrees_with_a_fine_sum() {
             })
             .sum::<f64>()
             / (f64::from(steps) * window.sum_of_squares());
-        assert!((expected / fine - 1.0).abs() < 1e-4, "bin {k}: {expected} {fine}");
+        assert!(
+            (expected / fine - 1.0).abs() < 1e-4,
+            "bin {k}: {expected} {fine}"
+        );
     }
 }
 
@@ -194,7 +208,10 @@ fn multitapers_of_the_whole_record() {
         for (number, (ordinate, exact)) in run.ordinates.iter().zip(exact).enumerate().take(8) {
             let Bin { f_hz, origin, .. } = estimate.bins[number];
             assert_eq!(origin, Origin::Multitaper);
-            assert!((f_hz - run.cycles(ordinate)).abs() < 1e-12, "{number}: {f_hz}");
+            assert!(
+                (f_hz - run.cycles(ordinate)).abs() < 1e-12,
+                "{number}: {f_hz}"
+            );
             let error = expected[number] / exact - 1.0;
             assert!(error.abs() < 1e-4, "{name}, ordinate {number}: {error:e}");
         }

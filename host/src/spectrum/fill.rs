@@ -71,7 +71,8 @@ impl Filler {
         while done < missing {
             let end = (done + PIECE).min(missing);
             self.piece.clear();
-            self.piece.extend((done..end).map(|n| from + step * (n + 1) as f64));
+            self.piece
+                .extend((done..end).map(|n| from + step * (n + 1) as f64));
             emit(Piece::Bridge(&self.piece));
             done = end;
         }

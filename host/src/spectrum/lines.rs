@@ -74,6 +74,8 @@ pub struct LineSearch {
     sums: Vec<f32>,
     segments: u64,
     neighbours: u64,
+    /// Sum of the squared shares that were bridged: where a strong line leaves a pedestal.
+    bridged_power: f64,
 }
 
 impl std::fmt::Debug for LineSearch {
@@ -114,6 +116,7 @@ impl LineSearch {
             sums: vec![0.0; segment / 2],
             segments: 0,
             neighbours: 0,
+            bridged_power: 0.0,
             fft,
         }
     }
@@ -139,7 +142,10 @@ impl LineSearch {
     /// [`OutOfOrder`] if `first` lies before the end of an earlier block; nothing is taken.
     pub fn push_values(&mut self, first: u64, values: &[f64]) -> Result<(), OutOfOrder> {
         if first < self.next {
-            return Err(OutOfOrder { first, next: self.next });
+            return Err(OutOfOrder {
+                first,
+                next: self.next,
+            });
         }
         self.next = first + values.len() as u64;
         let longest = (BRIDGED_SHARE * self.len as f64) as u64;
@@ -163,10 +169,15 @@ impl LineSearch {
         let segment = self.len;
         let reference = *self.reference.get_or_insert(values[0]);
         while !values.is_empty() {
-            let half = if self.pending.len() < segment / 2 { 0 } else { 1 };
+            let half = if self.pending.len() < segment / 2 {
+                0
+            } else {
+                1
+            };
             let room = (half + 1) * segment / 2 - self.pending.len();
             let (head, tail) = values.split_at(room.min(values.len()));
-            self.pending.extend(head.iter().map(|x| (x - reference) as f32));
+            self.pending
+                .extend(head.iter().map(|x| (x - reference) as f32));
             if bridge {
                 self.bridged[half] += head.len();
             }
@@ -182,7 +193,10 @@ impl LineSearch {
         let bridged = (self.bridged[0] + self.bridged[1]) as f64;
         let usable = bridged <= BRIDGED_SHARE * len as f64;
         if usable {
-            let weights = self.window.iter().chain(self.window[1..len / 2].iter().rev());
+            let weights = self
+                .window
+                .iter()
+                .chain(self.window[1..len / 2].iter().rev());
             let (mut weighted, mut total) = (0.0, 0.0);
             for (x, w) in self.pending.iter().zip(weights.clone()) {
                 weighted += f64::from(*x) * f64::from(*w);
@@ -194,12 +208,14 @@ impl LineSearch {
             }
             // All three buffers come from the plan itself, so their lengths are right.
             let done =
-                self.fft.process_with_scratch(&mut self.input, &mut self.output, &mut self.scratch);
+                self.fft
+                    .process_with_scratch(&mut self.input, &mut self.output, &mut self.scratch);
             if done.is_ok() {
                 for (sum, z) in self.sums.iter_mut().zip(&self.output) {
                     *sum += z.norm_sqr();
                 }
                 self.segments += 1;
+                self.bridged_power += (bridged / len as f64).powi(2);
                 self.neighbours += u64::from(self.follows);
             }
         }
@@ -261,11 +277,13 @@ impl LineSearch {
             })
             .collect();
         found.sort_by(|one, other| density(other.0).total_cmp(&density(one.0)));
+        let pedestal = self.bridged_power / self.segments as f64;
         let mut kept: Vec<(usize, f64, f64)> = Vec::new();
         for line in found {
             let hidden = kept.iter().any(|strong| {
                 let distance = line.0.abs_diff(strong.0) as f64;
-                distance <= 3.0 || density(line.0) < 4.0 * density(strong.0) * side_lobe(&taper, distance)
+                let leaked = side_lobe(&taper, distance) + pedestal;
+                distance <= 3.0 || density(line.0) < 4.0 * density(strong.0) * leaked
             });
             if !hidden {
                 kept.push(line);
@@ -275,7 +293,9 @@ impl LineSearch {
         kept.into_iter()
             .map(|(k, ratio, alarm)| {
                 let excess = |k: usize| {
-                    (density(k) - f64::from(floor.densities[k])).max(1e-3 * density(k)).ln()
+                    (density(k) - f64::from(floor.densities[k]))
+                        .max(1e-3 * density(k))
+                        .ln()
                 };
                 let (below, at, above) = (excess(k - 1), excess(k), excess(k + 1));
                 let offset = (0.5 * (below - above) / (below - 2.0 * at + above)).clamp(-0.5, 0.5);
@@ -392,7 +412,11 @@ impl Law {
     fn tail(&self, ratio: f64, floor_sd: f64) -> f64 {
         let exact = |ratio: f64| {
             let place = (ratio - 1.0) / self.scale + self.shape;
-            if place <= 0.0 { 1.0 } else { gamma_ur(self.shape, place) }
+            if place <= 0.0 {
+                1.0
+            } else {
+                gamma_ur(self.shape, place)
+            }
         };
         0.5 * (exact(ratio * (1.0 + floor_sd)) + exact(ratio * (1.0 - floor_sd)))
     }

@@ -60,7 +60,8 @@ impl Run {
             cycles += 0.5 * (tapers + 1) as f64;
         }
         let (constant, line) = trend_basis(len);
-        let project = |basis: &[f64]| -> f64 { basis.iter().zip(samples).map(|(b, x)| b * x).sum() };
+        let project =
+            |basis: &[f64]| -> f64 { basis.iter().zip(samples).map(|(b, x)| b * x).sum() };
         let (level, slope) = (project(&constant), project(&line));
         let residual: Vec<f64> = samples
             .iter()
@@ -89,10 +90,17 @@ impl Run {
             .map(|(half_bins, tapers)| Ordinate {
                 half_bins,
                 tapers,
-                power: (1..=tapers).map(|k| tapered(&data, half_bins, k).norm_sqr()).sum::<f64>()
+                power: (1..=tapers)
+                    .map(|k| tapered(&data, half_bins, k).norm_sqr())
+                    .sum::<f64>()
                     / tapers as f64,
                 trend: (1..=tapers)
-                    .map(|k| [tapered(&constant, half_bins, k), tapered(&line, half_bins, k)])
+                    .map(|k| {
+                        [
+                            tapered(&constant, half_bins, k),
+                            tapered(&line, half_bins, k),
+                        ]
+                    })
                     .collect(),
             })
             .collect();
@@ -145,8 +153,11 @@ impl Run {
                 (0..count).map(|m| self.exponential_sum(place(m))).collect()
             })
             .collect();
-        let trends: Vec<[Complex64; 2]> =
-            nodes.nodes.iter().map(|node| self.trend_response(nodes.place(node))).collect();
+        let trends: Vec<[Complex64; 2]> = nodes
+            .nodes
+            .iter()
+            .map(|node| self.trend_response(nodes.place(node)))
+            .collect();
         self.ordinates
             .iter()
             .map(|ordinate| {
@@ -180,7 +191,10 @@ impl Run {
                     let difference = |place: f64, half: f64| {
                         self.exponential_sum(place + half) - self.exponential_sum(place - half)
                     };
-                    [difference(x - frequency, half), difference(x + frequency, -half)]
+                    [
+                        difference(x - frequency, half),
+                        difference(x + frequency, -half),
+                    ]
                 })
             })
             .sum();
@@ -253,7 +267,10 @@ impl Run {
         let sum = sin_all / sin_one;
         let slope = (0.5 * len * cos_all * sin_one - 0.5 * sin_all * cos_one) / (sin_one * sin_one);
         let norm = (len * (len * len - 1.0) / 12.0).sqrt();
-        [phase * (sum / len.sqrt()), phase * Complex64::new(0.0, -slope / norm)]
+        [
+            phase * (sum / len.sqrt()),
+            phase * Complex64::new(0.0, -slope / norm),
+        ]
     }
 }
 

@@ -61,11 +61,12 @@ impl Nodes {
                 .filter(|(place, width)| (-1.0..=2.0).contains(place) && *width < 1.0)
                 .collect();
             if near.is_empty() {
-                all.nodes.extend(RULE.iter().enumerate().map(|(offset, &(_, weight))| Node {
-                    panel,
-                    offset,
-                    weight,
-                }));
+                all.nodes
+                    .extend(RULE.iter().enumerate().map(|(offset, &(_, weight))| Node {
+                        panel,
+                        offset,
+                        weight,
+                    }));
             } else {
                 all.refine(panel, 0.0, 1.0, &near);
             }
@@ -121,8 +122,10 @@ mod tests {
             })
             .sum();
         let half_width = peak.half_width_hz;
-        let exact = half_width
-            * ((22.7 / half_width).atan() + (17.3 / half_width).atan());
-        assert!((integral / exact - 1.0).abs() < 1e-6, "{integral:e} {exact:e}");
+        let exact = half_width * ((22.7 / half_width).atan() + (17.3 / half_width).atan());
+        assert!(
+            (integral / exact - 1.0).abs() < 1e-6,
+            "{integral:e} {exact:e}"
+        );
     }
 }

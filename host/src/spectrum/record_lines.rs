@@ -104,7 +104,7 @@ pub fn search<R: Replay>(record: &mut R, rate_hz: f64, level: f64) -> Result<Vec
         let hidden = kept.iter().any(|strong| {
             let distance = (line.frequency_hz - strong.frequency_hz).abs() * survey.duration_s();
             let share = (line.amplitude / strong.amplitude).powi(2);
-            distance < 1.5 || share < 4.0 * side_lobe(distance)
+            distance < 1.5 || share < 4.0 * (side_lobe(distance) + survey.missing * survey.missing)
         });
         if !hidden {
             kept.push(line);
@@ -119,6 +119,9 @@ struct Survey {
     first: u64,
     len: u64,
     rate_hz: f64,
+    /// Share of the samples that is missing: a strong line looks as wide as the gaps are short,
+    /// that much below its peak.
+    missing: f64,
     /// Straight line through the record: value at its middle and slope per sample.
     middle: f64,
     slope: f64,
@@ -164,6 +167,7 @@ impl Survey {
             first,
             len,
             rate_hz,
+            missing: 1.0 - n / len as f64,
             middle: reference + (x - slope * t) / n,
             slope,
             floor,
@@ -314,7 +318,10 @@ impl Survey {
                 let mut start = 0;
                 while start < values.len() {
                     let index = at + start;
-                    let end = values.len().min(start + block - index % block).min(start + 256);
+                    let end = values
+                        .len()
+                        .min(start + block - index % block)
+                        .min(start + 256);
                     let turns = (cycles * index as f64).fract();
                     let mut phasor = Complex64::from_polar(1.0, -2.0 * PI * turns);
                     let mut sum = Complex64::default();
@@ -327,7 +334,11 @@ impl Survey {
                 }
             }
         })?;
-        Ok(candidates.iter().zip(&sums).map(|(&(cycles, _), sums)| self.line(cycles, block, sums)).collect())
+        Ok(candidates
+            .iter()
+            .zip(&sums)
+            .map(|(&(cycles, _), sums)| self.line(cycles, block, sums))
+            .collect())
     }
 
     /// Highest point within a bin of a candidate.
@@ -397,6 +408,6 @@ fn fold(
 /// those of the untapered window until the taper of the ends takes over.
 fn side_lobe(distance: f64) -> f64 {
     let untapered = (PI * distance).powi(-2);
-    let knee = 0.5 / TAPER;
+    let knee = 1.0 / TAPER;
     untapered * (knee / distance).min(1.0).powi(4)
 }

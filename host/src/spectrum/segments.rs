@@ -106,7 +106,10 @@ impl Power {
 
     fn count(&mut self, segment: u64) {
         self.segments += 1;
-        if segment.checked_sub(1).is_some_and(|before| self.last == Some(before)) {
+        if segment
+            .checked_sub(1)
+            .is_some_and(|before| self.last == Some(before))
+        {
             self.neighbours += 1;
         }
         self.last = Some(segment);
@@ -159,7 +162,12 @@ impl Segments {
         let mut index = self.start / LEN as u64;
         while (index + 1) * LEN as u64 + HOP as u64 <= end {
             let from = index * LEN as u64;
-            self.pair(index, from >= self.start, from + HOP as u64 >= self.start, sink);
+            self.pair(
+                index,
+                from >= self.start,
+                from + HOP as u64 >= self.start,
+                sink,
+            );
             index += 1;
         }
         let used = (index * LEN as u64).saturating_sub(self.start) as usize;
@@ -190,12 +198,12 @@ impl Segments {
         };
         let (first, second) = (segment(a, 0), segment(b, HOP as i64));
         let (window, out) = (&self.plan.window, &mut self.tapered);
-        self.plan.arch.dispatch(|| taper(window, first, second, out));
-        self.plan.fft.process_outofplace_with_scratch(
-            out,
-            &mut self.transform,
-            &mut self.scratch,
-        );
+        self.plan
+            .arch
+            .dispatch(|| taper(window, first, second, out));
+        self.plan
+            .fft
+            .process_outofplace_with_scratch(out, &mut self.transform, &mut self.scratch);
         let (sums, transform) = (&mut self.power.sums, &self.transform);
         self.plan.arch.dispatch(|| {
             for (sum, z) in sums.iter_mut().zip(transform) {
@@ -230,12 +238,19 @@ fn taper(window: &Window, a: Option<&[f64]>, b: Option<&[f64]>, out: &mut [Compl
             let ([mean_a, slope_a], [mean_b, slope_b]) = (fit(a), fit(b));
             let weights = weights.iter().zip(lines);
             for (((z, (w, l)), a), b) in out.iter_mut().zip(weights).zip(a).zip(b) {
-                *z = Complex64::new(w * (a - mean_a) - l * slope_a, w * (b - mean_b) - l * slope_b);
+                *z = Complex64::new(
+                    w * (a - mean_a) - l * slope_a,
+                    w * (b - mean_b) - l * slope_b,
+                );
             }
         }
         (Some(x), None) | (None, Some(x)) => {
             let [mean, slope] = fit(x);
-            let unit = if a.is_some() { Complex64::ONE } else { Complex64::I };
+            let unit = if a.is_some() {
+                Complex64::ONE
+            } else {
+                Complex64::I
+            };
             for ((z, (w, l)), x) in out.iter_mut().zip(weights.iter().zip(lines)).zip(x) {
                 *z = unit * (w * (x - mean) - l * slope);
             }

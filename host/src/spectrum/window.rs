@@ -34,10 +34,17 @@ impl Window {
                 (0.5 * PI * sine * sine).sin()
             })
             .collect();
-        let line: Vec<f64> =
-            values.iter().enumerate().map(|(n, w)| w * (n as f64 - (len / 2) as f64)).collect();
+        let line: Vec<f64> = values
+            .iter()
+            .enumerate()
+            .map(|(n, w)| w * (n as f64 - (len / 2) as f64))
+            .collect();
         Self {
-            sum_of_line: line.iter().enumerate().map(|(n, w)| w * (n as f64 - (len / 2) as f64)).sum(),
+            sum_of_line: line
+                .iter()
+                .enumerate()
+                .map(|(n, w)| w * (n as f64 - (len / 2) as f64))
+                .sum(),
             line,
             sum: values.iter().sum(),
             sum_of_squares: values.iter().map(|w| w * w).sum(),
