@@ -38,7 +38,7 @@ pub fn integers(statistic: Statistic, segments: &[&[i32]], m: u64) -> Option<Est
 
 /// The estimate over floating-point samples.
 ///
-/// Samples are rounded to a grid of at most 2^-44 of the largest distance of any sample from the
+/// Samples are rounded to a grid of at most 2^-40 of the largest distance of any sample from the
 /// first ([`FixedPoint`]); the deviation is within one step of that grid of the exact one, and a
 /// large mean costs nothing. A sample that is not finite ends its segment, as a gap does.
 ///
@@ -61,9 +61,9 @@ pub fn floats(statistic: Statistic, segments: &[&[f64]], m: u64) -> Option<Estim
 
 /// Sum of squared differences at one averaging time, over the segments seen so far.
 ///
-/// Codes are below 2^46 and `m` is at most the length of a slice, below 2^60, so differences stay
-/// below 2^107; an inner sum of `m` of them fits `i128` while `m` is below 2^40, and 2^40 samples
-/// of the smallest type are four tebibytes.
+/// Codes are below 2^42 and `m` is at most the length of a slice, below 2^60, so differences stay
+/// below 2^103; an inner sum of `m` of them fits `i128` while `m` is below 2^42, and 2^42 samples
+/// of the smallest type are sixteen tebibytes.
 struct Sums {
     statistic: Statistic,
     m: usize,
@@ -168,7 +168,7 @@ impl Sums {
     }
 }
 
-/// `y[j+3m] - 3 y[j+2m] + 3 y[j+m] - y[j]`, below 2^49 for codes below 2^46.
+/// `y[j+3m] - 3 y[j+2m] + 3 y[j+m] - y[j]`, below 2^45 for codes below 2^42.
 #[inline]
 fn third_difference(code: &impl Fn(usize) -> i64, j: usize, m: usize) -> i128 {
     i128::from(code(j + 3 * m) - code(j) - 3 * (code(j + 2 * m) - code(j + m)))

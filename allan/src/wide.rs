@@ -12,7 +12,7 @@ impl<const LIMBS: usize> Wide<LIMBS> {
     /// Adds `value` times 2^(64 * `from`).
     ///
     /// A carry out of the top limb would be an overflow; each user states the bound on its sum
-    /// that excludes it, and debug builds check.
+    /// that excludes it, and debug builds check it.
     #[inline]
     fn add_at(&mut self, from: usize, value: u128) {
         let mut carry = value;
@@ -49,6 +49,23 @@ impl<const LIMBS: usize> Wide<LIMBS> {
         self.add_at(1, cross);
         self.add_at(1, cross);
         self.add_at(2, high * high);
+    }
+
+    /// Adds another sum.
+    pub(crate) fn add(&mut self, other: &Self) {
+        for (from, &limb) in other.0.iter().enumerate() {
+            self.add_at(from, u128::from(limb));
+        }
+    }
+
+    /// From limbs, least significant first.
+    pub(crate) fn from_limbs(limbs: [u64; LIMBS]) -> Self {
+        Self(limbs)
+    }
+
+    /// The limbs, least significant first.
+    pub(crate) fn limbs(&self) -> &[u64; LIMBS] {
+        &self.0
     }
 
     /// The value, each limb rounded in once: relative error below 2^-51.

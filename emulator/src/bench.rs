@@ -12,9 +12,9 @@ const SCLK_HZ: u32 = 1_312_500;
 
 /// The virtual bench.
 ///
-/// Its parts ([`Bench::spi`] and so on) borrow it shared: they can be handed to a driver and to the
-/// driver's surroundings alike. Whatever takes time on the board, a byte on a bus or a delay, advances
-/// the common virtual time.
+/// Its parts ([`Bench::spi`] and so on) borrow it shared: they can be handed to a driver and to
+/// the driver's surroundings alike. Whatever takes time on the board, a byte on a bus or a delay,
+/// advances the common virtual time.
 ///
 /// A breach of the part's rules panics with the rule's text unless [`Bench::set_strict`] says
 /// otherwise; the first one is kept in either case.
@@ -89,8 +89,8 @@ impl<S: Signal> Bench<S> {
     /// Advances to the next falling edge on the DRDY pin of `axis` after now, but no further than
     /// `deadline_ps`. Returns the time of the edge, or `None` at the deadline.
     ///
-    /// A converter that will never show an edge again (in standby, say) advances to the deadline, too:
-    /// a deadline of `u64::MAX` then leaves no time to go on in.
+    /// A converter that will never show an edge again (in standby, say) advances to the deadline,
+    /// too: a deadline of `u64::MAX` then leaves no time to go on in.
     pub fn run_until_edge(&self, axis: usize, deadline_ps: u64) -> Option<u64> {
         let mut converter = self.converters[axis].borrow_mut();
         converter.catch_up(self.now_ps());
@@ -109,13 +109,19 @@ impl<S: Signal> Bench<S> {
         None
     }
 
+    /// Time of the latest falling edge on the DRDY pin of `axis`, picoseconds; `None` if there was none
+    /// since its conversions started afresh.
+    pub fn last_edge_ps(&self, axis: usize) -> Option<u64> {
+        self.converter(axis).timeline().fell_ps()
+    }
+
     /// Lets a fault happen now.
     pub fn inject(&self, axis: usize, fault: Fault) {
         self.converter(axis).suffer(self.now_ps(), fault);
     }
 
-    /// Lets a fault happen when word number `word` of `axis` is about to be made. False if eight faults
-    /// are waiting already.
+    /// Lets a fault happen when word number `word` of `axis` is about to be made. False if eight
+    /// faults are waiting already.
     pub fn inject_at(&self, axis: usize, word: u64, fault: Fault) -> bool {
         self.converter(axis).inject_at(word, fault)
     }

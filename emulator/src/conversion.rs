@@ -1,7 +1,7 @@
 //! One converter's analog side and arithmetic: from a signal to words, without bus or time.
 //!
-//! Whoever wants the words that a converter must have sent makes them again with this, from the same
-//! signal and the same registers.
+//! Whoever wants the words that a converter must have sent makes them again with this, from the
+//! same signal and the same registers.
 
 use crate::{
     Output, Registers, Signal,
@@ -48,9 +48,9 @@ impl<S: Signal> Conversion<S> {
 
     /// Empties the filter, as SYNC, RESET and register writes do.
     ///
-    /// The signal goes on where it was when the next word is made: a restart, and a reading that it cut
-    /// short, takes no inputs from it. So the words depend on the words before, not on how long a driver
-    /// took between two commands.
+    /// The signal goes on where it was when the next word is made: a restart, and a reading that
+    /// it cut short, takes no inputs from it. So the words depend on the words before, not on how
+    /// long a driver took between two commands.
     pub fn restart(&mut self) {
         self.modulator = Modulator::default();
         self.filter = Filter::new();

@@ -1,25 +1,25 @@
 //! One ADS1281: registers, read mode, conversions and faults behind its pins.
 //!
-//! [`Bench`](crate::Bench) owns three of them and the time; this file is what happens to one when SCLK
-//! runs or time passes. Time is caught up with lazily: nothing happens in a converter until somebody
-//! looks at it.
+//! [`Bench`](crate::Bench) owns three of them and the time; this file is what happens to one when
+//! SCLK runs or time passes. Time is caught up with lazily: nothing happens in a converter until
+//! somebody looks at it.
 
 use crate::{
-    Conversion, Fault, Output, Registers, Rule, Sent, Signal, Tear,
+    Conversion, Fault, Registers, Rule, Sent, Signal, Tear,
     command::{Action, Byte, Decoder},
     drdy::{Moment, Timeline},
     fault::Schedule,
     sent::Ledger,
     serial::Serial,
     time::{
-        COMMAND_GAP_PS, INTERFACE_TIMEOUT_CONVERSIONS, POWER_ON_PS, SHORTEST_SCLK_PS,
-        UPDATE_LEAD_PS, clocks_ps,
+        COMMAND_GAP_PS, INTERFACE_TIMEOUT_CONVERSIONS, POWER_ON_PS, SHORTEST_SCLK_PS, clocks_ps,
     },
-    word::{CODE_MAX, FSC_UNITY},
 };
 
-/// Readings that OFSCAL and GANCAL average.
-const CALIBRATION_READINGS: i64 = 16;
+mod calibration;
+mod trouble;
+
+use calibration::Calibration;
 
 /// How data are read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -29,14 +29,6 @@ pub enum ReadMode {
     Continuous,
     /// Registers can be accessed, data come on RDATA (SDATAC).
     Stopped,
-}
-
-/// A calibration under way.
-#[derive(Debug, Clone)]
-struct Calibration {
-    gain: bool,
-    left: i64,
-    sum: i64,
 }
 
 /// A register-level ADS1281 with a signal at its input.
@@ -57,6 +49,8 @@ pub struct Converter<S> {
     requested: bool,
     standby: bool,
     calibration: Option<Calibration>,
+    /// The conversion under way is a calibration's and shows no fall.
+    silent: bool,
     /// Last SYNC that restarted the conversions, for the continuous-sync rule.
     synced_ps: Option<u64>,
     schedule: Schedule,
@@ -90,6 +84,7 @@ impl<S: Signal> Converter<S> {
             requested: false,
             standby: false,
             calibration: None,
+            silent: false,
             synced_ps: None,
             schedule: Schedule::default(),
             drdy_dead: false,
@@ -103,8 +98,8 @@ impl<S: Signal> Converter<S> {
 
     /// Sets the read mode after power-on and RESET.
     ///
-    /// The sources disagree: read-continuous, which is the default here and the stricter of the two for
-    /// a driver, or stopped (Texas Instruments' example code for the ADS1282).
+    /// The sources disagree: read-continuous, which is the default here and the stricter of the
+    /// two for a driver, or stopped (Texas Instruments' example code for the ADS1282).
     #[must_use]
     pub fn mode_after_reset(mut self, mode: ReadMode) -> Self {
         self.mode = mode;
@@ -124,8 +119,8 @@ impl<S: Signal> Converter<S> {
         &self.registers
     }
 
-    /// Count and digest of the words so far. Zeros put out while continuous-sync settles, and readings
-    /// that a calibration averages, are no words.
+    /// Count and digest of the words so far. Zeros put out while continuous-sync settles, and
+    /// readings that a calibration averages, are no words.
     pub fn sent(&self) -> Sent {
         self.ledger.sent
     }
@@ -135,8 +130,8 @@ impl<S: Signal> Converter<S> {
         self.ledger.word(index)
     }
 
-    /// Schedules a fault at conversion `at` (the count of [`Converter::sent`]); false if there is no
-    /// room for it.
+    /// Schedules a fault at conversion `at` (the count of [`Converter::sent`]); false if there is
+    /// no room for it.
     pub(crate) fn inject_at(&mut self, at: u64, fault: Fault) -> bool {
         self.schedule.add(at, fault)
     }
@@ -228,11 +223,14 @@ impl<S: Signal> Converter<S> {
                 return;
             }
         }
-        if !self.timeline.settled(at_ps) {
-            self.word = 0;
-        } else if self.calibration.is_some() {
+        let settled = self.timeline.settled(at_ps);
+        self.silent = settled && self.calibration.is_some();
+        if self.silent {
             self.calibrate();
             return;
+        }
+        if !settled {
+            self.word = 0;
         } else {
             self.word = self.conversion.next_word(&self.registers);
             self.ledger.push(self.word);
@@ -252,7 +250,7 @@ impl<S: Signal> Converter<S> {
 
     /// Shows the word on DRDY.
     fn fall(&mut self, at_ps: u64) {
-        if self.drdy_dead || self.calibration.is_some() {
+        if self.drdy_dead || self.silent {
             return;
         }
         self.timeline.fall(at_ps);
@@ -325,8 +323,8 @@ impl<S: Signal> Converter<S> {
 
     /// A SYNC command, or a rising edge on the SYNC pin.
     ///
-    /// In continuous-sync mode a SYNC that comes a whole number of conversions (within a clock) after the
-    /// last one changes nothing.
+    /// In continuous-sync mode a SYNC that comes a whole number of conversions (within a clock)
+    /// after the last one changes nothing.
     pub(crate) fn sync(&mut self, at_ps: u64) {
         if self.standby {
             return;
@@ -340,83 +338,6 @@ impl<S: Signal> Converter<S> {
         }
         self.synced_ps = Some(at_ps);
         self.restart(at_ps);
-    }
-
-    fn start_calibration(&mut self, at_ps: u64, gain: bool) {
-        if self.registers.output() == Output::FirHighPass {
-            self.breach(at_ps, Rule::HighPassDuringCalibration);
-        }
-        self.calibration = Some(Calibration {
-            gain,
-            left: CALIBRATION_READINGS,
-            sum: 0,
-        });
-    }
-
-    /// One reading into the calibration's average; the last one sets the registers.
-    fn calibrate(&mut self) {
-        let Some(calibration) = &mut self.calibration else {
-            return;
-        };
-        calibration.sum += i64::from(self.conversion.next_code(&self.registers));
-        calibration.left -= 1;
-        if calibration.left > 0 {
-            return;
-        }
-        let mean = calibration.sum / CALIBRATION_READINGS;
-        if calibration.gain {
-            let offset = i64::from(self.registers.ofc()) << 7;
-            let fsc = (CODE_MAX * i64::from(FSC_UNITY))
-                .checked_div(mean - offset)
-                .and_then(|fsc| u32::try_from(fsc).ok())
-                .unwrap_or(u32::MAX);
-            self.registers.set_fsc(fsc);
-        } else {
-            // OFC counts 2^8 of the 32-bit word, 2^7 of the code.
-            self.registers.set_ofc(((mean + 64) >> 7) as i32);
-        }
-        self.calibration = None;
-    }
-
-    /// Lets a fault happen.
-    pub(crate) fn suffer(&mut self, at_ps: u64, fault: Fault) {
-        match fault {
-            Fault::DrdyStops => {
-                self.drdy_dead = true;
-                self.timeline.hide();
-            }
-            Fault::BusStuck { high, conversions } => {
-                let end = conversions.map_or(u64::MAX, |n| self.ledger.sent.words() + u64::from(n));
-                self.stuck = Some((high, end));
-            }
-            Fault::Slip(slip) => self.serial.slip = Some(slip),
-            Fault::Overload { input, conversions } => self.conversion.overload(input, conversions),
-            Fault::BrownOut => {
-                self.reset(at_ps);
-                self.excused = true;
-            }
-            Fault::WrongId(id) => self.registers.set_id(id),
-            Fault::LateRead { bits } => self.late_read = Some(bits.clamp(1, 31)),
-            Fault::BusError => self.bus_error = true,
-        }
-    }
-
-    /// If the controller is to be held up ahead of this read: the time at which it goes on, such that
-    /// the next update falls into the word.
-    pub(crate) fn held_up_until(&mut self, now_ps: u64, bit_ps: u64) -> Option<u64> {
-        let bits = self.late_read?;
-        self.catch_up(now_ps);
-        let fresh = self
-            .timeline
-            .fell_ps()
-            .is_some_and(|fell| self.timeline.sclk_ps <= fell);
-        let fall_ps = self.timeline.fell_ps()? + self.timeline.period_ps();
-        let start_ps = (fall_ps - UPDATE_LEAD_PS).checked_sub(u64::from(bits) * bit_ps)?;
-        if !fresh || self.mode == ReadMode::Stopped || start_ps < now_ps {
-            return None;
-        }
-        self.late_read = None;
-        Some(start_ps)
     }
 
     fn breach(&mut self, at_ps: u64, rule: Rule) {

@@ -1,8 +1,9 @@
 //! When words are made and how DRDY shows it (SBAS378D pages 21 and 24).
 //!
-//! A conversion has two moments: the output register is overwritten 4/fCLK ahead (*load*), then DRDY
-//! falls (*fall*). DRDY rises at the first SCLK falling edge after it; without one it stays low and
-//! pulses high between the next load and fall, so that every conversion has its falling edge.
+//! A conversion has two moments: the output register is overwritten 4/fCLK ahead (*load*), then
+//! DRDY falls (*fall*). DRDY rises at the first SCLK falling edge after it; without one it stays
+//! low and pulses high between the next load and fall, so that every conversion has its falling
+//! edge.
 
 use crate::{
     Output, Registers,

@@ -6,11 +6,11 @@ use crate::Slip;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Fault {
-    /// DRDY stays high until RESET, while conversions go on: the output stage latched up, or the trace
-    /// to the controller's interrupt pin is open.
+    /// DRDY stays high until RESET, while conversions go on: the output stage latched up, or the
+    /// trace to the controller's interrupt pin is open.
     DrdyStops,
-    /// DOUT reads as all ones or all zeros: shorted to a supply, or the part lost its digital supply and
-    /// the line is pulled. DIN still works.
+    /// DOUT reads as all ones or all zeros: shorted to a supply, or the part lost its digital
+    /// supply and the line is pulled. DIN still works.
     BusStuck {
         /// All ones (true) or all zeros.
         high: bool,
@@ -18,25 +18,26 @@ pub enum Fault {
         conversions: Option<u32>,
     },
     /// From the next word on, DOUT is one bit early or late: a glitch on SCLK clocked the output
-    /// register once too often, or an edge was missed. There is no CS that would realign it: it lasts
-    /// until RESET or until SCLK has been low for 64 conversions.
+    /// register once too often, or an edge was missed. There is no CS that would realign it: it
+    /// lasts until RESET or until SCLK has been low for 64 conversions.
     Slip(Slip),
-    /// The input is driven to this value, whatever the signal: a shock, or a fault of the analog front
-    /// end. Beyond 103 % of full scale the modulator saturates; the words are clean again 62
-    /// conversions after the end (SBAS378D page 12).
+    /// The input is driven to this value, whatever the signal: a shock, or a fault of the analog
+    /// front end. Beyond 103 % of full scale the modulator saturates; the words are clean again
+    /// 62 conversions after the end (SBAS378D page 12).
     Overload {
         /// Input in steps of the 31-bit code; full scale is +-2^30.
         input: i32,
         /// How many conversions it lasts.
         conversions: u32,
     },
-    /// The supply dipped: registers at their defaults, read mode as after reset, conversions restarted
-    /// at 1000/s. Nothing tells the driver but DRDY's silence of 63 ms and its new rate.
+    /// The supply dipped: registers at their defaults, read mode as after reset, conversions
+    /// restarted at 1000/s. Nothing tells the driver but DRDY's silence of 63 ms and its new
+    /// rate.
     BrownOut,
     /// The identity register reads as this: another part, or one that is damaged.
     WrongId(u8),
-    /// The controller is held up ahead of its next word (a long interrupt, a debugger) for so long that
-    /// the converter's update falls after `bits` bits of it: the word is torn.
+    /// The controller is held up ahead of its next word (a long interrupt, a debugger) for so
+    /// long that the converter's update falls after `bits` bits of it: the word is torn.
     ///
     /// Time is common to the three converters: the others go on meanwhile, too.
     LateRead {

@@ -1,10 +1,11 @@
 //! The digital filter: sinc5, then FIR1 to FIR4, 32 inputs to one word (SBAS378D page 15).
 //!
 //! The input comes at 32 times the data rate, where the part's sinc stage hands over to the FIR
-//! stages. The sinc5 of an input that is given at just this rate, as impulses, is the quintic average
-//! sampled there: the B-spline of order five, 1, 76, 230, 76, 1 over 384. It is the limit of the sinc5
-//! of decimation N for large N. At N = 8, the smallest, the two differ by 4e-5 dB at the data rate's
-//! Nyquist frequency: a hundredth of the pass-band ripple, and less at every lower rate.
+//! stages. The sinc5 of an input that is given at just this rate, as impulses, is the quintic
+//! average sampled there: the B-spline of order five, 1, 76, 230, 76, 1 over 384. It is the limit
+//! of the sinc5 of decimation N for large N. At N = 8, the smallest, the two differ by 3e-4 dB at
+//! the data rate's Nyquist frequency, a tenth of the pass-band ripple, and by a quarter of it for
+//! each rate below.
 
 use crate::{
     Phase,
@@ -18,8 +19,8 @@ use crate::{
 /// Inputs to one word.
 pub const DECIMATION: usize = 32;
 
-/// The sinc5's five weights, sum 2^[`SINC5_SHIFT`]: 384ths cannot be had by shifting, and these are
-/// within 3e-9 of them.
+/// The sinc5's five weights, sum 2^[`SINC5_SHIFT`]: 384ths cannot be had by shifting, and these
+/// are within 3e-9 of them.
 pub const SINC5: [i32; 5] = [2_796_203, 212_511_403, 643_126_612, 212_511_403, 2_796_203];
 /// The sinc5's unit gain as a power of two.
 pub const SINC5_SHIFT: u32 = 30;

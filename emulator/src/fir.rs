@@ -1,9 +1,9 @@
 //! Decimating FIR stages in integers: 32-bit words between them, 64-bit accumulation inside.
 //!
-//! Widths and rounding inside the part are not public. Here each stage rounds to nearest (ties up) to
-//! the step of the 31-bit code and saturates at 32 bits, which leaves 6 dB above full scale for the
-//! filters' overshoot. The rounding noise of a stage is 0.29 steps, 0.7 nV at VREF = 5 V, a hundredth
-//! of the part's own noise.
+//! Widths and rounding inside the part are not public. Here each stage rounds to nearest (ties
+//! up) to the step of the 31-bit code and saturates at 32 bits, which leaves 6 dB above full
+//! scale for the filters' overshoot. The rounding noise of a stage is 0.29 steps, 0.7 nV at VREF
+//! = 5 V, a hundredth of the part's own noise.
 
 /// A stage's memory: `LEN` = taps - 1 past inputs and one block of new ones behind them.
 #[derive(Debug, Clone)]

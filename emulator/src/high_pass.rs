@@ -1,8 +1,8 @@
 //! The digital high-pass filter behind the FIR stages (FILTR = 11; SBAS378D page 17).
 //!
-//! `H(z) = (2 - a)/2 (1 - z^-1) / (1 - b z^-1)` with a = HPF/65536 and b = (1 + (1 - a)^2)/2. Its gain
-//! at the programmed corner comes out as -3.01 dB and its gain error as published, which is what speaks
-//! for this form; the sheet's own difference equation was not at hand.
+//! `H(z) = (2 - a)/2 (1 - z^-1) / (1 - b z^-1)` with a = HPF/65536 and b = (1 + (1 - a)^2)/2. Its
+//! gain at the programmed corner comes out as -3.01 dB and its gain error as published, which is
+//! what speaks for this form; the sheet's own difference equation was not at hand.
 
 /// Fraction bits of the state: with corners down to 1e-4 of the data rate it must not stick.
 const FRACTION: u32 = 24;

@@ -1,10 +1,10 @@
 //! A register-level ADS1281 on an emulated SPI bus, in virtual time.
 //!
-//! What a driver sees here is what it would see at the part's pins: bits on DOUT, the DRDY level and
-//! its edges, and nothing else. The part's rules are *enforced*: a driver that leaves out a gap, reads
-//! a register without SDATAC or writes a reserved register is told so ([`Rule`]), at the byte that did
-//! it. The words come from a real digital filter ([`filter`]) fed by any [`Signal`], usually the
-//! MMA7331L [`channel`].
+//! What a driver sees here is what it would see at the part's pins: bits on DOUT, the DRDY level
+//! and its edges, and nothing else. The part's rules are *enforced*: a driver that leaves out a
+//! gap, reads a register without SDATAC or writes a reserved register is told so ([`Rule`]), at
+//! the byte that did it. The words come from a real digital filter ([`filter`]) fed by any
+//! [`Signal`], usually the MMA7331L [`channel`].
 //!
 //! ```text
 //! Signal ── 32 inputs a conversion ──> modulator ──> sinc5, FIR1..4, [HPF] ──> OFC, FSC, clip ──> word
@@ -12,13 +12,14 @@
 //!     driver <── Spi, Drdy, SyncPin, Delay (embedded-hal) <── Bench (time) <── Converter (registers, bus)
 //! ```
 //!
-//! Everything runs without `std`, without a heap and, once constructed, in integers: the same code on
-//! a Cortex-M4 and on a PC makes the same words from the same seeds. [`response`] is the exception: the
-//! filter's frequency response in `f64`, for those who analyse the words.
+//! Everything runs without `std`, without a heap and, once constructed, in integers: the same
+//! code on a Cortex-M4 and on a PC makes the same words from the same seeds. [`response`] is the
+//! exception: the filter's frequency response in `f64`, for those who analyse the words.
 //!
-//! Facts come from the ADS1281 data sheet (Texas Instruments SBAS378D) with the page named, or from a
-//! sibling's sheet (ADS1282, 1283, 1285, 1287: one family, one filter) where SBAS378D was not at hand.
-//! This register map is written down independently of any driver, so that one cannot excuse the other.
+//! Facts come from the ADS1281 data sheet (Texas Instruments SBAS378D) with the page named, or
+//! from a sibling's sheet (ADS1282, 1283, 1285, 1287: one family, one filter) where SBAS378D was
+//! not at hand. This register map is written down independently of any driver, so that one cannot
+//! excuse the other.
 //!
 //! ```
 //! use embedded_hal::{delay::DelayNs, spi::SpiBus};
@@ -41,6 +42,7 @@
 #![forbid(unsafe_code)]
 
 mod bench;
+pub mod channel;
 mod command;
 mod conversion;
 mod converter;
@@ -48,11 +50,17 @@ mod drdy;
 mod fault;
 pub mod filter;
 mod fir;
+mod flicker;
 mod high_pass;
+pub mod link;
 mod modulator;
 mod pins;
+mod plan;
+mod random;
 mod registers;
+pub mod response;
 mod rule;
+pub mod sensor;
 mod sent;
 mod serial;
 mod signal;

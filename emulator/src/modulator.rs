@@ -1,8 +1,9 @@
 //! The modulator's over-range behaviour, ahead of the digital filter.
 //!
-//! Inside +-103 % of full scale the modulator is transparent here. Beyond that it saturates stably at
-//! all ones or all zeros and takes up to 12 modulator cycles to recover (SBAS378D page 12). A density of
-//! ones of 90 % is full scale, so 100 % is 1.25 times full scale: that is what the filter then averages.
+//! Inside +-103 % of full scale the modulator is transparent here. Beyond that it saturates
+//! stably at all ones or all zeros and takes up to 12 modulator cycles to recover (SBAS378D page
+//! 12). A density of ones of 90 % is full scale, so 100 % is 1.25 times full scale: that is what
+//! the filter then averages.
 
 use crate::filter::DECIMATION;
 

@@ -21,8 +21,8 @@ impl<'a, S: Signal> Drdy<'a, S> {
         Self { bench, axis }
     }
 
-    /// Whether DRDY has fallen since the last call, like the pending bit of an edge interrupt. Several
-    /// edges are one.
+    /// Whether DRDY has fallen since the last call, like the pending bit of an edge interrupt.
+    /// Several edges are one.
     pub fn take_edge(&mut self) -> bool {
         core::mem::take(&mut self.bench.converter(self.axis).timeline().edge)
     }

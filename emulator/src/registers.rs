@@ -22,7 +22,7 @@ const RESET: [u8; COUNT] = [
     0x10, 0x52, 0x08, 0x32, 0x03, 0x00, 0x00, 0x00, 0x00, 0x00, 0x40,
 ];
 
-/// What FILTR[1:0] selects.
+/// What the field FILTR selects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Output {
     /// Modulator bits on M0 and M1; no words, no DRDY.

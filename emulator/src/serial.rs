@@ -5,8 +5,8 @@
 pub enum Slip {
     /// The first bit is lost, the rest come one bit early: the level doubles.
     Early,
-    /// The level that stood on DOUT, the 33rd bit of the word before, comes first and the rest one bit
-    /// late: the level halves.
+    /// The level that stood on DOUT, the 33rd bit of the word before, comes first and the rest
+    /// one bit late: the level halves.
     Late,
 }
 
@@ -14,7 +14,8 @@ pub enum Slip {
 /// overwritten.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Tear {
-    /// The bits not yet sent are those of the new word in their places: old high bits, new low bits.
+    /// The bits not yet sent are those of the new word in their places: old high bits, new low
+    /// bits.
     #[default]
     Splice,
     /// The register is loaded afresh: the bits that follow are the new word from its highest on.

@@ -4,8 +4,8 @@ use crate::filter::DECIMATION;
 
 /// Voltage at the converter's input, sampled at 32 times the data rate.
 ///
-/// The unit is the step of the 31-bit code, VREF / (2 (2^30 - 1)) volts: 2.33 nV at VREF = 5 V. Full
-/// scale is +-2^30.
+/// The unit is the step of the 31-bit code, VREF / (2 (2^30 - 1)) volts: 2.33 nV at VREF = 5 V.
+/// Full scale is +-2^30.
 pub trait Signal {
     /// Told ahead of the first input and whenever the inputs a second change.
     fn set_rate(&mut self, input_hz: u32);
@@ -47,7 +47,8 @@ impl Signal for Constant {
     }
 }
 
-/// A line from `start` on that changes by `slope_per_s` steps a second and stops at the ends of `i32`.
+/// A line from `start` on that changes by `slope_per_s` steps a second and stops at the ends of
+/// `i32`.
 #[derive(Debug, Clone, Copy)]
 pub struct Ramp {
     /// Level, 2^-32 steps.
@@ -92,7 +93,8 @@ pub struct Sine {
 }
 
 impl Sine {
-    /// A sine of `amplitude` steps at `frequency_mhz` millihertz, rising through `offset` at first.
+    /// A sine of `amplitude` steps at `frequency_mhz` millihertz, rising through `offset` at
+    /// first.
     pub const fn new(offset: i32, amplitude: i32, frequency_mhz: u32) -> Self {
         Self {
             offset,

@@ -8,8 +8,8 @@ use crate::{Bench, Signal};
 
 /// Level on DIN where embedded-hal leaves it to the implementation.
 ///
-/// Not zero on purpose: a driver that relies on it works with one HAL and not with the next, and this
-/// part decodes DIN even while it is read. Use `transfer_in_place` on zeros.
+/// Not zero on purpose: a driver that relies on it works with one HAL and not with the next, and
+/// this part decodes DIN even while it is read. Use `transfer_in_place` on zeros.
 const FILLER: u8 = 0xFF;
 
 /// What goes wrong on a bus.

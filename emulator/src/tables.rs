@@ -1,11 +1,11 @@
 //! The coefficients of the converter's decimating FIR stages, in both phase responses.
 //!
-//! The only home of these tables in the project. FIR1, FIR2 and b0..b14 of the others are printed in
-//! the data sheets of the family (ADS1283, ADS1285, ADS1287: the same table); FIR3 and FIR4 linear in
-//! full in public seismometer response files that cite the ADS1281. The minimum-phase tails (from b15)
-//! are reproduced from memory of the sheet; the whole chain meets the published ripple and stop band
-//! (see the tests of [`crate::response`]), which a single value off by more than about ten counts would
-//! not. So: right as a model, not proven bit-exact against silicon.
+//! The only home of these tables in the project. FIR1, FIR2 and b0..b14 of the others are printed
+//! in the data sheets of the family (ADS1283, ADS1285, ADS1287: the same table); FIR3 and FIR4
+//! linear in full in public seismometer response files that cite the ADS1281. The minimum-phase
+//! tails (from b15) are reproduced from memory of the sheet; the whole chain meets the published
+//! ripple and stop band (see the tests of [`crate::response`]), which a single value off by more
+//! than about ten counts would not. So: right as a model, not proven bit-exact against silicon.
 
 /// Impulse response of FIR3 and FIR4.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]

@@ -1,7 +1,8 @@
 //! Virtual time in picoseconds, and the converter's clock in it.
 //!
 //! At fCLK = 4.096 MHz every conversion period is a whole number of picoseconds, so time never
-//! drifts against the conversions. Single clocks are not (244140.625 ps); spans of clocks round up.
+//! drifts against the conversions. Single clocks are not (244140.625 ps); spans of clocks round
+//! up.
 
 /// Picoseconds a second.
 pub const PS_PER_S: u64 = 1_000_000_000_000;

@@ -1,7 +1,7 @@
 //! From the filter's output to the word on DOUT: calibration, clipping, the redundant sign bit.
 //!
-//! The 32-bit word holds the 31-bit code in its upper bits; the lowest repeats the sign, except in a
-//! clipped word, where it is the opposite (SBAS378D page 24).
+//! The 32-bit word holds the 31-bit code in its upper bits; the lowest repeats the sign, except
+//! in a clipped word, where it is the opposite (SBAS378D page 24).
 
 use crate::Registers;
 
@@ -24,14 +24,16 @@ pub fn fir_word(code: i64) -> u32 {
     }
 }
 
-/// Word of a code that passed the sinc stage alone: half scale, no redundant bit, 6 dB of head-room.
+/// Word of a code that passed the sinc stage alone: half scale, no redundant bit, 6 dB of
+/// head-room.
 pub fn sinc_word(code: i64) -> u32 {
     code.clamp(i64::from(i32::MIN), i64::from(i32::MAX)) as u32
 }
 
 /// `(in - OFC * 256) * FSC / 400000h` (SBAS378D page 27), where OFC counts 2^8 of the 32-bit word.
 ///
-/// Code in, code out, not yet clipped: an offset may bring an input beyond full scale back into range.
+/// Code in, code out, not yet clipped: an offset may bring an input beyond full scale back into
+/// range.
 pub fn calibrated(code: i32, registers: &Registers) -> i64 {
     let offset = i64::from(registers.ofc()) << 7;
     ((i64::from(code) - offset) * i64::from(registers.fsc())) >> 22

@@ -5,6 +5,8 @@
 //!   acquire   the instrument: three converters to batches, health and events; commands to replies
 //!   platform  what the instrument needs of the machine it runs on
 //!   mma7331l  from codes to volts and m/s^2
+//!   ticks     a 32-bit timer made 64 bits wide
+//!   emulated  a platform on the emulator's bench (feature `emulator`)
 //! ```
 //!
 //! The same code runs in the STM32F405 image, in the image for QEMU, in the host's virtual
@@ -15,7 +17,11 @@
 
 pub mod acquire;
 pub mod ads1281;
+#[cfg(feature = "emulator")]
+pub mod emulated;
+pub mod mma7331l;
 pub mod platform;
+pub mod ticks;
 
 pub use acquire::Instrument;
 pub use platform::{Board, Platform};

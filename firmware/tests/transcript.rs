@@ -321,20 +321,23 @@ fn a_word_is_read_in_one_go_with_din_low() {
     assert!(!reading.torn);
     let steps = mock.0.borrow().steps.clone();
     let zero = Step::Byte(0);
-    assert_eq!(steps, [zero, zero, zero, zero, Step::Flush]);
+    // The word may be replaced 4 clocks ahead of the edge that tells of it.
+    let wait = Step::Pause { ns: 980 };
+    assert_eq!(steps, [zero, zero, zero, zero, Step::Flush, wait]);
 }
 
 #[test]
-fn an_edge_during_the_reading_tears_it_and_belongs_to_the_next() {
+fn an_edge_during_the_reading_tears_it_and_the_next() {
     for bytes in 1..=4 {
         let (mut driver, mock) = continuous();
         mock.set_edge();
         mock.0.borrow_mut().edge_after = Some(bytes);
         let torn = driver.take_new().expect("no fault").expect("an edge");
         assert!(torn.torn, "edge after {bytes} bytes");
-        let next = driver.take_new().expect("no fault").expect("the edge");
+        assert_eq!(driver.take_new(), Ok(None), "its word has been shifted out");
+        mock.set_edge();
+        let next = driver.take_new().expect("no fault").expect("an edge");
         assert!(!next.torn);
-        assert_eq!(driver.take_new(), Ok(None));
     }
 }
 
@@ -372,17 +375,13 @@ fn one_register_is_checked_between_two_conversions() {
 }
 
 #[test]
-fn a_conversion_that_ends_during_a_check_is_doubted() {
+fn a_conversion_that_ends_during_a_check_is_lost() {
     let (mut driver, mock) = continuous();
     mock.0.borrow_mut().edge_after = Some(3);
     driver
         .check_register(Address::Config0)
         .expect("no fault set");
-    let reading = driver.take_new().expect("no fault").expect("the edge");
-    assert!(reading.torn);
-    mock.set_edge();
-    let reading = driver.take_new().expect("no fault").expect("the edge");
-    assert!(!reading.torn);
+    assert_eq!(driver.take_new(), Ok(None));
 }
 
 #[test]

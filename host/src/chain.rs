@@ -5,6 +5,7 @@
 use std::fmt;
 use std::str::FromStr;
 
+use inm_emulator::response::Response;
 use inm_protocol::Phase;
 
 /// What the quantity passes on its way to the samples.
@@ -16,39 +17,26 @@ pub struct Chain {
     pub poles_hz: Vec<f64>,
 }
 
-/// Why a text does not describe a signal chain.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "`{part}` is no stage of a signal chain; stages are joined by `+`: `ads1281:linear`, \
-     `ads1281:minimum`, or the corner of a one-pole low-pass such as `400hz`"
-)]
-pub struct ChainError {
-    /// The stage that is not known.
-    pub part: String,
-}
-
-impl FromStr for Chain {
-    type Err = ChainError;
-
-    fn from_str(text: &str) -> Result<Self, ChainError> {
-        let mut chain = Self::default();
-        for part in text.split('+').map(str::trim).filter(|part| !part.is_empty()) {
-            let unknown = || ChainError { part: part.to_owned() };
-            match part {
-                "ads1281:linear" => chain.converter = Some(Phase::Linear),
-                "ads1281:minimum" => chain.converter = Some(Phase::Minimum),
-                _ => {
-                    let corner = part.strip_suffix("hz").or_else(|| part.strip_suffix("Hz"));
-                    let corner_hz: f64 =
-                        corner.and_then(|hz| hz.trim().parse().ok()).ok_or_else(unknown)?;
-                    if !(corner_hz.is_finite() && corner_hz > 0.0) {
-                        return Err(unknown());
-                    }
-                    chain.poles_hz.push(corner_hz);
-                }
-            }
-        }
-        Ok(chain)
+impl Chain {
+    /// Power that the chain lets through at `f_hz`, for samples at `rate_hz`.
+    pub fn power(&self, f_hz: f64, rate_hz: f64) -> f64 {
+        let poles: f64 = self
+            .poles_hz
+            .iter()
+            .map(|pole| 1.0 / (1.0 + (f_hz / pole).powi(2)))
+            .product();
+        let Some(phase) = self.converter else {
+            return poles;
+        };
+        let phase = match phase {
+            Phase::Linear => inm_emulator::Phase::Linear,
+            Phase::Minimum => inm_emulator::Phase::Minimum,
+        };
+        // The rate itself matters to the converter's filter only beyond half of it.
+        poles
+            * Response::new(phase, rate_hz as u32)
+                .gain(f_hz / rate_hz)
+                .powi(2)
     }
 }
 
@@ -58,10 +46,56 @@ impl fmt::Display for Chain {
             Phase::Linear => "ads1281:linear".to_owned(),
             Phase::Minimum => "ads1281:minimum".to_owned(),
         });
-        let poles = self.poles_hz.iter().map(|hz| format!("{hz}hz"));
-        let stages: Vec<String> = converter.into_iter().chain(poles).collect();
-        f.write_str(&stages.join("+"))
+        let poles = self.poles_hz.iter().map(|pole| format!("{pole}hz"));
+        let parts: Vec<String> = converter.into_iter().chain(poles).collect();
+        f.write_str(&parts.join("+"))
     }
+}
+
+impl FromStr for Chain {
+    type Err = ChainError;
+
+    fn from_str(text: &str) -> Result<Self, ChainError> {
+        let mut chain = Self::default();
+        for part in text.split('+') {
+            let part = part.trim().to_ascii_lowercase();
+            let converter = match part.as_str() {
+                "ads1281" | "ads1281:linear" => Some(Phase::Linear),
+                "ads1281:minimum" => Some(Phase::Minimum),
+                _ => None,
+            };
+            if let Some(phase) = converter {
+                if chain.converter.replace(phase).is_some() {
+                    return Err(ChainError::TwoConverters);
+                }
+                continue;
+            }
+            let pole = part
+                .strip_suffix("hz")
+                .and_then(|number| number.trim().parse().ok());
+            match pole {
+                Some(pole_hz) if f64::is_normal(pole_hz) && pole_hz > 0.0 => {
+                    chain.poles_hz.push(pole_hz);
+                }
+                _ => return Err(ChainError::UnknownPart(part)),
+            }
+        }
+        Ok(chain)
+    }
+}
+
+/// A chain that cannot be read.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum ChainError {
+    /// A part that is neither a converter nor a pole.
+    #[error(
+        "`{0}` is no part of a signal chain; ads1281:linear, ads1281:minimum, or a pole such \
+             as 400hz, joined by +"
+    )]
+    UnknownPart(String),
+    /// Two converters.
+    #[error("a signal chain has one converter")]
+    TwoConverters,
 }
 
 #[cfg(test)]
@@ -69,17 +103,24 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_written_is_read() {
-        for text in ["ads1281:linear+400hz", "ads1281:minimum", "400hz+1507.5hz", ""] {
-            let chain: Chain = text.parse().expect("a chain");
-            assert_eq!(chain.to_string(), text);
+    fn reads_back_what_it_writes() {
+        for text in ["ads1281:linear+400hz", "ads1281:minimum", "300hz+1507.5hz"] {
+            assert_eq!(text.parse::<Chain>().expect(text).to_string(), text);
         }
-    }
-
-    #[test]
-    fn an_unknown_stage_is_named() {
-        for (text, part) in [("ads1282", "ads1282"), ("400hz+-3hz", "-3hz"), ("nanhz", "nanhz")] {
-            assert_eq!(text.parse::<Chain>(), Err(ChainError { part: part.to_owned() }));
+        assert_eq!(
+            "ADS1281".parse::<Chain>().expect("default phase").converter,
+            Some(Phase::Linear)
+        );
+        for text in [
+            "",
+            "ads1282",
+            "400",
+            "-3hz",
+            "0hz",
+            "ads1281+ads1281",
+            "400hz+",
+        ] {
+            assert!(text.parse::<Chain>().is_err(), "{text}");
         }
     }
 }

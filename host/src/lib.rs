@@ -7,12 +7,19 @@
 //! ```
 #![forbid(unsafe_code)]
 
+pub mod analyse;
+pub mod bins;
 pub mod capture;
 pub mod chain;
+pub mod cli;
+pub mod fit;
 #[cfg(feature = "flash")]
 pub mod flash;
 pub mod link;
 pub mod live;
+pub mod model;
+pub mod report;
 pub mod signal;
+pub mod simulate;
 pub mod source;
 pub mod spectrum;

@@ -1,1 +1,5 @@
-fn main() {}
+//! `inm`: the command line of the noise bench.
+
+fn main() -> std::process::ExitCode {
+    inm_host::cli::main()
+}

@@ -1,4 +1,4 @@
-//! What the whole-system tests share: ports that misbehave.
+//! What the whole-system tests share: ports that misbehave, and records taken apart.
 //!
 //! The tests themselves are in `tests/tests`, one file per question. None of them needs the
 //! board: they put faults between the host library and a virtual board, whose firmware is the
@@ -6,3 +6,5 @@
 #![forbid(unsafe_code)]
 
 pub mod port;
+pub mod qemu;
+pub mod record;

@@ -1,95 +1,116 @@
 //! Ports with faults, wrapped around sound ones.
 
 use std::io::{self, Read, Write};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use inm_host::link::{Connect, LinkError, Port};
 
-/// What happens to the bytes from the board.
+/// What happens to the bytes from the board. Positions count the bytes that it has sent.
 #[derive(Debug, Clone, Default)]
 pub struct Damage {
-    /// Positions in the stream (bytes since the first connection) at which a bit is flipped.
+    /// Bytes of which one bit is flipped.
     pub flip: Vec<u64>,
-    /// Positions of bytes that get lost.
+    /// Bytes that get lost.
     pub drop: Vec<u64>,
-    /// Positions at which the port vanishes.
-    pub vanish: Vec<u64>,
+    /// Where the port vanishes.
+    pub vanish: Option<u64>,
     /// How many attempts to open the port fail after it has vanished.
     pub failing_opens: u32,
+    /// Bytes that the board sends into the void before the port is back.
+    pub unheard: usize,
 }
 
-/// Connects through a [`Damage`].
-pub struct Damaged {
-    inner: Shared,
+/// Connects to a board through a [`Damage`]. The board goes on while the cable is out.
+pub struct DamagedConnect {
+    line: Arc<Mutex<Line>>,
+}
+
+struct Line {
+    board: Box<dyn Port>,
     damage: Damage,
-    position: Arc<Mutex<u64>>,
-    failures_left: u32,
-    vanished: Arc<Mutex<usize>>,
+    position: u64,
+    /// The port has vanished; so many attempts to open it again are still to fail.
+    away: Option<u32>,
 }
 
-/// The one sound port behind all connections: the board goes on while the cable is out.
-type Shared = Arc<Mutex<Option<Box<dyn Port>>>>;
-
-impl Damaged {
+impl DamagedConnect {
     /// Puts `damage` between the host and the board behind `connect`.
     ///
     /// # Errors
     /// As `connect.open()`.
     pub fn new(connect: &mut dyn Connect, damage: Damage) -> Result<Self, LinkError> {
-        Ok(Self {
-            inner: Arc::new(Mutex::new(Some(connect.open()?))),
+        let line = Line {
+            board: connect.open()?,
             damage,
-            position: Arc::default(),
-            failures_left: 0,
-            vanished: Arc::default(),
+            position: 0,
+            away: None,
+        };
+        Ok(Self {
+            line: Arc::new(Mutex::new(line)),
         })
     }
 }
 
-impl Connect for Damaged {
+impl Connect for DamagedConnect {
     fn name(&self) -> String {
         "damaged".to_owned()
     }
 
     fn open(&mut self) -> Result<Box<dyn Port>, LinkError> {
-        let vanished = *self.vanished.lock().expect("not poisoned");
-        if vanished > 0 && self.failures_left < self.damage.failing_opens {
-            self.failures_left += 1;
-            return Err(LinkError::Gone {
-                port: self.name(),
-                source: io::ErrorKind::NotFound.into(),
-            });
+        let mut line = lock(&self.line);
+        match &mut line.away {
+            Some(0) => {
+                line.away = None;
+                line.send_into_the_void();
+            }
+            Some(left) => {
+                *left -= 1;
+                let source = io::ErrorKind::NotFound.into();
+                return Err(LinkError::Gone {
+                    port: self.name(),
+                    source,
+                });
+            }
+            None => {}
         }
         Ok(Box::new(DamagedPort {
-            inner: Arc::clone(&self.inner),
-            damage: self.damage.clone(),
-            position: Arc::clone(&self.position),
-            vanished: Arc::clone(&self.vanished),
+            line: Arc::clone(&self.line),
         }))
     }
 }
 
 struct DamagedPort {
-    inner: Shared,
-    damage: Damage,
-    position: Arc<Mutex<u64>>,
-    vanished: Arc<Mutex<usize>>,
+    line: Arc<Mutex<Line>>,
 }
 
-impl Read for DamagedPort {
+impl Line {
+    fn send_into_the_void(&mut self) {
+        let mut left = self.damage.unheard;
+        let mut void = [0; 4096];
+        while left > 0 {
+            let most = left.min(void.len());
+            match self.board.read(&mut void[..most]) {
+                Ok(len) => {
+                    left -= len;
+                    self.position += len as u64;
+                }
+                Err(_) => return,
+            }
+        }
+    }
+
     fn read(&mut self, buf: &mut [u8]) -> io::Result<usize> {
-        let mut position = self.position.lock().expect("not poisoned");
-        let mut vanished = self.vanished.lock().expect("not poisoned");
-        if self.damage.vanish.get(*vanished).is_some_and(|&at| *position >= at) {
-            *vanished += 1;
+        if self.damage.vanish.is_some_and(|at| self.position >= at) {
+            self.damage.vanish = None;
+            self.away = Some(self.damage.failing_opens);
+        }
+        if self.away.is_some() {
             return Err(io::ErrorKind::BrokenPipe.into());
         }
-        let mut inner = self.inner.lock().expect("not poisoned");
-        let port = inner.as_mut().ok_or(io::ErrorKind::BrokenPipe)?;
-        let len = port.read(buf)?;
+        let len = self.board.read(buf)?;
         let mut kept = 0;
         for i in 0..len {
-            let at = *position + i as u64;
+            let at = self.position + i as u64;
             if self.damage.drop.contains(&at) {
                 continue;
             }
@@ -97,21 +118,35 @@ impl Read for DamagedPort {
             buf[kept] = buf[i] ^ flip;
             kept += 1;
         }
-        *position += len as u64;
-        if len > 0 && kept == 0 {
-            return Err(io::ErrorKind::Interrupted.into());
+        self.position += len as u64;
+        if kept == 0 {
+            Err(io::ErrorKind::Interrupted.into())
+        } else {
+            Ok(kept)
         }
-        Ok(kept)
+    }
+}
+
+impl Read for DamagedPort {
+    fn read(&mut self, buf: &mut [u8]) -> io::Result<usize> {
+        lock(&self.line).read(buf)
     }
 }
 
 impl Write for DamagedPort {
     fn write(&mut self, buf: &[u8]) -> io::Result<usize> {
-        let mut inner = self.inner.lock().expect("not poisoned");
-        inner.as_mut().ok_or(io::ErrorKind::BrokenPipe)?.write(buf)
+        let mut line = lock(&self.line);
+        if line.away.is_some() {
+            return Err(io::ErrorKind::BrokenPipe.into());
+        }
+        line.board.write(buf)
     }
 
     fn flush(&mut self) -> io::Result<()> {
         Ok(())
     }
+}
+
+fn lock(line: &Mutex<Line>) -> MutexGuard<'_, Line> {
+    line.lock().unwrap_or_else(PoisonError::into_inner)
 }

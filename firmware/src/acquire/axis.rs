@@ -4,6 +4,7 @@ use inm_protocol::{AxisCounters, Code, Flags, Trouble};
 
 use crate::ads1281::register::Output;
 use crate::ads1281::slip::{Slip, SlipDetector, Verdict};
+use crate::ads1281::slip_mean::SlipMeanDetector;
 use crate::ads1281::word::{Reading, Sign, Word};
 use crate::ads1281::{Error, SETTLING_READINGS};
 
@@ -67,41 +68,35 @@ pub(super) struct Axis {
     cause: Flags,
     last: Word,
     detector: SlipDetector,
+    mean_detector: SlipMeanDetector,
     /// Slipped and reset, and no usual word since.
     slip_again: bool,
     uniform_run: u32,
     missed_run: u32,
     broken: u32,
-    /// One of them was positive. The bit behind the word, which a doubled stream takes in, is
-    /// zero and breaks negative signs only; a halved one shows a value bit and breaks both.
-    broken_positive: bool,
+    /// Since they began, a positive word was broken or a negative one was not: the lowest bit
+    /// is one of the value, as in a halved stream. A doubled one shows the level behind the
+    /// word, zero or the sign, which breaks all negative words or none.
+    value_bit: bool,
     since_clip: u32,
     good: u32,
 }
 
 impl Axis {
-    pub(super) const fn new() -> Self {
+    pub(super) fn new() -> Self {
         Self {
-            counters: AxisCounters {
-                over_range: 0,
-                torn: 0,
-                missed: 0,
-                slipped: 0,
-                stuck: 0,
-                stalled: 0,
-                registers_lost: 0,
-                resets: 0,
-            },
+            counters: AxisCounters::default(),
             state: State::Running,
             attempts: 0,
             cause: Flags::NONE,
             last: Word(0),
             detector: SlipDetector::new(),
+            mean_detector: SlipMeanDetector::default(),
             slip_again: false,
             uniform_run: 0,
             missed_run: 0,
             broken: 0,
-            broken_positive: false,
+            value_bit: false,
             since_clip: SETTLING_READINGS,
             good: 0,
         }
@@ -120,6 +115,7 @@ impl Axis {
         self.slip_again = self.cause.has(Flags::SLIPPED);
         self.cause = Flags::NONE;
         self.detector.realigned();
+        self.mean_detector.realigned();
         self.forget_runs();
     }
 
@@ -149,7 +145,7 @@ impl Axis {
         self.uniform_run = 0;
         self.missed_run = 0;
         self.broken = 0;
-        self.broken_positive = false;
+        self.value_bit = false;
     }
 
     pub(super) fn is_running(&self) -> bool {
@@ -261,40 +257,135 @@ impl Axis {
     /// `None`: no sign of a slip. `Some(None)`: perhaps. `Some(Some(..))`: surely.
     #[inline]
     fn slip(&mut self, word: Word, broken: bool, flags: Flags) -> Option<Option<Trouble>> {
+        let negative = word.value() < 0;
         if broken {
             self.broken += BROKEN_STEP;
-            self.broken_positive |= word.value() >= 0;
+            self.value_bit |= !negative;
             if self.broken >= BROKEN_LIMIT {
                 self.broken = 0;
                 return Some(Some(Trouble::Slipped {
-                    doubled: !self.broken_positive,
+                    doubled: !self.value_bit,
                 }));
             }
         } else if self.broken > 0 {
             self.broken -= 1;
-            self.broken_positive &= self.broken > 0;
+            self.value_bit = (self.value_bit | negative) && self.broken > 0;
         }
         // Torn, clipped and stuck words say nothing about the level. A broken sign does not
         // hide it: behind a slip half of the words may have one.
         if !broken && !flags.is_none() {
             return None;
         }
-        match self.detector.push(word.value()) {
-            Verdict::Usual => {
+        let verdict = self.detector.push(word.value());
+        let slip = match (verdict, self.mean_detector.push(word.value())) {
+            (Verdict::Slipped(slip), _) | (_, Some(slip)) => slip,
+            (Verdict::Suspect(_), None) => return Some(None),
+            (Verdict::Usual, None) => {
                 self.slip_again = false;
-                None
+                return None;
             }
-            Verdict::Strange => None,
-            Verdict::Suspect(_) => Some(None),
+            (Verdict::Strange, None) => return None,
+        };
+        if self.slip_again {
             // A reset has realigned the stream and the level is still there: it is the signal.
-            Verdict::Slipped(_) if self.slip_again => {
-                self.slip_again = false;
-                self.detector = SlipDetector::new();
-                None
-            }
-            Verdict::Slipped(slip) => Some(Some(Trouble::Slipped {
-                doubled: slip == Slip::Doubled,
-            })),
+            self.slip_again = false;
+            self.detector = SlipDetector::new();
+            self.mean_detector = SlipMeanDetector::default();
+            return None;
         }
+        Some(Some(Trouble::Slipped {
+            doubled: slip == Slip::Doubled,
+        }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 0.5 g on the 4 g range, in 31-bit steps.
+    const LEVEL: i32 = 66_000_000;
+
+    fn judge(axis: &mut Axis, value: i32) -> Judgement {
+        let word = Word((value << 1).cast_unsigned() | u32::from(value < 0));
+        axis.judge(Ok(Some(Reading { word, torn: false })), Output::Fir)
+    }
+
+    /// Troubles of `count` equal values.
+    fn troubles(axis: &mut Axis, value: i32, count: u32) -> Vec<Trouble> {
+        (0..count)
+            .filter_map(|_| judge(axis, value).trouble)
+            .collect()
+    }
+
+    #[test]
+    fn a_level_that_a_reset_does_not_change_is_the_signal() {
+        let slipped = Trouble::Slipped { doubled: true };
+        let mut axis = Axis::new();
+        assert_eq!(troubles(&mut axis, LEVEL, 200), []);
+        assert_eq!(troubles(&mut axis, 2 * LEVEL, 16), [slipped]);
+        axis.rest(slipped, 0);
+        axis.resume();
+        assert_eq!(troubles(&mut axis, 2 * LEVEL, 200), []);
+        // And is watched from then on.
+        assert_eq!(troubles(&mut axis, 4 * LEVEL, 16), [slipped]);
+    }
+
+    #[test]
+    fn a_level_that_a_reset_brings_back_is_watched_as_before() {
+        let slipped = Trouble::Slipped { doubled: false };
+        let mut axis = Axis::new();
+        assert_eq!(troubles(&mut axis, LEVEL, 200), []);
+        for _ in 0..3 {
+            assert_eq!(troubles(&mut axis, LEVEL / 2, 16), [slipped]);
+            axis.rest(slipped, 0);
+            axis.resume();
+            assert_eq!(troubles(&mut axis, LEVEL, 1), []);
+        }
+        assert_eq!(axis.counters.slipped, 3);
+    }
+
+    #[test]
+    fn zero_words_around_zero_are_flagged_from_the_third_on() {
+        let mut axis = Axis::new();
+        judge(&mut axis, 1000);
+        let flags: Vec<bool> = (0..STUCK)
+            .map(|_| judge(&mut axis, 0).flags.has(Flags::STUCK))
+            .collect();
+        let expected = [false, false, true, true, true, true, true, true];
+        assert_eq!(flags, expected);
+    }
+
+    #[test]
+    fn a_missing_word_repeats_the_last() {
+        let mut axis = Axis::new();
+        judge(&mut axis, LEVEL);
+        let mut trouble = None;
+        for _ in 0..STALLED {
+            assert_eq!(trouble, None);
+            let missed = axis.judge(Ok(None), Output::Fir);
+            assert_eq!(
+                (missed.code, missed.flags),
+                (Code(2 * LEVEL), Flags::MISSED)
+            );
+            trouble = missed.trouble;
+        }
+        assert_eq!(trouble, Some(Trouble::Stalled));
+    }
+
+    #[test]
+    fn an_overload_that_flickers_is_one_event() {
+        let mut axis = Axis::new();
+        judge(&mut axis, LEVEL);
+        let clipped = Ok(Some(Reading {
+            word: Word(0x7FFF_FFFF),
+            torn: false,
+        }));
+        let mut told = 0;
+        for _ in 0..20 {
+            told += u32::from(axis.judge(clipped, Output::Fir).trouble.is_some());
+            judge(&mut axis, LEVEL);
+        }
+        assert_eq!((told, axis.counters.over_range), (1, 20));
     }
 }

@@ -1,8 +1,9 @@
 //! Between timer ticks and data periods.
 
-use inm_protocol::Settings;
+use inm_protocol::{AXES, Settings};
 
 use crate::Board;
+use crate::ads1281::UPDATE_LEAD_NS;
 use crate::ads1281::config::conversions_hz;
 
 /// Time base of a stream: the board's timer and the data rate in force.
@@ -14,17 +15,30 @@ use crate::ads1281::config::conversions_hz;
 pub(super) struct Clock {
     timer_hz: u64,
     conversions_hz: u64,
-    /// One and a half data periods, ticks.
-    next: u64,
-    /// Latest start of a reading of all axes after its stamp, ticks.
+    /// Seven and nine eighths of a data period, ticks: the next conversion comes between.
+    earliest: u64,
+    latest: u64,
+    /// Latest start of the reading of one word after its stamp, ticks.
     latest_reading: u64,
     /// Latest start of a register check after its stamp, ticks.
     latest_check: u64,
 }
 
+/// What lies between two edges of X's DRDY.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Interval {
+    /// Less than a data period: X converts faster than it was told.
+    Early,
+    /// One data period.
+    Next,
+    /// Anything else; data periods, to the nearest.
+    Gap { periods: u64 },
+}
+
 impl Clock {
-    /// Time for a word on each axis and the program around it, beyond the bits, microseconds.
-    const READING_OVERHEAD_US: u64 = 5;
+    /// Time of the program around a word or a check, and the 4 converter clocks by which it has
+    /// to end before the next conversion, microseconds.
+    const OVERHEAD_US: u64 = 5;
     /// Bytes of a register check, and the gap with each, nanoseconds.
     const CHECK_BYTES: u64 = 5;
     const CHECK_GAPS_NS: u64 = 6 * crate::ads1281::GAP_NS as u64;
@@ -34,16 +48,16 @@ impl Clock {
         let spi_hz = u64::from(board.spi_hz.max(1));
         let conversions_hz = u64::from(conversions_hz(settings));
         let period = timer_hz / conversions_hz;
-        let word_ticks = 32 * timer_hz / spi_hz + 1;
-        let overhead = Self::READING_OVERHEAD_US * timer_hz / 1_000_000 + 1;
-        let reading = 3 * word_ticks + overhead;
+        let overhead = Self::OVERHEAD_US * timer_hz / 1_000_000 + 1;
+        let reading = 32 * timer_hz / spi_hz + overhead;
         let check = 8 * Self::CHECK_BYTES * timer_hz / spi_hz
             + Self::CHECK_GAPS_NS * timer_hz / 1_000_000_000
             + overhead;
         Self {
             timer_hz,
             conversions_hz,
-            next: period + period / 2,
+            earliest: period - period / 8,
+            latest: period + period / 8 + 1,
             latest_reading: period.saturating_sub(reading),
             latest_check: period.saturating_sub(check),
         }
@@ -59,16 +73,21 @@ impl Clock {
         (u64::from(count) * self.timer_hz).div_ceil(1_000_000)
     }
 
-    /// Data periods from one stamp to a later one, to the nearest; 0 for less than half.
-    pub(super) fn between(&self, earlier: u64, later: u64) -> u64 {
+    /// What lies between two stamps, one later than the other.
+    #[inline]
+    pub(super) fn between(&self, earlier: u64, later: u64) -> Interval {
         let ticks = later.saturating_sub(earlier);
-        if 2 * ticks >= self.next && ticks < self.next {
-            return 1;
+        if ticks < self.earliest {
+            Interval::Early
+        } else if ticks <= self.latest {
+            Interval::Next
+        } else {
+            let periods = (ticks * self.conversions_hz + self.timer_hz / 2) / self.timer_hz;
+            Interval::Gap { periods }
         }
-        (ticks * self.conversions_hz + self.timer_hz / 2) / self.timer_hz
     }
 
-    /// Whether all axes can be read before the next conversion ends.
+    /// Whether a word can be read before the next conversion ends.
     pub(super) fn in_time_to_read(&self, stamp: u64, now: u64) -> bool {
         now.saturating_sub(stamp) <= self.latest_reading
     }
@@ -79,10 +98,67 @@ impl Clock {
     }
 }
 
-/// Conversions a second of which one bus at `spi_hz` after the other can read three words, and
-/// be done four converter clocks before the next (SBAS378D, page 24).
+/// Conversions a second of which three words can be read, one after the other, at `spi_hz`.
 pub(super) fn readable_hz(spi_hz: u32) -> u32 {
-    const DEADLINE_NS: u64 = 977;
-    let reading_ns = 96_000_000_000 / u64::from(spi_hz.max(1));
-    (1_000_000_000 / (reading_ns + DEADLINE_NS)) as u32
+    let word_ns = 32_000_000_000 / u64::from(spi_hz.max(1)) + u64::from(UPDATE_LEAD_NS);
+    (1_000_000_000 / (AXES as u64 * word_ns)) as u32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use inm_protocol::{Filter, Rate};
+
+    fn clock(timer_hz: u32, rate: Rate) -> Clock {
+        let board = Board {
+            platform: "test",
+            serial: [0; 3],
+            timer_hz,
+            spi_hz: 1_312_500,
+            baud: 921_600,
+            range: inm_protocol::SensorRange::G4,
+            reference_uv: 5_000_000,
+            sensor_supply_uv: 2_800_000,
+            restart: inm_protocol::Restart::Power,
+        };
+        let filter = Filter::default();
+        Clock::new(&board, Settings { rate, filter })
+    }
+
+    #[test]
+    fn intervals_are_told_apart_at_any_timer_and_rate() {
+        for timer_hz in [100_000, 1_000_000, 84_000_000, 1_000_000_000] {
+            for rate in Rate::ALL {
+                let clock = clock(timer_hz, rate);
+                let period = u64::from(timer_hz / rate.hz());
+                let between = |ticks| clock.between(1000, 1000 + ticks);
+                assert_eq!(between(0), Interval::Early);
+                assert_eq!(between(period * 3 / 4), Interval::Early);
+                // A tick of jitter and 100 ppm of either crystal.
+                for ticks in [period - 1 - period / 10_000, period + 1 + period / 10_000] {
+                    assert_eq!(between(ticks), Interval::Next);
+                }
+                for periods in [2, 63, 5000] {
+                    let late = periods * period + periods * period / 20_000;
+                    assert_eq!(between(late), Interval::Gap { periods });
+                }
+                assert_eq!(between(period * 5 / 4), Interval::Gap { periods: 1 });
+            }
+        }
+    }
+
+    #[test]
+    fn three_words_fit_every_period() {
+        for rate in Rate::ALL {
+            let clock = clock(1_000_000, rate);
+            // 24.4 us a word: the third starts 50 us after the edge, and whatever it took to get
+            // there.
+            assert!(clock.in_time_to_read(0, 150), "{rate:?}");
+            let period = 1_000_000 / u64::from(rate.hz());
+            assert!(!clock.in_time_to_read(0, period - 24), "{rate:?}");
+            // A check after them: 30 us of bits, 35 us of gaps.
+            assert!(clock.in_time_to_check(0, 80 + 20), "{rate:?}");
+        }
+        assert_eq!(readable_hz(1_312_500), 13_144);
+    }
 }

@@ -247,7 +247,7 @@ impl<P: Platform> Instrument<P> {
         };
         if stamp < test.from {
             for converter in &mut self.converters {
-                converter.forget_edges();
+                converter.forget_edge();
             }
             return true;
         }

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! All of it runs in one loop, by [`Instrument::step`]; nothing waits. What takes time is a
-//! [`Stage`] with a deadline on the board's timer. X's DRDY drives the reading of all three
+//! stage with a deadline on the board's timer. X's DRDY drives the reading of all three
 //! axes, which convert together after a common SYNC. Conversions are numbered by the time
 //! between the stamps: whatever makes the board late shows as a gap in the index.
 
@@ -19,6 +19,7 @@ mod health;
 mod host;
 mod job;
 mod outbox;
+mod read_back;
 mod recover;
 mod stream;
 
@@ -35,6 +36,7 @@ use batch::Batcher;
 use clock::Clock;
 use job::{Job, SelfTest};
 use outbox::Outbox;
+use read_back::Rounds;
 use stream::Position;
 
 /// Driver of one converter on platform `P`.
@@ -93,6 +95,7 @@ pub struct Instrument<P: Platform> {
     stage: Stage,
     axes: [Axis; AXES],
     position: Position,
+    rounds: Rounds,
     /// The axes whose recovery brought the common SYNC on.
     recovering: [bool; AXES],
     lost_conversions: u64,
@@ -125,6 +128,7 @@ impl<P: Platform> Instrument<P> {
             stage: Stage::PowerUp { until: power_up },
             axes: core::array::from_fn(|_| Axis::new()),
             position: Position::default(),
+            rounds: Rounds::default(),
             recovering: [false; AXES],
             lost_conversions: 0,
             batcher: Batcher::default(),
@@ -216,10 +220,8 @@ impl<P: Platform> Instrument<P> {
         let _ = self.sync.set_high();
         x.pause_us(1);
         for converter in &mut self.converters {
-            converter.forget_edges();
+            converter.forget_edge();
         }
-        // An edge from before.
-        self.platform.take_edge_stamp();
         self.stage = Stage::Settle {
             since: self.platform.now(),
             job,
@@ -235,7 +237,7 @@ impl<P: Platform> Instrument<P> {
             Some(stamp) if stamp >= settled => self.settled(stamp, now, job),
             Some(_) => {
                 for converter in &mut self.converters {
-                    converter.forget_edges();
+                    converter.forget_edge();
                 }
             }
             None if now > settled + self.clock.periods(2 * axis::STALLED) => {

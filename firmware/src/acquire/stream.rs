@@ -1,27 +1,19 @@
 //! One conversion of all axes, from its stamp to the batch.
 
-use inm_protocol::{AXES, Code, Event, Flags, REGISTERS, Trouble};
+use inm_protocol::{AXES, Code, Event, Flags, Trouble};
 
 use super::axis::STALLED;
 use super::batch::Conversion;
+use super::clock::Interval;
+use super::read_back::Rounds;
 use super::{Instrument, Job, Stage};
 use crate::Platform;
-use crate::ads1281::register::{Address, id_is_plausible};
-
-/// Conversions between two registers read back: all 33 take 528, a quarter second at 2000/s.
-const READ_BACK_EVERY: u32 = 16;
 
 /// Where the stream stands.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Position {
     /// Index and stamp of the last conversion.
     last: Option<(u64, u64)>,
-    /// Conversions until the next register is read back.
-    until_check: u32,
-    /// The next register in turn, 0 to 32: axis by axis within an address.
-    turn: usize,
-    /// An axis whose DRDY gives reason to look at its CONFIG0 now.
-    suspect: Option<usize>,
 }
 
 impl Position {
@@ -29,28 +21,13 @@ impl Position {
     pub(super) fn next_index(&self) -> u64 {
         self.last.map_or(0, |(index, _)| index + 1)
     }
-
-    /// The axis and register to read back now, if it is time.
-    fn next_check(&mut self) -> Option<(usize, Address)> {
-        if let Some(axis) = self.suspect.take() {
-            return Some((axis, Address::Config0));
-        }
-        if self.until_check > 0 {
-            self.until_check -= 1;
-            return None;
-        }
-        self.until_check = READ_BACK_EVERY - 1;
-        let turn = self.turn;
-        self.turn = (turn + 1) % (AXES * REGISTERS);
-        let address = Address::ALL.get(turn / AXES)?;
-        Some((turn % AXES, *address))
-    }
 }
 
 impl<P: Platform> Instrument<P> {
     /// The converters have settled after a start command: index 0 comes next.
     pub(super) fn begin_stream(&mut self, job: Job) {
         self.position = Position::default();
+        self.rounds = Rounds::default();
         self.batcher.restart();
         self.lost_conversions = 0;
         self.recovering = [false; AXES];
@@ -63,37 +40,24 @@ impl<P: Platform> Instrument<P> {
 
     /// Reads the conversion that X's DRDY announced at `stamp`.
     pub(super) fn conversion(&mut self, stamp: u64) {
-        let (index, lost) = match self.position.last {
-            None => (0, 0),
+        let (index, interval) = match self.position.last {
+            None => (0, Interval::Next),
             Some((index, last)) => match self.clock.between(last, stamp) {
-                0 => {
-                    // X converts faster than it was told.
-                    self.position.suspect = Some(0);
+                Interval::Early => {
+                    self.rounds.suspect(0);
                     return;
                 }
-                periods => (index + periods, periods - 1),
+                Interval::Next => (index + 1, Interval::Next),
+                Interval::Gap { periods } => (index + periods, Interval::Gap { periods }),
             },
         };
         if !self.clock.in_time_to_read(stamp, self.platform.now()) {
-            // The next word would be taken for this one. It is lost, and the index shows it.
+            // Too late for any word: the conversion is lost, and the index shows it.
             return;
         }
         self.position.last = Some((index, stamp));
-        if lost > 0 {
-            self.lost_conversions += lost;
-            self.flush_batch();
-            if self.recovering == [false; AXES] {
-                self.position.suspect = Some(0);
-            }
-        }
-        for (axis, recovered) in core::mem::take(&mut self.recovering)
-            .into_iter()
-            .enumerate()
-        {
-            if recovered {
-                let lost = u32::try_from(lost).unwrap_or(u32::MAX);
-                self.event(index, Some(axis as u8), Trouble::Recovered { lost });
-            }
+        if let Interval::Gap { periods } = interval {
+            self.after_gap(index, periods.saturating_sub(1));
         }
 
         let mut troubles = [None; AXES];
@@ -117,6 +81,22 @@ impl<P: Platform> Instrument<P> {
         self.read_back(stamp);
     }
 
+    /// The conversion with this index does not follow the last one: `lost` are missing between.
+    #[cold]
+    fn after_gap(&mut self, index: u64, lost: u64) {
+        self.lost_conversions += lost;
+        self.flush_batch();
+        if self.recovering == [false; AXES] {
+            self.rounds.suspect(0);
+        }
+        for (axis, recovered) in (0..).zip(core::mem::take(&mut self.recovering)) {
+            if recovered {
+                let lost = u32::try_from(lost).unwrap_or(u32::MAX);
+                self.event(index, Some(axis), Trouble::Recovered { lost });
+            }
+        }
+    }
+
     fn read_axes(
         &mut self,
         index: u64,
@@ -132,53 +112,21 @@ impl<P: Platform> Instrument<P> {
         let output = self.configs[0].config0.output;
         let axes = self.axes.iter_mut().zip(&mut self.converters);
         for (axis, (state, converter)) in axes.enumerate() {
-            let judgement = if state.is_running() {
+            // Later, the next word would be taken for this one.
+            let in_time = self.clock.in_time_to_read(stamp, self.platform.now());
+            let judgement = if state.is_running() && in_time {
                 state.judge(converter.take_new(), output)
             } else {
                 state.absent()
             };
             if state.has_just_missed() {
-                self.position.suspect = Some(axis);
+                self.rounds.suspect(axis);
             }
             conversion.codes[axis] = judgement.code;
             conversion.flags[axis] = judgement.flags;
             troubles[axis] = judgement.trouble;
         }
         conversion
-    }
-
-    /// Reads one register back and compares it with what was written, if it is time and there
-    /// is time.
-    fn read_back(&mut self, stamp: u64) {
-        let Some((axis, address)) = self.position.next_check() else {
-            return;
-        };
-        if !self.axes[axis].is_steady() || !self.clock.in_time_to_check(stamp, self.platform.now())
-        {
-            return;
-        }
-        let found = match self.converters[axis].check_register(address) {
-            Ok(found) => found,
-            Err(error) => {
-                let now = self.platform.now();
-                self.fail(axis, error.trouble(), now);
-                return;
-            }
-        };
-        self.registers[axis][address.index()] = found;
-        let trouble = match (address, self.configs[axis].expected(address)) {
-            (Address::Id, _) if !id_is_plausible(found) || self.ids[axis] != Some(found) => {
-                Trouble::WrongId { found }
-            }
-            (_, Some(wrote)) if wrote != found => Trouble::RegisterLost {
-                address: address as u8,
-                wrote,
-                found,
-            },
-            _ => return,
-        };
-        let now = self.platform.now();
-        self.fail(axis, trouble, now);
     }
 
     /// X's DRDY drives everything: without it only the timer tells.

@@ -2,7 +2,8 @@
 //!
 //! ```text
 //!   command   opcodes        register   addresses and fields     config  settings to registers
-//!   word      one reading    slip       the level jumped by two  calibrate  OFC and FSC
+//!   word      one reading    calibrate  OFC and FSC
+//!   slip      the level jumped by two, word by word or (slip_mean) under much noise
 //! ```
 //!
 //! The part has no CS: every clock counts, nothing realigns a shifted stream but its RESET pin
@@ -17,6 +18,7 @@ pub mod config;
 mod error;
 pub mod register;
 pub mod slip;
+pub mod slip_mean;
 pub mod word;
 
 use embedded_hal::delay::DelayNs;
@@ -36,6 +38,10 @@ pub const CLOCK_HZ: u32 = 4_096_000;
 
 /// Pause after each byte of a command, nanoseconds: 24 clocks (SBAS378D, page 30), rounded up.
 pub const GAP_NS: u32 = 5_860;
+
+/// The converter puts the next word into its output register this long before DRDY falls,
+/// nanoseconds: 4 clocks (SBAS378D, page 24), rounded up.
+pub const UPDATE_LEAD_NS: u32 = 980;
 
 /// Pause after RESET before the next command, microseconds. Two clocks are asked for; this
 /// leaves the part time to load its registers.
@@ -82,10 +88,6 @@ pub struct Ads1281<SPI, DRDY, DELAY> {
     drdy: DRDY,
     delay: DELAY,
     mode: Mode,
-    /// An edge seen during the last reading: it belongs to the next word.
-    carried_edge: bool,
-    /// The next word came while the interface was stopped, and may be the old one.
-    doubtful: bool,
 }
 
 impl<SPI, DRDY, DELAY> Ads1281<SPI, DRDY, DELAY>
@@ -102,8 +104,6 @@ where
             drdy,
             delay,
             mode: Mode::Unknown,
-            carried_edge: false,
-            doubtful: false,
         }
     }
 
@@ -124,7 +124,7 @@ where
     pub fn reset(&mut self) -> Result<(), Error> {
         self.mode = Mode::Unknown;
         self.command(Command::Reset)?;
-        self.forget_edges();
+        self.forget_edge();
         Ok(())
     }
 
@@ -153,7 +153,7 @@ where
     pub fn synchronise(&mut self) -> Result<(), Error> {
         self.stop()?;
         self.command(Command::Sync)?;
-        self.forget_edges();
+        self.forget_edge();
         Ok(())
     }
 
@@ -179,7 +179,7 @@ where
     fn calibrate(&mut self, command: Command) -> Result<(), Error> {
         self.stop()?;
         self.command(command)?;
-        self.forget_edges();
+        self.forget_edge();
         self.read_continuously()
     }
 
@@ -216,7 +216,7 @@ where
     pub fn request(&mut self) -> Result<(), Error> {
         self.stop()?;
         self.command(Command::ReadData)?;
-        self.forget_edges();
+        self.forget_edge();
         self.mode = Mode::Requested;
         Ok(())
     }
@@ -234,7 +234,8 @@ where
     }
 
     /// Clocks one word out. Must end 4 clocks (1 us) before the next edge of DRDY; the reading
-    /// says if it did not.
+    /// says if it did not. The word of that edge is lost then, too: part of it has been shifted
+    /// out already.
     ///
     /// # Errors
     /// [`Error::Mode`] unless in continuous mode or after [`request`](Self::request);
@@ -250,23 +251,22 @@ where
         let mut bytes = [0; 4];
         self.spi.transfer_in_place(&mut bytes).map_err(Error::bus)?;
         self.spi.flush().map_err(Error::bus)?;
-        self.carried_edge = self.drdy.take_edge();
-        let doubtful = core::mem::take(&mut self.doubtful);
+        // The word is replaced this long ahead of the edge that tells.
+        self.delay.delay_ns(UPDATE_LEAD_NS);
         Ok(Reading {
             word: Word::from_bytes(bytes),
-            torn: self.carried_edge | doubtful,
+            torn: self.take_edge(),
         })
     }
 
-    /// Whether DRDY has fallen since the last call, and since the last reading.
+    /// Whether DRDY has fallen since the last call and the last reading.
     pub fn take_edge(&mut self) -> bool {
-        self.drdy.take_edge() | core::mem::take(&mut self.carried_edge)
+        self.drdy.take_edge()
     }
 
-    /// Takes an edge that belongs to no word that anyone wants.
-    pub fn forget_edges(&mut self) {
+    /// Drops an edge of a word that nobody wants.
+    pub fn forget_edge(&mut self) {
         self.take_edge();
-        self.doubtful = false;
     }
 
     /// Whether DRDY is low.
@@ -350,18 +350,15 @@ where
 
     /// One register between two conversions: SDATAC, RREG, RDATAC, about 70 us at 1.3 MHz.
     ///
-    /// The word of the last conversion must have been read. If a conversion ends meanwhile,
-    /// its reading says torn.
+    /// The word of the last conversion should have been read. That of a conversion that ends
+    /// meanwhile is lost: the interface does not take it in while it is stopped.
     ///
     /// # Errors
     /// [`Error::Bus`].
     pub fn check_register(&mut self, address: Address) -> Result<u8, Error> {
         let value = self.read_register(address);
         self.read_continuously()?;
-        if self.drdy.take_edge() {
-            self.carried_edge = true;
-            self.doubtful = true;
-        }
+        self.forget_edge();
         value
     }
 

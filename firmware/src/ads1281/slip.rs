@@ -23,9 +23,12 @@ const FRACTION: u32 = 8;
 pub const CONFIRM: u32 = 16;
 /// Words in a row, far from any expectation, after which the level is learned anew.
 const RELEARN: u32 = 32;
+/// Half-width of the usual, in mean absolute deviations: 4 standard deviations of Gaussian
+/// noise, which one word in 16000 exceeds, with a sixty-fourth of the level beside it for drift.
+const BAND: i64 = 5;
 /// Least level in mean absolute deviations, for jumps by two to stand out of the noise: the
-/// bands of 6 around the level and 3 around its half must not meet, which asks for 19.
-pub const MIN_RATIO: i64 = 32;
+/// bands around the level and, half as wide, around its half must not meet, which asks for 16.
+pub const MIN_RATIO: i64 = 20;
 /// Least level in steps of the 31-bit value, for a signal without noise.
 const MIN_LEVEL: i64 = 1 << 12;
 
@@ -99,7 +102,7 @@ impl SlipDetector {
             self.learn(distance);
             return Verdict::Usual;
         }
-        let band = 6 * self.spread + (self.level.abs() >> 6);
+        let band = BAND * self.spread + (self.level.abs() >> 6);
         if distance.abs() <= band {
             self.suspect = None;
             self.strangers = 0;

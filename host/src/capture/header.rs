@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use inm_firmware::mma7331l::Scaling;
 use inm_protocol::{AXES, Filter, Identity, REGISTERS, SensorRange, Settings, VERSION};
-use inm_firmware::mma7331l;
 use serde::{Deserialize, Serialize};
 
 use super::CaptureError;
@@ -82,16 +82,25 @@ impl Header {
             Filter::Fir { phase, .. } => Some(phase),
             Filter::Sinc | Filter::Modulator => None,
         };
-        let sensor = mma7331l::Sensor::new(identity.range, supply_v, reference_v);
-        let axes = ["X", "Y", "Z"].into_iter().zip(SENSOR_POLE_HZ).map(|(name, pole_hz)| {
-            AxisHeader {
+        let scaling = Scaling::new(
+            identity.reference_uv,
+            identity.range,
+            identity.sensor_supply_uv,
+        );
+        let axes = ["X", "Y", "Z"]
+            .into_iter()
+            .zip(SENSOR_POLE_HZ)
+            .map(|(name, pole_hz)| AxisHeader {
                 name: name.to_owned(),
                 unit: Unit::MetrePerSecondSquared,
-                scale: sensor.metre_per_second_squared_per_count(),
-                zero: sensor.zero_count(),
-                chain: Chain { converter, poles_hz: vec![pole_hz] }.to_string(),
-            }
-        });
+                scale: scaling.scale(),
+                zero: scaling.zero(),
+                chain: Chain {
+                    converter,
+                    poles_hz: vec![pole_hz],
+                }
+                .to_string(),
+            });
         Self {
             protocol: VERSION,
             inm: env!("CARGO_PKG_VERSION").to_owned(),

@@ -44,18 +44,31 @@ impl<R: BufRead> Reader<R> {
     pub fn new(mut input: R, path: &Path) -> Result<Self, CaptureError> {
         let mut read_line = |limit: u64| -> Result<Vec<u8>, CaptureError> {
             let mut line = Vec::new();
-            input.by_ref().take(limit).read_until(b'\n', &mut line).map_err(|source| {
-                CaptureError::Io { path: path.to_owned(), doing: "reading the header", source }
-            })?;
+            input
+                .by_ref()
+                .take(limit)
+                .read_until(b'\n', &mut line)
+                .map_err(|source| CaptureError::Io {
+                    path: path.to_owned(),
+                    doing: "reading the header",
+                    source,
+                })?;
             Ok(line)
         };
         let magic = read_line(MAGIC.len() as u64 + 1)?;
         if magic.strip_suffix(b"\n") != Some(MAGIC.as_bytes()) {
-            return Err(if !magic.is_empty() && MAGIC.as_bytes().starts_with(&magic) {
-                CaptureError::CutHeader { path: path.to_owned(), at: magic.len() as u64 }
-            } else {
-                CaptureError::NotACapture { path: path.to_owned() }
-            });
+            return Err(
+                if !magic.is_empty() && MAGIC.as_bytes().starts_with(&magic) {
+                    CaptureError::CutHeader {
+                        path: path.to_owned(),
+                        at: magic.len() as u64,
+                    }
+                } else {
+                    CaptureError::NotACapture {
+                        path: path.to_owned(),
+                    }
+                },
+            );
         }
         let line = read_line(MAX_HEADER)?;
         let Some(json) = line.strip_suffix(b"\n") else {
@@ -64,19 +77,30 @@ impl<R: BufRead> Reader<R> {
                 at: (magic.len() + line.len()) as u64,
             });
         };
-        let bad_header = |source| CaptureError::Header { path: path.to_owned(), source };
+        let bad_header = |source| CaptureError::Header {
+            path: path.to_owned(),
+            source,
+        };
         // The version first: another version may have another header.
         let value: serde_json::Value = serde_json::from_slice(json).map_err(bad_header)?;
         match value.get("protocol").and_then(serde_json::Value::as_u64) {
             Some(theirs) if theirs != u64::from(VERSION) => {
                 let theirs = u8::try_from(theirs).unwrap_or(u8::MAX);
-                return Err(CaptureError::Protocol { path: path.to_owned(), theirs });
+                return Err(CaptureError::Protocol {
+                    path: path.to_owned(),
+                    theirs,
+                });
             }
             _ => {}
         }
         let header = serde_json::from_value(value).map_err(bad_header)?;
         let header_line = String::from_utf8_lossy(json).into_owned();
-        Ok(Self { input, path: path.to_owned(), header, header_line })
+        Ok(Self {
+            input,
+            path: path.to_owned(),
+            header,
+            header_line,
+        })
     }
 
     /// What the capture says about itself.

@@ -39,9 +39,15 @@ impl<W: Write> Writer<W> {
     /// # Errors
     /// [`CaptureError::Io`] if the header cannot be written.
     pub fn begin(out: W, path: &Path, header: &Header) -> Result<Self, CaptureError> {
-        let mut writer = Self { out, path: path.to_owned(), bytes: 0 };
-        let json = serde_json::to_string(header)
-            .map_err(|source| CaptureError::Header { path: path.to_owned(), source })?;
+        let mut writer = Self {
+            out,
+            path: path.to_owned(),
+            bytes: 0,
+        };
+        let json = serde_json::to_string(header).map_err(|source| CaptureError::Header {
+            path: path.to_owned(),
+            source,
+        })?;
         writer.append(format!("{MAGIC}\n{json}\n").as_bytes())?;
         Ok(writer)
     }
@@ -52,7 +58,9 @@ impl<W: Write> Writer<W> {
     /// [`CaptureError::Io`], for instance when the disk is full. What was written before
     /// stays readable.
     pub fn append(&mut self, bytes: &[u8]) -> Result<(), CaptureError> {
-        self.out.write_all(bytes).map_err(|source| self.io(source))?;
+        self.out
+            .write_all(bytes)
+            .map_err(|source| self.io(source))?;
         self.bytes += bytes.len() as u64;
         Ok(())
     }
@@ -79,6 +87,10 @@ impl<W: Write> Writer<W> {
     }
 
     fn io(&self, source: io::Error) -> CaptureError {
-        CaptureError::Io { path: self.path.clone(), doing: "writing the capture", source }
+        CaptureError::Io {
+            path: self.path.clone(),
+            doing: "writing the capture",
+            source,
+        }
     }
 }

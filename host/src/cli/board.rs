@@ -11,7 +11,7 @@ use crate::source::virtual_board::VirtualConnect;
 
 /// Which board, and how it is to record.
 #[derive(Debug, Clone, Args)]
-pub struct BoardArgs {
+pub struct BoardOptions {
     /// Serial port of the board (`/dev/ttyUSB0`, `COM3`), or `virtual` for one without hardware.
     #[arg(long, value_name = "PORT")]
     pub source: String,
@@ -59,14 +59,17 @@ pub enum PhaseArg {
     Minimum,
 }
 
-impl BoardArgs {
+impl BoardOptions {
     /// How to reach the board; `default_speed` is that of the virtual board.
     pub fn connect(&self, default_speed: f64) -> Box<dyn Connect> {
         if self.source == "virtual" {
             let speed = self.speed.unwrap_or(default_speed);
             return Box::new(VirtualConnect::published(self.seed, speed));
         }
-        Box::new(SerialConnect { path: self.source.clone(), baud: self.baud })
+        Box::new(SerialConnect {
+            path: self.source.clone(),
+            baud: self.baud,
+        })
     }
 
     /// What to ask of the board.
@@ -76,10 +79,15 @@ impl BoardArgs {
             PhaseArg::Linear => Phase::Linear,
             PhaseArg::Minimum => Phase::Minimum,
         };
-        let filter = Filter::Fir { phase, high_pass: self.high_pass };
+        let filter = Filter::Fir {
+            phase,
+            high_pass: self.high_pass,
+        };
         Plan {
             settings: Some(Settings { rate, filter }),
-            samples: self.duration.map(|s| (s * f64::from(rate.hz())).round() as u64),
+            samples: self
+                .duration
+                .map(|s| (s * f64::from(rate.hz())).round() as u64),
             patience: Patience::default(),
             reconnect: (self.reconnect > 0.0).then(|| Duration::from_secs_f64(self.reconnect)),
         }

@@ -6,11 +6,11 @@ use clap::Args;
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 use probe_rs::Permissions;
 
-use crate::flash::{CHIP, FlashError, Image, Progress, choose_probe, program};
+use crate::flash::{CHIP, FLASH_ORIGIN, FlashError, Image, Progress, choose_probe, program};
 
-/// Program, verify and restart the board through a debug probe.
+/// Arguments of `inm flash`.
 #[derive(Debug, Args)]
-pub struct FlashArgs {
+pub struct FlashCommand {
     /// The image: the ELF file that `cargo xtask firmware` builds.
     #[arg(value_name = "ELF")]
     pub image: PathBuf,
@@ -24,29 +24,32 @@ pub struct FlashArgs {
     pub dry_run: bool,
 }
 
-/// Runs `inm flash`.
-///
-/// # Errors
-/// What the image or the probe says.
-pub fn run(args: &FlashArgs) -> anyhow::Result<()> {
-    let image = Image::read(&args.image)?;
-    let (first, _) = image.segments[0];
-    println!(
-        "{}: {} bytes in {} segments from {first:#010x} for {CHIP}",
-        args.image.display(),
-        image.len(),
-        image.segments.len()
-    );
-    if args.dry_run {
-        println!("dry run: the image is sound; nothing was written");
-        return Ok(());
+impl FlashCommand {
+    /// Runs the subcommand.
+    ///
+    /// # Errors
+    /// What the image or the probe says.
+    pub fn run(self) -> anyhow::Result<()> {
+        let image = Image::read(&self.image)?;
+        println!(
+            "{}: {} bytes in {} segments from {FLASH_ORIGIN:#010x} for {CHIP}",
+            self.image.display(),
+            image.len(),
+            image.segments.len()
+        );
+        if self.dry_run {
+            println!("dry run: the image is sound; nothing was written");
+            return Ok(());
+        }
+        let probe = choose_probe(self.probe.as_deref())?;
+        let mut session = probe
+            .attach(CHIP, Permissions::default())
+            .map_err(FlashError::Attach)?;
+        let bars = Bars::new();
+        program(&mut session, &image, false, |told| bars.show(told))?;
+        println!("programmed, verified, restarted");
+        Ok(())
     }
-    let probe = choose_probe(args.probe.as_deref())?;
-    let mut session = probe.attach(CHIP, Permissions::default()).map_err(FlashError::Attach)?;
-    let bars = Bars::new();
-    program(&mut session, &image, false, |told| bars.show(told))?;
-    println!("programmed, verified, restarted");
-    Ok(())
 }
 
 /// One bar a stage, in the order in which they are announced.
@@ -63,7 +66,11 @@ impl Bars {
         )
         .unwrap_or_else(|_| ProgressStyle::default_bar())
         .progress_chars("#>-");
-        Self { all: MultiProgress::new(), style, bars: std::cell::RefCell::default() }
+        Self {
+            all: MultiProgress::new(),
+            style,
+            bars: std::cell::RefCell::default(),
+        }
     }
 
     fn show(&self, told: Progress) {

@@ -4,33 +4,39 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::board::BoardArgs;
-use super::watch::{Watched, watch};
-use crate::live::Screen;
-use crate::source::board::{BoardSource, Stop};
+use super::board::BoardOptions;
+use super::interrupt;
+use crate::live::{Screen, watch};
+use crate::source::board::BoardSource;
 
-/// Record a board into a capture file.
+/// Arguments of `inm record`.
 #[derive(Debug, Args)]
-pub struct RecordArgs {
+pub struct RecordCommand {
     #[command(flatten)]
-    pub board: BoardArgs,
-
-    /// The capture to write; it must not exist.
+    board: BoardOptions,
+    /// Capture to write; it must not exist yet.
     #[arg(short, long, value_name = "FILE")]
-    pub output: PathBuf,
+    output: PathBuf,
 }
 
-/// Runs `inm record`.
-///
-/// # Errors
-/// What the board or the file says; what was recorded until then stays.
-pub fn run(args: &RecordArgs, stop: &Stop) -> anyhow::Result<()> {
-    let connect = args.board.connect(0.0);
-    let source =
-        BoardSource::start(connect, args.board.plan(), Some(&args.output), stop.clone())?;
-    let mut watched = Watched::board(source, &args.output);
-    let ended = watch(&mut watched, Screen::stderr(), None);
-    // Said in either case: a recording that broke off is still a recording.
-    eprintln!("{}", watched.summary());
-    Ok(ended?)
+impl RecordCommand {
+    /// Runs the subcommand. Ctrl-C ends the recording in good order.
+    ///
+    /// # Errors
+    /// What the board or the file says; what was recorded until then stays.
+    pub fn run(self) -> anyhow::Result<()> {
+        let stop = interrupt::stop_on_signal()?;
+        let connect = self.board.connect(0.0);
+        let mut source = BoardSource::start(connect, self.board.plan(), Some(&self.output), stop)?;
+        let ended = watch(&mut source, None, &mut Screen::stderr());
+        // Said in either case: a recording that broke off is still a recording.
+        println!(
+            "{}: {} samples an axis, {} lost, {} bytes",
+            self.output.display(),
+            source.next_index(),
+            source.losses().lost_samples,
+            source.captured_bytes()
+        );
+        Ok(ended?)
+    }
 }

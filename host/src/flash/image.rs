@@ -3,9 +3,9 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use object::Endianness;
 use object::elf::{self, FileHeader32};
 use object::read::elf::{FileHeader, ProgramHeader};
-use object::Endianness;
 
 use super::FLASH_ORIGIN;
 
@@ -38,6 +38,14 @@ pub enum ImageError {
         #[source]
         source: object::Error,
     },
+    /// A segment lies beyond the end of the file.
+    #[error("{}: the file ends at byte {len}, inside a segment; build or copy it again", path.display())]
+    Cut {
+        /// The file.
+        path: PathBuf,
+        /// Its length.
+        len: usize,
+    },
     /// For another processor.
     #[error("{}: built for ELF machine {machine}, the board is Arm (40); build one with `cargo xtask firmware`", path.display())]
     NotArm {
@@ -68,8 +76,10 @@ impl Image {
     /// [`ImageError`] if the file cannot be read, is not an ELF file for a 32-bit Arm, or has
     /// no vector table at the origin of the flash.
     pub fn read(path: &Path) -> Result<Self, ImageError> {
-        let data = std::fs::read(path)
-            .map_err(|source| ImageError::Io { path: path.to_owned(), source })?;
+        let data = std::fs::read(path).map_err(|source| ImageError::Io {
+            path: path.to_owned(),
+            source,
+        })?;
         Self::parse(&data, path)
     }
 
@@ -78,20 +88,27 @@ impl Image {
     /// # Errors
     /// As [`Image::read`].
     pub fn parse(data: &[u8], path: &Path) -> Result<Self, ImageError> {
-        let not_elf = |source| ImageError::NotElf { path: path.to_owned(), source };
+        let not_elf = |source| ImageError::NotElf {
+            path: path.to_owned(),
+            source,
+        };
         let header = FileHeader32::<Endianness>::parse(data).map_err(not_elf)?;
         let endian = header.endian().map_err(not_elf)?;
         let machine = header.e_machine(endian);
         if machine != elf::EM_ARM {
-            return Err(ImageError::NotArm { path: path.to_owned(), machine });
+            return Err(ImageError::NotArm {
+                path: path.to_owned(),
+                machine,
+            });
         }
         let mut segments = Vec::new();
         for segment in header.program_headers(endian, data).map_err(not_elf)? {
             if segment.p_type(endian) != elf::PT_LOAD {
                 continue;
             }
-            let bytes = segment.data(endian, data).map_err(|()| {
-                not_elf(object::Error::default())
+            let bytes = segment.data(endian, data).map_err(|()| ImageError::Cut {
+                path: path.to_owned(),
+                len: data.len(),
             })?;
             if !bytes.is_empty() {
                 segments.push((u64::from(segment.p_paddr(endian)), bytes.to_vec()));
@@ -102,7 +119,9 @@ impl Image {
             .first()
             .is_some_and(|(at, bytes)| *at == FLASH_ORIGIN && bytes.len() >= SMALLEST_TABLE);
         if !has_table {
-            return Err(ImageError::NoVectorTable { path: path.to_owned() });
+            return Err(ImageError::NoVectorTable {
+                path: path.to_owned(),
+            });
         }
         Ok(Self { segments })
     }

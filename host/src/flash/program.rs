@@ -72,9 +72,10 @@ pub fn choose_probe(wanted: Option<&str>) -> Result<Probe, FlashError> {
         .collect();
     match (matching.as_slice(), wanted) {
         ([one], _) => Ok(one.open()?),
-        ([], Some(asked)) => {
-            Err(FlashError::UnknownProbe { asked: asked.to_owned(), found: names() })
-        }
+        ([], Some(asked)) => Err(FlashError::UnknownProbe {
+            asked: asked.to_owned(),
+            found: names(),
+        }),
         ([], None) => Err(FlashError::NoProbe),
         (_, _) => Err(FlashError::ManyProbes(names())),
     }
@@ -102,27 +103,34 @@ pub fn program(
             ProgressEvent::AddProgressBar { operation, total } => {
                 stage_name(operation).map(|name| Progress::Stage(name, total.unwrap_or(0)))
             }
-            ProgressEvent::Progress { operation, size, .. } => {
-                stage_name(operation).map(|name| Progress::Bytes(name, size))
-            }
+            ProgressEvent::Progress {
+                operation, size, ..
+            } => stage_name(operation).map(|name| Progress::Bytes(name, size)),
             _ => None,
         };
         if let Some(told) = told {
             progress(told);
         }
     });
-    loader.commit(session, options).map_err(FlashError::Program)?;
+    loader
+        .commit(session, options)
+        .map_err(FlashError::Program)?;
     if dry_run {
         return Ok(());
     }
-    session.core(0).and_then(|mut core| core.reset()).map_err(FlashError::Reset)
+    session
+        .core(0)
+        .and_then(|mut core| core.reset())
+        .map_err(FlashError::Reset)
 }
 
 /// The image laid out over the chip's flash.
 fn stage(session: &Session, image: &Image) -> Result<FlashLoader, FlashError> {
     let mut loader = session.target().flash_loader();
     for (address, bytes) in &image.segments {
-        loader.add_data(*address, bytes).map_err(FlashError::Layout)?;
+        loader
+            .add_data(*address, bytes)
+            .map_err(FlashError::Layout)?;
     }
     loader.set_vector_table_addr(FLASH_ORIGIN);
     Ok(loader)

@@ -20,7 +20,10 @@ pub struct Patience {
 
 impl Default for Patience {
     fn default() -> Self {
-        Self { wait: Duration::from_millis(1500), tries: 3 }
+        Self {
+            wait: Duration::from_millis(1500),
+            tries: 3,
+        }
     }
 }
 
@@ -38,7 +41,12 @@ pub struct Client {
 impl Client {
     /// Speaks to the board at `port`; `name` is for messages.
     pub fn new(port: Box<dyn Port>, name: String, patience: Patience) -> Self {
-        Self { port, name, next_id: 1, patience }
+        Self {
+            port,
+            name,
+            next_id: 1,
+            patience,
+        }
     }
 
     /// Reads what has arrived, or nothing if nothing did within the port's own short time.
@@ -49,7 +57,10 @@ impl Client {
         match self.port.read(buf) {
             Ok(len) => Ok(len),
             Err(error) if is_wait(&error) => Ok(0),
-            Err(source) => Err(LinkError::Gone { port: self.name.clone(), source }),
+            Err(source) => Err(LinkError::Gone {
+                port: self.name.clone(),
+                source,
+            }),
         }
     }
 
@@ -76,38 +87,67 @@ impl Client {
                 let len = self.read(&mut buf)?;
                 if let Some(reply) = arrived(&buf[..len], id)? {
                     return reply.result.map_err(|refusal| {
-                        LinkError::Refused { port: self.name.clone(), request, refusal }.into()
+                        LinkError::Refused {
+                            port: self.name.clone(),
+                            request,
+                            refusal,
+                        }
+                        .into()
                     });
                 }
             }
         }
-        let Patience { wait: waited, tries } = self.patience;
-        Err(LinkError::NoReply { port: self.name.clone(), request, waited, tries }.into())
+        let Patience {
+            wait: waited,
+            tries,
+        } = self.patience;
+        Err(LinkError::NoReply {
+            port: self.name.clone(),
+            request,
+            waited,
+            tries,
+        }
+        .into())
     }
 
     fn send(&mut self, command: Command) -> Result<(), LinkError> {
         // A zero first ends whatever noise the board believes to be a frame.
         let mut frame = [0; MAX_FRAME + 1];
-        let gone = |source| LinkError::Gone { port: self.name.clone(), source };
+        let gone = |source| LinkError::Gone {
+            port: self.name.clone(),
+            source,
+        };
         let len = encode(&ToBoard::Command(command), &mut frame[1..])
             .map_err(|error| gone(io::Error::other(error)))?;
-        self.port.write_all(&frame[..=len]).and_then(|()| self.port.flush()).map_err(gone)
+        self.port
+            .write_all(&frame[..=len])
+            .and_then(|()| self.port.flush())
+            .map_err(gone)
     }
 
     /// The error for a board of another protocol version.
     pub(crate) fn foreign_version(&self, theirs: u8) -> LinkError {
-        LinkError::Version { port: self.name.clone(), theirs }
+        LinkError::Version {
+            port: self.name.clone(),
+            theirs,
+        }
     }
 
     /// The error for an answer that does not belong to its request.
     pub(crate) fn wrong_answer(&self, request: Request) -> LinkError {
-        LinkError::WrongAnswer { port: self.name.clone(), request }
+        LinkError::WrongAnswer {
+            port: self.name.clone(),
+            request,
+        }
     }
 }
 
 /// Nothing arrived in time, which is no fault.
 fn is_wait(error: &io::Error) -> bool {
-    matches!(error.kind(), ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted)
+    matches!(
+        error.kind(),
+        ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted
+    )
 }
 
 /// What an answer should hold, by kind.

@@ -6,9 +6,9 @@ use inm_protocol::{Refusal, Trouble};
 pub(super) fn why(refusal: Refusal) -> String {
     match refusal {
         Refusal::Streaming => "it is streaming".to_owned(),
-        Refusal::LinkTooSlow { needed, available } => format!(
-            "these settings need {needed} byte/s and the link carries {available} byte/s"
-        ),
+        Refusal::LinkTooSlow { needed, available } => {
+            format!("these settings need {needed} byte/s and the link carries {available} byte/s")
+        }
         Refusal::BusTooSlow { asked, readable } => format!(
             "{asked} conversions/s were asked for and the SPI buses can be read at {readable}/s"
         ),
@@ -44,7 +44,11 @@ pub(crate) fn describe(trouble: Trouble) -> String {
         Trouble::WrongId { found } => {
             format!("its ID register reads {found:02X}h, an ADS1281 ends in 0h")
         }
-        Trouble::RegisterLost { address, wrote, found } => format!(
+        Trouble::RegisterLost {
+            address,
+            wrote,
+            found,
+        } => format!(
             "register {address:02X}h reads {found:02X}h where {wrote:02X}h was written (a \
              brown-out?); the converter is being reset"
         ),

@@ -23,12 +23,20 @@ const LOG_PERIOD: Duration = Duration::from_secs(10);
 impl Screen {
     /// A screen on standard error, so that results can be piped.
     pub fn stderr() -> Self {
-        Self { term: Term::stderr(), drawn: 0, last: None }
+        Self {
+            term: Term::stderr(),
+            drawn: 0,
+            last: None,
+        }
     }
 
     /// Whether it is time for another picture.
     pub fn is_due(&self) -> bool {
-        let period = if self.term.is_term() { PERIOD } else { LOG_PERIOD };
+        let period = if self.term.is_term() {
+            PERIOD
+        } else {
+            LOG_PERIOD
+        };
         self.last.is_none_or(|last| last.elapsed() >= period)
     }
 

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use inm_protocol::{AXES, Health};
+use inm_protocol::{AxisCounters, Health};
 
 use crate::source::assemble::Losses;
 
@@ -96,7 +96,12 @@ impl Snapshot {
         }
         writeln!(out)?;
 
-        let Losses { lost_samples, gaps, flagged: [x, y, z], .. } = self.losses;
+        let Losses {
+            lost_samples,
+            gaps,
+            flagged: [x, y, z],
+            ..
+        } = self.losses;
         write!(
             out,
             "lost {lost_samples} samples in {gaps} gaps, {} damaged frames; flagged X {x} Y {y} Z {z}",
@@ -109,9 +114,9 @@ impl Snapshot {
             if let Some(mv) = health.supply_mv {
                 write!(out, ", sensor supply {:.3} V", f64::from(mv) / 1000.0)?;
             }
-            let resets: u32 = (0..AXES).map(|axis| health.axes[axis].resets).sum();
-            if resets > 0 {
-                write!(out, ", converter resets {resets}")?;
+            let trouble: u32 = health.axes.iter().map(trouble).sum();
+            if trouble > 0 {
+                write!(out, ", converter trouble {trouble} times")?;
             }
         }
         writeln!(out)?;
@@ -144,6 +149,11 @@ impl Snapshot {
     }
 }
 
+/// Times that a converter had to be reset because of something that went wrong.
+fn trouble(axis: &AxisCounters) -> u32 {
+    axis.slipped + axis.stuck + axis.stalled + axis.registers_lost
+}
+
 /// `hh:mm:ss`.
 fn clock(seconds: f64) -> String {
     let s = seconds as u64;
@@ -152,7 +162,7 @@ fn clock(seconds: f64) -> String {
 
 /// A time to four digits without trailing zeros.
 fn short(seconds: f64) -> String {
-    if seconds >= 0.001 && seconds < 1e5 {
+    if (0.001..1e5).contains(&seconds) {
         let digits = (3 - seconds.log10().floor() as i32).max(0) as usize;
         let text = format!("{seconds:.digits$}");
         if text.contains('.') {
@@ -181,9 +191,19 @@ mod tests {
             rate_hz: 2000.0,
             samples: 5_400_000,
             expected: Some(10_800_000),
-            losses: Losses { lost_samples: 32, gaps: 1, ..Losses::default() },
+            losses: Losses {
+                lost_samples: 32,
+                gaps: 1,
+                ..Losses::default()
+            },
             axes: vec!["X, m/s^2".into()],
-            table: vec![Row { tau_s: 1.0, cells: vec![Some(Cell { adev: 3.9e-4, relative: 0.02 })] }],
+            table: vec![Row {
+                tau_s: 1.0,
+                cells: vec![Some(Cell {
+                    adev: 3.9e-4,
+                    relative: 0.02,
+                })],
+            }],
             news: vec!["sample 7: X: the converter clips".into()],
             ..Snapshot::default()
         };

@@ -46,15 +46,26 @@ impl ArraySource {
             message,
             remedy: remedy.to_owned(),
         };
-        let time = options.time.as_ref().map(|time| find(&*table, time)).transpose()?;
+        let time = options
+            .time
+            .as_ref()
+            .map(|time| find(&*table, time))
+            .transpose()?;
         let mut columns = if options.columns.is_empty() {
-            (0..table.width()).filter(|&column| Some(column) != time).collect::<Vec<_>>()
+            (0..table.width())
+                .filter(|&column| Some(column) != time)
+                .collect::<Vec<_>>()
         } else {
             let columns = options.columns.iter();
-            columns.map(|column| find(&*table, column)).collect::<Result<_, _>>()?
+            columns
+                .map(|column| find(&*table, column))
+                .collect::<Result<_, _>>()?
         };
         if columns.is_empty() {
-            return Err(bad("no column is left for an axis".into(), "choose one with --columns"));
+            return Err(bad(
+                "no column is left for an axis".into(),
+                "choose one with --columns",
+            ));
         }
         let axes = axes(&*table, &columns, options)?;
         columns.extend(time);
@@ -76,9 +87,19 @@ impl ArraySource {
                 ));
             }
         };
-        let part = part(&name, table.rows().filter(|_| time.is_none()), rate_hz, options)?;
+        let part = part(
+            &name,
+            table.rows().filter(|_| time.is_none()),
+            rate_hz,
+            options,
+        )?;
         Ok(Self {
-            signal: Signal { name, rate_hz, axes, start: None },
+            signal: Signal {
+                name,
+                rate_hz,
+                axes,
+                start: None,
+            },
             table,
             stamps: time.map(|_| Stamps::new(1.0 / rate_hz)),
             ahead,
@@ -142,8 +163,12 @@ impl ArraySource {
         }
         let from = rows.start + (first - index) as usize;
         let to = rows.start + (end - index) as usize;
-        let columns = columns.iter().map(|values| column(values, from..to)).collect();
-        self.ready.push_back(Chunk::Samples(Block { first, columns }));
+        let columns = columns
+            .iter()
+            .map(|values| column(values, from..to))
+            .collect();
+        self.ready
+            .push_back(Chunk::Samples(Block { first, columns }));
         self.expected = Some(end);
     }
 }
@@ -215,15 +240,27 @@ fn axes(
     }
     if options.scales.len() > 1 && options.scales.len() != columns.len() {
         return Err(bad(
-            format!("{} scales for {} columns", options.scales.len(), columns.len()),
+            format!(
+                "{} scales for {} columns",
+                options.scales.len(),
+                columns.len()
+            ),
             "give --scale once, or once for each column",
         ));
     }
     if let Some(scale) = options.scales.iter().find(|scale| !scale.is_normal()) {
-        return Err(bad(format!("a scale of {scale}"), "a scale is a number other than zero"));
+        return Err(bad(
+            format!("a scale of {scale}"),
+            "a scale is a number other than zero",
+        ));
     }
     let scale = |axis: usize| {
-        options.scales.get(axis).or(options.scales.first()).copied().unwrap_or(1.0)
+        options
+            .scales
+            .get(axis)
+            .or(options.scales.first())
+            .copied()
+            .unwrap_or(1.0)
     };
     let name = |column: usize| match table.header() {
         Some(names) if !names[column].is_empty() => names[column].clone(),
@@ -247,7 +284,9 @@ fn rate_from_stamps(
     let mut times = Vec::new();
     while times.len() < ROWS_FOR_RATE {
         let batch = table.read(ROWS)?;
-        let Some(stamps) = batch.last().filter(|stamps| !stamps.is_empty()) else { break };
+        let Some(stamps) = batch.last().filter(|stamps| !stamps.is_empty()) else {
+            break;
+        };
         times.extend(floats(stamps.clone()));
         ahead.push_back(batch);
     }
@@ -296,19 +335,27 @@ fn floats(values: Values) -> Vec<f64> {
 /// Part of a column, with the runs of it that are no numbers.
 fn column(values: &Values, rows: Range<usize>) -> Column {
     match values {
-        Values::Codes(codes) => {
-            Column { values: Values::Codes(codes[rows].to_vec()), invalid: Vec::new() }
-        }
+        Values::Codes(codes) => Column {
+            values: Values::Codes(codes[rows].to_vec()),
+            invalid: Vec::new(),
+        },
         Values::Floats(floats) => {
             let part = floats[rows].to_vec();
             let mut invalid: Vec<Range<usize>> = Vec::new();
-            for (at, _) in part.iter().enumerate().filter(|(_, value)| !value.is_finite()) {
+            for (at, _) in part
+                .iter()
+                .enumerate()
+                .filter(|(_, value)| !value.is_finite())
+            {
                 match invalid.last_mut() {
                     Some(run) if run.end == at => run.end = at + 1,
                     _ => invalid.push(at..at + 1),
                 }
             }
-            Column { values: Values::Floats(part), invalid }
+            Column {
+                values: Values::Floats(part),
+                invalid,
+            }
         }
     }
 }
@@ -319,7 +366,10 @@ mod tests {
     use super::*;
 
     fn open(text: &'static str, options: &ArrayOptions) -> Result<ArraySource, SourceError> {
-        ArraySource::new(Box::new(TextTable::open("t.csv", Box::new(text.as_bytes()))?), options)
+        ArraySource::new(
+            Box::new(TextTable::open("t.csv", Box::new(text.as_bytes()))?),
+            options,
+        )
     }
 
     fn drain(mut source: ArraySource) -> Result<Vec<Chunk>, SourceError> {
@@ -332,10 +382,16 @@ mod tests {
 
     #[test]
     fn stamps_give_rate_and_gaps() {
-        let options = ArrayOptions { time: Some(Selector::Name("t".into())), ..Default::default() };
+        let options = ArrayOptions {
+            time: Some(Selector::Name("t".into())),
+            ..Default::default()
+        };
         let regular = open("t,x\n0,1\n0.5,2\n1,3\n", &options).expect("good file");
         assert_eq!(regular.signal().rate_hz, 2.0);
-        let options = ArrayOptions { rate_hz: Some(2.0), ..options };
+        let options = ArrayOptions {
+            rate_hz: Some(2.0),
+            ..options
+        };
         let source = open("t,x\n0,1\n0.5,2\n1,3\n2.5,4\n", &options).expect("good file");
         assert_eq!(source.signal().axes[0].name, "x");
         let chunks = drain(source).expect("good stamps");
@@ -347,7 +403,12 @@ mod tests {
 
         let source = open("t,x\n0,1\n0.5,2\n1,3\n1,4\n", &options).expect("good start");
         let error = drain(source).expect_err("time stands still");
-        assert!(error.to_string().starts_with("t.csv:5: time 1 s does not lie after"), "{error}");
+        assert!(
+            error
+                .to_string()
+                .starts_with("t.csv:5: time 1 s does not lie after"),
+            "{error}"
+        );
     }
 
     #[test]
@@ -360,25 +421,52 @@ mod tests {
         };
         let source = open("0\n1\nnan\nnan\n4\n5\n", &options).expect("good file");
         let chunks = drain(source).expect("good rows");
-        let [Chunk::Samples(block)] = &chunks[..] else { panic!("{chunks:?}") };
+        let [Chunk::Samples(block)] = &chunks[..] else {
+            panic!("{chunks:?}")
+        };
         assert_eq!((block.first, block.len()), (1, 4));
         assert_eq!(block.columns[0].invalid, [1..3]);
     }
 
     #[test]
     fn refuses_what_it_cannot_know() {
-        let rate = ArrayOptions { rate_hz: Some(1.0), ..Default::default() };
+        let rate = ArrayOptions {
+            rate_hz: Some(1.0),
+            ..Default::default()
+        };
         let check = |options: &ArrayOptions, message: &str| {
             let error = open("1 2\n3 4\n", options).map(|_| ()).expect_err(message);
             assert!(error.to_string().contains(message), "{error}");
         };
         check(&ArrayOptions::default(), "give --rate HZ");
         check(
-            &ArrayOptions { columns: vec![Selector::Number(2)], ..rate.clone() },
+            &ArrayOptions {
+                columns: vec![Selector::Number(2)],
+                ..rate.clone()
+            },
             "there is no column `2`; the columns are 0 to 1",
         );
-        check(&ArrayOptions { scales: vec![1.0; 3], ..rate.clone() }, "3 scales for 2 columns");
-        check(&ArrayOptions { scales: vec![0.0], ..rate.clone() }, "a scale of 0");
-        check(&ArrayOptions { from_s: Some(3.0), to_s: Some(2.0), ..rate }, "--from and --to");
+        check(
+            &ArrayOptions {
+                scales: vec![1.0; 3],
+                ..rate.clone()
+            },
+            "3 scales for 2 columns",
+        );
+        check(
+            &ArrayOptions {
+                scales: vec![0.0],
+                ..rate.clone()
+            },
+            "a scale of 0",
+        );
+        check(
+            &ArrayOptions {
+                from_s: Some(3.0),
+                to_s: Some(2.0),
+                ..rate
+            },
+            "--from and --to",
+        );
     }
 }

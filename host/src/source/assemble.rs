@@ -61,14 +61,20 @@ impl Assembler {
     /// Takes the next batch that arrived intact.
     pub fn push(&mut self, batch: &Batch) {
         let mut first = batch.first.wrapping_add(self.offset);
-        let lost_batches = self.seq.map_or(0, |seq| batch.seq.wrapping_sub(seq.wrapping_add(1)));
+        let lost_batches = self
+            .seq
+            .map_or(0, |seq| batch.seq.wrapping_sub(seq.wrapping_add(1)));
         match self.next {
             Some(next) if first < next => {
                 // The board counts from 0 again: how much time passed is not known.
                 self.offset = next + 1 - batch.first.min(next);
                 first = batch.first + self.offset;
                 self.losses.restarts += 1;
-                self.gap(next, None, "the board started again from index 0".to_owned());
+                self.gap(
+                    next,
+                    None,
+                    "the board started again from index 0".to_owned(),
+                );
             }
             Some(next) if first > next => {
                 self.losses.lost_batches += u64::from(lost_batches);
@@ -85,7 +91,11 @@ impl Assembler {
         self.seq = Some(batch.seq);
         self.next = Some(first + batch.codes.len() as u64);
         self.append(first, batch);
-        if self.block.as_ref().is_some_and(|block| block.len() >= BLOCK + GUARD_BEFORE as usize) {
+        if self
+            .block
+            .as_ref()
+            .is_some_and(|block| block.len() >= BLOCK + GUARD_BEFORE as usize)
+        {
             self.hand_on(GUARD_BEFORE as usize);
         }
     }
@@ -140,13 +150,18 @@ impl Assembler {
         }
         let end = block.len();
         for (invalid, &until) in block.invalid.iter_mut().zip(&self.ringing_until) {
-            mark(invalid, start..end.min(until.saturating_sub(block.first) as usize));
+            mark(
+                invalid,
+                start..end.min(until.saturating_sub(block.first) as usize),
+            );
         }
         for flag in &batch.flags {
             let axis = usize::from(flag.axis);
             let at = start + usize::from(flag.conversion);
             // Numbers from the wire: an impossible place is ignored, the frame was intact.
-            let Some(invalid) = block.invalid.get_mut(axis).filter(|_| at < end) else { continue };
+            let Some(invalid) = block.invalid.get_mut(axis).filter(|_| at < end) else {
+                continue;
+            };
             self.losses.flagged[axis] += 1;
             if flag.flags.has(Flags::OVER_RANGE) {
                 let ahead = at.saturating_sub(GUARD_BEFORE as usize);
@@ -176,14 +191,18 @@ impl Assembler {
             .map(|(codes, invalid)| {
                 let tail = codes.split_off(len);
                 let values = Values::Codes(std::mem::replace(codes, tail));
-                Column { values, invalid: split_ranges(invalid, len) }
+                Column {
+                    values,
+                    invalid: split_ranges(invalid, len),
+                }
             })
             .collect();
         block.first += len as u64;
         if block.len() == 0 {
             self.block = None;
         }
-        self.done.push_back(Chunk::Samples(Block { first, columns }));
+        self.done
+            .push_back(Chunk::Samples(Block { first, columns }));
     }
 }
 
@@ -210,8 +229,11 @@ fn mark(ranges: &mut Vec<Range<usize>>, range: Range<usize>) {
 
 /// Takes what lies before `at` out of `ranges`; the rest is renumbered from there.
 fn split_ranges(ranges: &mut Vec<Range<usize>>, at: usize) -> Vec<Range<usize>> {
-    let before =
-        ranges.iter().filter(|r| r.start < at).map(|r| r.start..r.end.min(at)).collect();
+    let before = ranges
+        .iter()
+        .filter(|r| r.start < at)
+        .map(|r| r.start..r.end.min(at))
+        .collect();
     let after = ranges
         .iter()
         .filter(|r| r.end > at)
@@ -228,9 +250,15 @@ mod tests {
     use super::*;
 
     fn batch(seq: u32, first: u64, len: usize) -> Batch {
-        let codes =
-            (0..len).map(|i| [Code((first as usize + i) as i32); AXES]).collect();
-        Batch { seq, first, codes, ..Batch::default() }
+        let codes = (0..len)
+            .map(|i| [Code((first as usize + i) as i32); AXES])
+            .collect();
+        Batch {
+            seq,
+            first,
+            codes,
+            ..Batch::default()
+        }
     }
 
     fn run(batches: &[Batch]) -> (Vec<Chunk>, Losses) {
@@ -265,24 +293,49 @@ mod tests {
     #[test]
     fn a_lost_batch_is_a_gap_of_its_length() {
         let (chunks, losses) = run(&[batch(0, 0, 32), batch(2, 64, 32)]);
-        let gap = Gap { from: 32, to: Some(64), cause: "1 batch was lost on the link".into() };
+        let gap = Gap {
+            from: 32,
+            to: Some(64),
+            cause: "1 batch was lost on the link".into(),
+        };
         assert!(chunks.contains(&Chunk::Gap(gap)), "{chunks:?}");
-        assert_eq!((losses.lost_samples, losses.lost_batches, losses.gaps), (32, 1, 1));
+        assert_eq!(
+            (losses.lost_samples, losses.lost_batches, losses.gaps),
+            (32, 1, 1)
+        );
         assert_eq!(codes(chunks.last().expect("samples after the gap")).0, 64);
     }
 
     #[test]
     fn a_restart_of_the_count_is_a_gap_of_unknown_length() {
         let (chunks, losses) = run(&[batch(0, 0, 32), batch(0, 0, 32)]);
-        assert!(matches!(&chunks[1], Chunk::Gap(Gap { from: 32, to: None, .. })), "{chunks:?}");
-        assert_eq!(codes(&chunks[2]).0, 33, "the count goes on, one place left open");
+        assert!(
+            matches!(
+                &chunks[1],
+                Chunk::Gap(Gap {
+                    from: 32,
+                    to: None,
+                    ..
+                })
+            ),
+            "{chunks:?}"
+        );
+        assert_eq!(
+            codes(&chunks[2]).0,
+            33,
+            "the count goes on, one place left open"
+        );
         assert_eq!(losses.restarts, 1);
     }
 
     #[test]
     fn a_clipped_word_is_marked_with_what_rings_around_it() {
         let mut clipped = batch(1, 32, 32);
-        let flag = Flag { conversion: 2, axis: 1, flags: Flags::OVER_RANGE };
+        let flag = Flag {
+            conversion: 2,
+            axis: 1,
+            flags: Flags::OVER_RANGE,
+        };
         clipped.flags.push(flag).expect("room");
         let (chunks, losses) = run(&[batch(0, 0, 32), clipped, batch(2, 64, 64)]);
         let mut marked: Vec<u64> = Vec::new();

@@ -56,6 +56,8 @@ pub struct BoardSource {
     plan: Plan,
     stop: Stop,
     ended: bool,
+    /// Why it ended, where it was not on purpose.
+    failure: Option<SourceError>,
 }
 
 /// Between two attempts to open a port that went away.
@@ -79,7 +81,11 @@ impl BoardSource {
     ) -> Result<Self, SourceError> {
         let mut client = Client::new(connect.open()?, connect.name(), plan.patience);
         let mut frames = Frames::default();
-        let mut talk = Talk { client: &mut client, frames: &mut frames, capture: None };
+        let mut talk = Talk {
+            client: &mut client,
+            frames: &mut frames,
+            capture: None,
+        };
 
         let _: Identity = talk.ask(Request::Identify)?;
         // A board left streaming by an earlier host first comes to rest.
@@ -91,16 +97,32 @@ impl BoardSource {
         let registers: [[u8; REGISTERS]; AXES] = talk.ask(Request::ReadRegisters)?;
 
         let header = Header::new(&identity, registers, Timestamp::now().to_string());
-        let mut capture = capture.map(|path| Writer::create(path, &header)).transpose()?;
+        let mut capture = capture
+            .map(|path| Writer::create(path, &header))
+            .transpose()?;
         // Only what comes after the start command belongs to the record.
         frames = Frames::default();
-        let mut talk =
-            Talk { client: &mut client, frames: &mut frames, capture: capture.as_mut() };
+        let mut talk = Talk {
+            client: &mut client,
+            frames: &mut frames,
+            capture: capture.as_mut(),
+        };
         let _: Settings = talk.ask(Request::Start)?;
 
         let name = connect.name();
         let signal = header.signal(Path::new(&name))?;
-        Ok(Self { connect, client, frames, header, signal, capture, plan, stop, ended: false })
+        Ok(Self {
+            connect,
+            client,
+            frames,
+            header,
+            signal,
+            capture,
+            plan,
+            stop,
+            ended: false,
+            failure: None,
+        })
     }
 
     /// What the capture says, or would say, about this record.
@@ -121,6 +143,16 @@ impl BoardSource {
     /// Frames that arrived damaged, and their bytes.
     pub fn damaged(&self) -> (u64, u64) {
         self.frames.damaged()
+    }
+
+    /// Samples an axis so far, lost ones included.
+    pub fn next_index(&self) -> u64 {
+        self.frames.next_index()
+    }
+
+    /// The capture, if there is one.
+    pub fn capture_path(&self) -> Option<&Path> {
+        self.capture.as_ref().map(Writer::path)
     }
 
     /// Bytes in the capture so far.
@@ -145,7 +177,9 @@ impl BoardSource {
     fn reconnect(&mut self, gone: LinkError) -> Result<(), SourceError> {
         self.note(Note::PortLost { unix_ms: now_ms() })?;
         self.frames.finish();
-        let Some(patience) = self.plan.reconnect else { return Err(gone.into()) };
+        let Some(patience) = self.plan.reconnect else {
+            return Err(gone.into());
+        };
         let deadline = Instant::now() + patience;
         let port = loop {
             if self.stop.requested() {
@@ -192,6 +226,18 @@ impl BoardSource {
         stopped
     }
 
+    /// Ends the record because of `error`: the board is told to stop, if it still listens.
+    fn break_off(&mut self, error: SourceError) {
+        if !self.ended {
+            self.ended = true;
+            let mut talk = self.talk();
+            talk.capture = None;
+            let _: Result<(), SourceError> = talk.ask(Request::Stop);
+        }
+        self.frames.finish();
+        self.failure.get_or_insert(error);
+    }
+
     fn note(&mut self, note: Note) -> Result<(), SourceError> {
         if let Some(capture) = &mut self.capture {
             capture.note(note)?;
@@ -209,7 +255,10 @@ impl BoardSource {
 
     fn is_complete(&self) -> bool {
         self.stop.requested()
-            || self.plan.samples.is_some_and(|limit| self.frames.next_index() >= limit)
+            || self
+                .plan
+                .samples
+                .is_some_and(|limit| self.frames.next_index() >= limit)
     }
 }
 
@@ -222,18 +271,22 @@ impl Source for BoardSource {
         self.plan.samples
     }
 
+    /// The next chunk. What arrived before an error is delivered before the error is.
     fn next_chunk(&mut self) -> Result<Option<Chunk>, SourceError> {
         loop {
             if let Some(chunk) = self.frames.pop() {
                 return Ok(Some(chunk));
             }
             if self.ended {
-                return Ok(None);
+                return self.failure.take().map_or(Ok(None), Err);
             }
-            if self.is_complete() {
-                self.end()?;
+            let done = if self.is_complete() {
+                self.end()
             } else {
-                self.read_more()?;
+                self.read_more()
+            };
+            if let Err(error) = done {
+                self.break_off(error);
             }
         }
     }
@@ -248,7 +301,11 @@ struct Talk<'a> {
 
 impl Talk<'_> {
     fn ask<T: Expect>(&mut self, request: Request) -> Result<T, SourceError> {
-        let Self { client, frames, capture } = self;
+        let Self {
+            client,
+            frames,
+            capture,
+        } = self;
         let answer = client.request(request, |bytes, id| -> Result<Option<Reply>, SourceError> {
             keep(bytes, frames, capture.as_deref_mut())?;
             Ok(frames.take_reply(id))

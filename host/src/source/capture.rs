@@ -2,9 +2,10 @@
 
 use std::io::Read;
 use std::path::Path;
+use std::time::{Duration, Instant};
 
 use super::assemble::Losses;
-use super::frames::Frames;
+use super::frames::{Frames, Status};
 use super::{Chunk, Source, SourceError};
 use crate::capture::{CaptureError, Header, Reader};
 use crate::signal::Signal;
@@ -17,6 +18,14 @@ pub struct CaptureSource {
     frames: Frames,
     buf: Vec<u8>,
     ended: bool,
+    pace: Option<Pace>,
+}
+
+/// Holds a replay back to the time of the record.
+#[derive(Debug)]
+struct Pace {
+    speed: f64,
+    started: Instant,
 }
 
 impl CaptureSource {
@@ -28,7 +37,24 @@ impl CaptureSource {
         let reader = Reader::open(path)?;
         let signal = reader.header().signal(path)?;
         let buf = vec![0; 1 << 16];
-        Ok(Self { reader, signal, frames: Frames::default(), buf, ended: false })
+        Ok(Self {
+            reader,
+            signal,
+            frames: Frames::default(),
+            buf,
+            ended: false,
+            pace: None,
+        })
+    }
+
+    /// Replays at `speed` seconds of the record in a second; 0 is as fast as it goes.
+    #[must_use]
+    pub fn at_speed(mut self, speed: f64) -> Self {
+        self.pace = (speed > 0.0).then(|| Pace {
+            speed,
+            started: Instant::now(),
+        });
+        self
     }
 
     /// What the capture says about itself.
@@ -41,14 +67,37 @@ impl CaptureSource {
         self.frames.losses()
     }
 
+    /// Frames that arrived damaged, and their bytes.
+    pub fn damaged(&self) -> (u64, u64) {
+        self.frames.damaged()
+    }
+
+    /// Samples an axis so far, lost ones included.
+    pub fn next_index(&self) -> u64 {
+        self.frames.next_index()
+    }
+
+    /// Board and link so far.
+    pub fn status(&self) -> &Status {
+        self.frames.status()
+    }
+
     fn read_more(&mut self) -> Result<(), SourceError> {
-        let len = self.reader.read(&mut self.buf).map_err(|source| CaptureError::Io {
-            path: self.reader.path().to_owned(),
-            doing: "reading the capture",
-            source,
-        })?;
+        let len = self
+            .reader
+            .read(&mut self.buf)
+            .map_err(|source| CaptureError::Io {
+                path: self.reader.path().to_owned(),
+                doing: "reading the capture",
+                source,
+            })?;
         if len > 0 {
             self.frames.push(&self.buf[..len]);
+            if let Some(pace) = &self.pace {
+                let record_s = self.frames.next_index() as f64 / self.signal.rate_hz;
+                let due = Duration::from_secs_f64(record_s / pace.speed);
+                std::thread::sleep(due.saturating_sub(pace.started.elapsed()));
+            }
             return Ok(());
         }
         self.ended = true;

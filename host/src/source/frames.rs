@@ -2,8 +2,8 @@
 
 use inm_protocol::{Decoder, Fault, Health, Note, Reply, ToHost};
 
-use super::assemble::{Assembler, Losses};
 use super::Chunk;
+use super::assemble::{Assembler, Losses};
 use crate::link::{axis_name, describe};
 
 /// Decodes frames and puts their samples together.
@@ -60,7 +60,11 @@ impl Frames {
 
     /// Takes the reply to command `id`, if it has arrived.
     pub fn take_reply(&mut self, id: u16) -> Option<Reply> {
-        let at = self.status.replies.iter().position(|reply| reply.id == id)?;
+        let at = self
+            .status
+            .replies
+            .iter()
+            .position(|reply| reply.id == id)?;
         Some(self.status.replies.swap_remove(at))
     }
 
@@ -91,9 +95,12 @@ impl Frames {
             ToHost::Health(health) => self.status.health = Some(health),
             ToHost::Reply(reply) => self.status.replies.push(reply),
             ToHost::Event(event) => {
-                let axis = event.axis.map_or(String::new(), |a| format!("{}: ", axis_name(a)));
+                let axis = event
+                    .axis
+                    .map_or(String::new(), |a| format!("{}: ", axis_name(a)));
                 let what = describe(event.trouble);
-                self.assembler.news(format!("sample {}: {axis}{what}", event.index));
+                self.assembler
+                    .news(format!("sample {}: {axis}{what}", event.index));
             }
             ToHost::Note(note) => self.note(note),
         }
@@ -113,6 +120,7 @@ impl Frames {
             self.status.foreign_version = Some(theirs);
         }
         let n = self.decoder.counts().frames;
-        self.assembler.news(format!("after frame {n}: a damaged frame ({fault})"));
+        self.assembler
+            .news(format!("after frame {n}: a damaged frame ({fault})"));
     }
 }

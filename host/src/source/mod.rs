@@ -13,9 +13,11 @@ pub mod npy;
 pub mod npy_header;
 pub mod open;
 pub mod options;
+pub mod part;
 pub mod stamps;
 pub mod table;
 pub mod text;
+pub mod virtual_board;
 
 use crate::signal::Signal;
 
@@ -144,14 +146,26 @@ impl SourceError {
             }
             cause = error.source();
         }
-        Self { place: String::new(), message, remedy: remedy.into() }
+        Self {
+            place: String::new(),
+            message,
+            remedy: remedy.into(),
+        }
     }
 }
 
 fn prefix(place: &str) -> String {
-    if place.is_empty() { String::new() } else { format!("{place}: ") }
+    if place.is_empty() {
+        String::new()
+    } else {
+        format!("{place}: ")
+    }
 }
 
 fn suffix(remedy: &str) -> String {
-    if remedy.is_empty() { String::new() } else { format!("; {remedy}") }
+    if remedy.is_empty() {
+        String::new()
+    } else {
+        format!("; {remedy}")
+    }
 }

@@ -26,7 +26,10 @@ enum Input {
     /// Rows follow one another.
     Rows(Box<dyn Read>),
     /// Columns follow one another: one reader for each selected column.
-    Columns { file: Box<Path>, readers: Vec<BufReader<File>> },
+    Columns {
+        file: Box<Path>,
+        readers: Vec<BufReader<File>>,
+    },
 }
 
 impl NpyTable {
@@ -61,13 +64,18 @@ impl NpyTable {
             (Kind::Float, _) => false,
             (Kind::Signed, 8) | (Kind::Unsigned, 4 | 8) => {
                 let fits = all_fit(&mut reader, &header).map_err(io)?;
-                reader.seek(SeekFrom::Start(header.data_start)).map_err(io)?;
+                reader
+                    .seek(SeekFrom::Start(header.data_start))
+                    .map_err(io)?;
                 fits
             }
             _ => true,
         };
         let input = if header.by_column && header.columns > 1 {
-            Input::Columns { file: path.into(), readers: Vec::new() }
+            Input::Columns {
+                file: path.into(),
+                readers: Vec::new(),
+            }
         } else {
             Input::Rows(Box::new(reader))
         };
@@ -106,7 +114,15 @@ impl NpyTable {
             });
         }
         let selected = (0..header.columns).collect();
-        Ok(Self { name, header, input, selected, fits, next_row: 0, bytes: Vec::new() })
+        Ok(Self {
+            name,
+            header,
+            input,
+            selected,
+            fits,
+            next_row: 0,
+            bytes: Vec::new(),
+        })
     }
 
     fn cut(&self, row: u64, error: &std::io::Error) -> SourceError {
@@ -174,7 +190,11 @@ impl Table for NpyTable {
     }
 
     fn place(&self, row: u64) -> String {
-        let stride = if self.header.by_column { 1 } else { self.header.columns as u64 };
+        let stride = if self.header.by_column {
+            1
+        } else {
+            self.header.columns as u64
+        };
         let byte = self.header.data_start + row * stride * self.header.size as u64;
         format!("{}: row {row} (byte {byte})", self.name)
     }
@@ -240,7 +260,11 @@ fn decode<'a>(
     fits: bool,
     elements: impl Iterator<Item = &'a [u8]> + Clone,
 ) -> Values {
-    let as_codes = if fits { codes(header, elements.clone()) } else { None };
+    let as_codes = if fits {
+        codes(header, elements.clone())
+    } else {
+        None
+    };
     as_codes.map_or_else(
         || Values::Floats(elements.map(|element| float(header, element)).collect()),
         Values::Codes,
@@ -249,7 +273,9 @@ fn decode<'a>(
 
 /// The elements as codes, `None` if one does not fit.
 fn codes<'a>(header: &Header, elements: impl Iterator<Item = &'a [u8]>) -> Option<Vec<i32>> {
-    elements.map(|element| i32::try_from(integer(header, element)).ok()).collect()
+    elements
+        .map(|element| i32::try_from(integer(header, element)).ok())
+        .collect()
 }
 
 /// An integer element, sign or zero extended.
@@ -299,7 +325,15 @@ mod tests {
     use super::*;
 
     fn header(kind: Kind, size: usize, big_endian: bool) -> Header {
-        Header { kind, size, big_endian, by_column: false, rows: 1, columns: 1, data_start: 0 }
+        Header {
+            kind,
+            size,
+            big_endian,
+            by_column: false,
+            rows: 1,
+            columns: 1,
+            data_start: 0,
+        }
     }
 
     #[test]
@@ -319,8 +353,14 @@ mod tests {
             assert_eq!(integer(&header(kind, size, false), little), value);
             assert_eq!(integer(&header(kind, size, true), &big), value);
         }
-        assert_eq!(float(&header(Kind::Float, 4, true), &1.5_f32.to_be_bytes()), 1.5);
-        assert_eq!(float(&header(Kind::Float, 8, false), &(-0.1_f64).to_le_bytes()), -0.1);
+        assert_eq!(
+            float(&header(Kind::Float, 4, true), &1.5_f32.to_be_bytes()),
+            1.5
+        );
+        assert_eq!(
+            float(&header(Kind::Float, 8, false), &(-0.1_f64).to_le_bytes()),
+            -0.1
+        );
     }
 
     #[test]

@@ -98,26 +98,29 @@ impl Header {
         let mut text = vec![0; length as usize];
         fill(reader, &mut text, text_at, "the header")?;
         let data_start = text_at + u64::from(length);
-        Dictionary { text: &text, start: text_at }.header(data_start)
+        Dictionary {
+            text: &text,
+            start: text_at,
+        }
+        .header(data_start)
     }
 
     /// Byte after the last element.
     pub fn data_end(&self) -> u64 {
         let bytes = (self.columns as u64).saturating_mul(self.size as u64);
-        self.data_start.saturating_add(self.rows.saturating_mul(bytes))
+        self.data_start
+            .saturating_add(self.rows.saturating_mul(bytes))
     }
 }
 
-fn fill(
-    reader: &mut impl Read,
-    bytes: &mut [u8],
-    at: u64,
-    what: &str,
-) -> Result<(), HeaderError> {
+fn fill(reader: &mut impl Read, bytes: &mut [u8], at: u64, what: &str) -> Result<(), HeaderError> {
     reader.read_exact(bytes).map_err(|error| HeaderError {
         byte: at,
         message: if error.kind() == std::io::ErrorKind::UnexpectedEof {
-            format!("the file ends within {what} ({} bytes expected here)", bytes.len())
+            format!(
+                "the file ends within {what} ({} bytes expected here)",
+                bytes.len()
+            )
         } else {
             format!("cannot read {what}: {error}")
         },
@@ -143,11 +146,23 @@ impl Dictionary<'_> {
         };
         let (shape, at) = self.value("shape")?;
         let (rows, columns) = self.shape(shape, at)?;
-        Ok(Header { kind, size, big_endian, by_column, rows, columns, data_start })
+        Ok(Header {
+            kind,
+            size,
+            big_endian,
+            by_column,
+            rows,
+            columns,
+            data_start,
+        })
     }
 
     fn bad(&self, at: usize, message: String) -> HeaderError {
-        HeaderError { byte: self.start + at as u64, message, remedy: SAVE_AGAIN }
+        HeaderError {
+            byte: self.start + at as u64,
+            message,
+            remedy: SAVE_AGAIN,
+        }
     }
 
     /// The text of the value under `key`, up to the comma outside of brackets, and its place.
@@ -155,8 +170,9 @@ impl Dictionary<'_> {
         let text = std::str::from_utf8(self.text)
             .map_err(|error| self.bad(error.valid_up_to(), "the header is not text".into()))?;
         let quoted = [format!("'{key}'"), format!("\"{key}\"")];
-        let Some(after) =
-            quoted.iter().find_map(|quoted| text.find(quoted).map(|at| at + quoted.len()))
+        let Some(after) = quoted
+            .iter()
+            .find_map(|quoted| text.find(quoted).map(|at| at + quoted.len()))
         else {
             return Err(self.bad(0, format!("the header does not say `{key}`")));
         };
@@ -269,7 +285,11 @@ mod tests {
     fn file(dictionary: &str) -> Vec<u8> {
         let mut bytes = MAGIC.to_vec();
         bytes.extend([1, 0]);
-        bytes.extend(u16::try_from(dictionary.len()).expect("short").to_le_bytes());
+        bytes.extend(
+            u16::try_from(dictionary.len())
+                .expect("short")
+                .to_le_bytes(),
+        );
         bytes.extend(dictionary.as_bytes());
         bytes
     }
@@ -297,19 +317,43 @@ mod tests {
     #[test]
     fn says_what_is_wrong_and_where() {
         for (dictionary, message) in [
-            ("{'descr': '|O', 'fortran_order': False, 'shape': (3,), }", "byte 20: elements"),
-            ("{'descr': '<c16', 'fortran_order': False, 'shape': (3,), }", "not read"),
-            ("{'descr': [('a', '<f8')], 'fortran_order': False, 'shape': (3,), }", "record array"),
-            ("{'descr': '<f8', 'fortran_order': 1, 'shape': (3,), }", "not True or False"),
-            ("{'descr': '<f8', 'fortran_order': False, 'shape': (3,4,5), }", "dimensions"),
-            ("{'descr': '<f8', 'fortran_order': False, 'shape': (3, 9999), }", "9999 columns"),
-            ("{'descr': '<f8', 'fortran_order': False, }", "does not say `shape`"),
+            (
+                "{'descr': '|O', 'fortran_order': False, 'shape': (3,), }",
+                "byte 20: elements",
+            ),
+            (
+                "{'descr': '<c16', 'fortran_order': False, 'shape': (3,), }",
+                "not read",
+            ),
+            (
+                "{'descr': [('a', '<f8')], 'fortran_order': False, 'shape': (3,), }",
+                "record array",
+            ),
+            (
+                "{'descr': '<f8', 'fortran_order': 1, 'shape': (3,), }",
+                "not True or False",
+            ),
+            (
+                "{'descr': '<f8', 'fortran_order': False, 'shape': (3,4,5), }",
+                "dimensions",
+            ),
+            (
+                "{'descr': '<f8', 'fortran_order': False, 'shape': (3, 9999), }",
+                "9999 columns",
+            ),
+            (
+                "{'descr': '<f8', 'fortran_order': False, }",
+                "does not say `shape`",
+            ),
         ] {
             let error = Header::read(&mut &file(dictionary)[..]).expect_err(dictionary);
             assert!(error.to_string().contains(message), "{dictionary}: {error}");
         }
         let cut = &file("{'descr': '<f8', 'fortran_order': False, 'shape': (3,), }")[..20];
         let error = Header::read(&mut &cut[..]).expect_err("cut");
-        assert!(error.to_string().contains("ends within the header"), "{error}");
+        assert!(
+            error.to_string().contains("ends within the header"),
+            "{error}"
+        );
     }
 }

@@ -5,9 +5,11 @@ use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 use super::array::ArraySource;
+use super::capture::CaptureSource;
 use super::npy::NpyTable;
 use super::npy_header::MAGIC;
 use super::options::ArrayOptions;
+use super::part::Part;
 use super::text::TextTable;
 use super::{Source, SourceError};
 
@@ -17,7 +19,10 @@ pub const STANDARD_INPUT: &str = "-";
 /// Bytes that are looked at to tell text from anything else.
 const SNIFFED: u64 = 512;
 
-/// Opens an array file, or standard input where `path` is `-`.
+/// What every capture begins with, of whatever version.
+const CAPTURE_START: &[u8] = b"#inm-capture";
+
+/// Opens a capture or an array file, or standard input where `path` is `-`.
 ///
 /// What it is shows in its first bytes, not in its name.
 ///
@@ -26,7 +31,11 @@ const SNIFFED: u64 = 512;
 /// the options.
 pub fn open(path: &str, options: &ArrayOptions) -> Result<Box<dyn Source>, SourceError> {
     if path == STANDARD_INPUT {
-        return stream("standard input", Box::new(BufReader::new(std::io::stdin())), options);
+        return stream(
+            "standard input",
+            Box::new(BufReader::new(std::io::stdin())),
+            options,
+        );
     }
     let io = |error: std::io::Error| SourceError {
         place: path.to_owned(),
@@ -38,12 +47,56 @@ pub fn open(path: &str, options: &ArrayOptions) -> Result<Box<dyn Source>, Sourc
     };
     let mut file = File::open(path).map_err(io)?;
     let mut start = Vec::new();
-    Read::by_ref(&mut file).take(SNIFFED).read_to_end(&mut start).map_err(io)?;
+    Read::by_ref(&mut file)
+        .take(SNIFFED)
+        .read_to_end(&mut start)
+        .map_err(io)?;
+    if start.starts_with(CAPTURE_START) {
+        return capture(path, options);
+    }
     if start.starts_with(MAGIC) {
         let table = NpyTable::open(Path::new(path))?;
         return Ok(Box::new(ArraySource::new(Box::new(table), options)?));
     }
-    text(path, &start, Box::new(BufReader::new(File::open(path).map_err(io)?)), options)
+    text(
+        path,
+        &start,
+        Box::new(BufReader::new(File::open(path).map_err(io)?)),
+        options,
+    )
+}
+
+/// A capture, which says itself what an array file does not.
+fn capture(path: &str, options: &ArrayOptions) -> Result<Box<dyn Source>, SourceError> {
+    let ArrayOptions {
+        rate_hz,
+        time,
+        columns,
+        unit,
+        scales,
+        from_s,
+        to_s,
+        chain,
+    } = options;
+    let told = [
+        ("--rate", rate_hz.is_some()),
+        ("--time", time.is_some()),
+        ("--unit", unit.is_some()),
+        ("--scale", !scales.is_empty()),
+        ("--chain", chain.is_some()),
+    ];
+    if let Some((option, _)) = told.iter().find(|(_, given)| *given) {
+        return Err(SourceError {
+            place: path.to_owned(),
+            message: format!(
+                "a capture carries its own rate, scale, unit and chain; {option} \
+                              cannot change them"
+            ),
+            remedy: format!("leave out {option}"),
+        });
+    }
+    let source = CaptureSource::open(Path::new(path))?;
+    Ok(Box::new(Part::new(source, columns, *from_s, *to_s)?))
 }
 
 fn stream(

@@ -43,7 +43,9 @@ impl FromStr for Selector {
         if text.is_empty() {
             return Err(EmptySelector);
         }
-        Ok(text.parse().map_or_else(|_| Self::Name(text.to_owned()), Self::Number))
+        Ok(text
+            .parse()
+            .map_or_else(|_| Self::Name(text.to_owned()), Self::Number))
     }
 }
 

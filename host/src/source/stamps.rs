@@ -19,7 +19,11 @@ pub struct Stamps {
 impl Stamps {
     /// Stamps on a known period, seconds.
     pub fn new(period_s: f64) -> Self {
-        Self { period_s, last_s: None, next_index: 0 }
+        Self {
+            period_s,
+            last_s: None,
+            next_index: 0,
+        }
     }
 
     /// Index of the row with stamp `time_s`: the number of whole periods since the first.
@@ -112,12 +116,14 @@ mod tests {
 
     #[test]
     fn period_from_the_stamps() {
-        let with_gap: Vec<f64> =
-            (0..1000).map(|k| f64::from(k) * 0.01 + if k > 500 { 3.0 } else { 0.0 }).collect();
+        let with_gap: Vec<f64> = (0..1000)
+            .map(|k| f64::from(k) * 0.01 + if k > 500 { 3.0 } else { 0.0 })
+            .collect();
         let period = period_s(&with_gap).expect("regular");
         assert!((period - 0.01).abs() < 1e-12, "{period}");
-        let bursts: Vec<f64> =
-            (0..1000).map(|k| f64::from(k / 5) * 0.1 + f64::from(k % 5) * 1e-3).collect();
+        let bursts: Vec<f64> = (0..1000)
+            .map(|k| f64::from(k / 5) * 0.1 + f64::from(k % 5) * 1e-3)
+            .collect();
         assert!(period_s(&bursts).is_err());
         assert!(period_s(&[1.0]).is_err());
     }

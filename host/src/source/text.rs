@@ -65,8 +65,9 @@ impl TextTable {
             return Err(no_rows(&table));
         }
         table.separator = separator_of(&table.text()?);
-        let first: Vec<String> =
-            cells(&table.text()?, table.separator).map(|(_, cell)| cell.to_owned()).collect();
+        let first: Vec<String> = cells(&table.text()?, table.separator)
+            .map(|(_, cell)| cell.to_owned())
+            .collect();
         table.width = first.len();
         if first.iter().all(|cell| number(cell).is_none()) {
             table.header = Some(first.iter().map(|cell| unquoted(cell).to_owned()).collect());
@@ -92,11 +93,13 @@ impl TextTable {
             self.line.clear();
             let mut limited = std::io::Read::take(&mut self.reader, LONGEST_LINE as u64);
             let length =
-                limited.read_until(b'\n', &mut self.line).map_err(|error| SourceError {
-                    place: format!("{}:{}", self.name, self.number + 1),
-                    message: format!("cannot be read: {error}"),
-                    remedy: String::new(),
-                })?;
+                limited
+                    .read_until(b'\n', &mut self.line)
+                    .map_err(|error| SourceError {
+                        place: format!("{}:{}", self.name, self.number + 1),
+                        message: format!("cannot be read: {error}"),
+                        remedy: String::new(),
+                    })?;
             if length == 0 {
                 return Ok(false);
             }
@@ -142,8 +145,8 @@ impl TextTable {
             every.push(number(cell).ok_or_else(|| SourceError {
                 place: self.place_at(self.number, Some(at + 1)),
                 message: format!("`{}` where a number was expected", shortened(cell)),
-                remedy: "correct the cell, or leave it empty (`nan`) to mark a missing sample"
-                    .into(),
+                remedy:
+                    "correct the cell, or leave it empty (`nan`) to mark a missing sample".into(),
             })?);
         }
         if every.len() != self.width {
@@ -186,8 +189,13 @@ impl Table for TextTable {
     }
 
     fn place(&self, row: u64) -> String {
-        let known = row.checked_sub(self.first_row).and_then(|at| self.lines.get(at as usize));
-        known.map_or_else(|| format!("{}: row {row}", self.name), |&line| self.place_at(line, None))
+        let known = row
+            .checked_sub(self.first_row)
+            .and_then(|at| self.lines.get(at as usize));
+        known.map_or_else(
+            || format!("{}: row {row}", self.name),
+            |&line| self.place_at(line, None),
+        )
     }
 
     fn select(&mut self, columns: &[usize]) -> Result<(), SourceError> {
@@ -211,10 +219,10 @@ impl Table for TextTable {
 }
 
 fn separator_of(line: &str) -> Separator {
-    [',', ';'].into_iter().find(|&mark| line.contains(mark)).map_or(
-        Separator::Whitespace,
-        Separator::Mark,
-    )
+    [',', ';']
+        .into_iter()
+        .find(|&mark| line.contains(mark))
+        .map_or(Separator::Whitespace, Separator::Mark)
 }
 
 /// The cells of a line with the byte at which each begins.
@@ -272,7 +280,10 @@ mod tests {
             "\u{feff}t x\ty\n 0 1   2\n1 3 -40",
         ] {
             let mut table = table(text).expect("good text");
-            assert_eq!(table.header(), Some(&["t".to_owned(), "x".into(), "y".into()][..]));
+            assert_eq!(
+                table.header(),
+                Some(&["t".to_owned(), "x".into(), "y".into()][..])
+            );
             table.select(&[2, 1]).expect("columns exist");
             assert_eq!(values(table.read(1).expect("row")), [[2.0], [1.0]]);
             assert_eq!(values(table.read(9).expect("row")), [[-40.0], [3.0]]);
@@ -300,7 +311,10 @@ mod tests {
             ("a,b\n", "no row of numbers"),
             ("1,2\n3,x4\n", "t.csv:2:3: `x4` where a number was expected"),
             ("1.5,oops\n", "t.csv:1:5: `oops`"),
-            ("1 2\n3\n", "t.csv:2: 1 columns, where the lines before have 2"),
+            (
+                "1 2\n3\n",
+                "t.csv:2: 1 columns, where the lines before have 2",
+            ),
         ] {
             let error = read(text).expect_err(text);
             assert!(error.to_string().contains(message), "{error}");

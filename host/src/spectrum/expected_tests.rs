@@ -62,8 +62,11 @@ fn sine_squared(cycles: f64) -> f64 {
     4.0 * (PI * cycles).sin().powi(2)
 }
 
+/// Density per cycle a sample, at a frequency in cycles a sample.
+type Density = fn(f64) -> f64;
+
 /// The processes: response to an innovation, density per cycle a sample.
-const PROCESSES: [(&str, Response, fn(f64) -> f64); 3] = [
+const PROCESSES: [(&str, Response, Density); 3] = [
     ("white", impulse, |_| 1.0),
     ("walk", step, |cycles| 1.0 / sine_squared(cycles)),
     ("differenced white", doublet, sine_squared),
@@ -91,12 +94,7 @@ fn segments_exactly(
     totals
 }
 
-fn segments_expected(
-    level: usize,
-    ks: &[usize],
-    peaks: &[Peak],
-    density: fn(f64) -> f64,
-) -> Vec<f64> {
+fn segments_expected(level: usize, ks: &[usize], peaks: &[Peak], density: Density) -> Vec<f64> {
     let path = Path::new(1.0, level);
     let bin = path.level_rate_hz() / LEN as f64;
     let nodes = Nodes::new(LEN / 2, bin, peaks);

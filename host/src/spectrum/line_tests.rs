@@ -4,17 +4,16 @@ use super::{
     lines::{Line, LineSearch},
     record_lines::search,
 };
-use rand::RngExt;
-use rand_distr::{Distribution, StandardNormal};
+use rand_distr::{Distribution, StandardNormal, Uniform};
 use std::f64::consts::PI;
 
 /// White noise of unit variance.
-fn white(seed: u64, len: usize) -> Vec<f64> {
+pub(super) fn white(seed: u64, len: usize) -> Vec<f64> {
     let mut rng = rand_pcg::Pcg64::new(u128::from(seed), 3);
     (0..len).map(|_| StandardNormal.sample(&mut rng)).collect()
 }
 
-fn add_tone(record: &mut [f64], amplitude: f64, cycles: f64, phase: f64) {
+pub(super) fn add_tone(record: &mut [f64], amplitude: f64, cycles: f64, phase: f64) {
     for (n, x) in record.iter_mut().enumerate() {
         *x += amplitude * (2.0 * PI * (cycles * n as f64).fract() + phase).cos();
     }
@@ -23,7 +22,7 @@ fn add_tone(record: &mut [f64], amplitude: f64, cycles: f64, phase: f64) {
 /// Amplitude in unit white noise that an ideal search of the whole record finds half of the time
 /// at `level`: `A^2 N / 4` is half below the threshold `z` of Rice's formula
 /// (a non-central chi-squared law of two degrees of freedom has its median 1/2 above).
-fn ideal_amplitude(len: usize, level: f64) -> f64 {
+pub(super) fn ideal_amplitude(len: usize, level: f64) -> f64 {
     let mut z = 15.0_f64;
     for _ in 0..30 {
         z = (0.5 * len as f64 / level).ln() + 0.5 * (PI * z / 3.0).ln();
@@ -50,10 +49,8 @@ fn trials(
     let (mut found, mut false_alarms) = (0, 0);
     for seed in 0..count {
         let mut rng = rand_pcg::Pcg64::new(u128::from(seed), 17);
-        let (cycles, phase) = (
-            rng.random_range(0.05..0.45),
-            rng.random_range(0.0..2.0 * PI),
-        );
+        let mut uniform = |high: f64| Uniform::new(0.0, high).unwrap().sample(&mut rng);
+        let (cycles, phase) = (0.05 + uniform(0.4), uniform(2.0 * PI));
         let mut record = white(seed, len);
         add_tone(&mut record, amplitude, cycles, phase);
         let lines = find(&record);
@@ -124,19 +121,25 @@ fn amplitude_and_frequency_of_clear_lines() {
             "seed 77: {line:?}"
         );
     }
-    // Streaming sees the weak neighbour apart, too: eight bins from the strong one.
+    // While streaming, the weakest lie below the pedestal that the strong one leaves around the
+    // bridged gap; its neighbour, ten bins away, does not.
     let streamed = streaming(&record, 1 << 15, 0.01);
-    for (cycles, amplitude) in tones {
+    for (cycles, amplitude) in &tones[1..3] {
         let line = streamed
             .iter()
-            .find(|line| (line.frequency_hz - cycles).abs() < 2e-5);
+            .find(|line| (line.frequency_hz - cycles).abs() < 1e-5);
         let line = line.unwrap_or_else(|| panic!("seed 77: {cycles} is not in {streamed:?}"));
         assert!(
-            (line.amplitude / amplitude - 1.0).abs() < 0.35,
+            (line.amplitude / amplitude - 1.0).abs() < 0.1,
             "seed 77: {line:?}"
         );
     }
-    assert_eq!(streamed.len(), tones.len(), "seed 77: {streamed:?}");
+    let strange = |line: &&Line| {
+        tones
+            .iter()
+            .all(|(cycles, _)| (line.frequency_hz - cycles).abs() > 3.0 / 32768.0)
+    };
+    assert_eq!(streamed.iter().find(strange), None, "seed 77: {streamed:?}");
 }
 
 #[test]

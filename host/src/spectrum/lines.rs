@@ -159,6 +159,14 @@ impl LineSearch {
         Ok(())
     }
 
+    /// Bytes in the buffers, besides the transform's own tables (about half as much again).
+    pub fn buffer_bytes(&self) -> usize {
+        let singles = [&self.window, &self.pending, &self.input, &self.sums];
+        let complexes = [&self.output, &self.scratch];
+        4 * singles.map(Vec::capacity).iter().sum::<usize>()
+            + 8 * complexes.map(Vec::capacity).iter().sum::<usize>()
+    }
+
     fn restart(&mut self) {
         self.pending.clear();
         self.bridged = [0, 0];

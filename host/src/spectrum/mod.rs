@@ -61,4 +61,6 @@ mod expected_tests;
 #[cfg(test)]
 mod line_tests;
 #[cfg(test)]
+mod measure;
+#[cfg(test)]
 mod statistics_tests;

@@ -30,7 +30,7 @@ fn cascade(plan: &Plan, samples: &[f64]) -> Cascade {
 }
 
 /// Densities over expectations, `[record][bin]`, and the estimate that tells them.
-fn simulate(records: Vec<Vec<f64>>, density: fn(f64) -> f64) -> (Estimate, Vec<Vec<f64>>) {
+fn simulate(records: &[Vec<f64>], density: fn(f64) -> f64) -> (Estimate, Vec<Vec<f64>>) {
     let (plan, settings) = (Plan::new(), Settings::default());
     let estimate = Estimate::new(&cascade(&plan, &records[0]), 1.0, &settings);
     let expected = estimate.expected(density);
@@ -102,19 +102,19 @@ fn assert_law(name: &str, estimate: &Estimate, ratios: &[Vec<f64>], from: usize,
 
 #[test]
 fn white_noise_varies_as_claimed() {
-    let records = (0..RECORDS as u64)
+    let records: Vec<_> = (0..RECORDS as u64)
         .map(|seed| white(seed, LEN).collect())
         .collect();
-    let (estimate, ratios) = simulate(records, |_| 1.0);
+    let (estimate, ratios) = simulate(&records, |_| 1.0);
     assert_law("white, seeds 0..400", &estimate, &ratios, 0, 5.0);
 }
 
 #[test]
 fn a_random_walk_varies_as_claimed() {
-    let records = (0..RECORDS as u64)
+    let records: Vec<_> = (0..RECORDS as u64)
         .map(|seed| walk(7000 + seed, LEN).collect())
         .collect();
-    let (estimate, ratios) = simulate(records, |f| 0.25 / (PI * f).sin().powi(2));
+    let (estimate, ratios) = simulate(&records, |f| 0.25 / (PI * f).sin().powi(2));
     assert_law("walk, seeds 7000..7400", &estimate, &ratios, 0, 5.0);
 }
 

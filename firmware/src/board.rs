@@ -1,0 +1,269 @@
+//! The board: an STM32F405RG and what is soldered to it.
+//!
+//! | pin  | use                 | pin  | use                                             |
+//! |------|---------------------|------|-------------------------------------------------|
+//! | PA5  | X: SPI1 SCLK        | PC4  | X: DRDY, EXTI4: its interrupt stamps            |
+//! | PA6  | X: SPI1 DOUT        | PC5  | Y: DRDY, EXTI5: its pending bit is polled       |
+//! | PA7  | X: SPI1 DIN         | PC6  | Z: DRDY, EXTI6: its pending bit is polled       |
+//! | PB13 | Y: SPI2 SCLK        | PB0  | SYNC of all converters, idles high              |
+//! | PB14 | Y: SPI2 DOUT        | PB1  | g-Select of the accelerometers, low for 4 g     |
+//! | PB15 | Y: SPI2 DIN         | PB10 | self-test of the accelerometers                 |
+//! | PC10 | Z: SPI3 SCLK        | PC0  | half the accelerometers' supply, to the ADC     |
+//! | PC11 | Z: SPI3 DOUT        | PA9  | to the host: USART1 TX                          |
+//! | PC12 | Z: SPI3 DIN         | PA10 | from the host: USART1 RX                        |
+//! | PH0, PH1 | 8 MHz crystal   | PA13, PA14 | debug probe: SWD, and the log over RTT    |
+//!
+//! The converters have no CS and always drive DOUT, hence a bus for each. They share an
+//! oscillator of 4.096 MHz; PINMODE is strapped to register control, RESET and PWDN to the
+//! supply.
+
+mod analog;
+mod delay;
+mod oscillator;
+mod spi;
+
+use core::convert::Infallible;
+use core::sync::atomic::{AtomicBool, Ordering};
+
+use cortex_m::peripheral::NVIC;
+use embedded_hal::digital::{ErrorType, InputPin};
+use inm_firmware::ads1281::{Ads1281, DataReady};
+use inm_protocol::Restart;
+use stm32f4xx_hal::gpio::{Edge, ErasedPin, ExtiPin, GpioExt, Input, Output, PB0, PB10};
+use stm32f4xx_hal::pac::{self, EXTI, Interrupt, interrupt};
+use stm32f4xx_hal::prelude::_fugit_RateExtU32 as _;
+use stm32f4xx_hal::signature::Uid;
+use stm32f4xx_hal::spi::{Mode, Phase, Polarity, Spi};
+use stm32f4xx_hal::syscfg::SysCfgExt;
+
+use crate::image::clock;
+use crate::image::handover::Handover;
+use crate::image::machine::{Machine, Sensors};
+use crate::image::{SPI_HZ, describe, once, restart, stamps, start_link, start_watchdog};
+use analog::Analog;
+use delay::Delay;
+use spi::Bus;
+
+/// Clock idle low, data taken at the first edge (ADS1281, SBAS378D, pages 21 and 24).
+const MODE_0: Mode = Mode {
+    polarity: Polarity::IdleLow,
+    phase: Phase::CaptureOnFirstTransition,
+};
+
+/// Priority of the link's interrupt, in the upper four bits.
+const LINK_PRIORITY: u8 = 1 << 4;
+
+/// The interrupt's hold on the pending register.
+static DRDY_X: Handover<EXTI> = Handover::new();
+
+/// X's DRDY has fallen since the driver last looked; its pending bit is the interrupt's.
+static EDGE_X: AtomicBool = AtomicBool::new(false);
+
+/// The accelerometers and what measures around them.
+pub struct Attached {
+    self_test: PB10<Output>,
+    analog: Analog,
+}
+
+/// DRDY of one converter.
+pub struct DrdyPin {
+    pin: ErasedPin<Input>,
+    /// The interrupt clears the pending bit of X and remembers the edge.
+    latched_by_interrupt: bool,
+}
+
+/// Driver of one converter.
+type Axis = Ads1281<Bus, DrdyPin, Delay>;
+
+/// Brings the board up.
+pub fn start() -> (Machine<Attached>, [Axis; 3], PB0<Output>) {
+    let mut core = once(cortex_m::Peripherals::take());
+    let chip = once(pac::Peripherals::take());
+    // First, so that a start that hangs is tried again.
+    let watchdog = start_watchdog(chip.IWDG);
+    let by_watchdog = chip.RCC.csr().read().wdgrstf().bit_is_set();
+    chip.RCC.csr().modify(|_, w| w.rmvf().set_bit());
+    let (mut rcc, fallback) = oscillator::start(chip.RCC);
+    let reason = match restart::reason(by_watchdog) {
+        Restart::Power if fallback => Restart::ClockFallback,
+        reason => reason,
+    };
+
+    let timer_hz = rcc.clocks.timclk1().raw();
+    let core_hz = rcc.clocks.hclk().raw();
+    clock::start(chip.TIM2, 1, &mut core.SYST, core_hz, &mut rcc);
+
+    let a = chip.GPIOA.split(&mut rcc);
+    let b = chip.GPIOB.split(&mut rcc);
+    let c = chip.GPIOC.split(&mut rcc);
+
+    let hz = SPI_HZ.Hz();
+    let x = Spi::new(
+        chip.SPI1,
+        (Some(a.pa5), Some(a.pa6), Some(a.pa7)),
+        MODE_0,
+        hz,
+        &mut rcc,
+    );
+    let y = Spi::new(
+        chip.SPI2,
+        (Some(b.pb13), Some(b.pb14), Some(b.pb15)),
+        MODE_0,
+        hz,
+        &mut rcc,
+    );
+    let z = Spi::new(
+        chip.SPI3,
+        (Some(c.pc10), Some(c.pc11), Some(c.pc12)),
+        MODE_0,
+        hz,
+        &mut rcc,
+    );
+
+    let mut drdy = [c.pc4.erase(), c.pc5.erase(), c.pc6.erase()];
+    let mut syscfg = chip.SYSCFG.constrain(&mut rcc);
+    let mut exti = chip.EXTI;
+    for pin in &mut drdy {
+        pin.make_interrupt_source(&mut syscfg);
+        pin.trigger_on_edge(&mut exti, Edge::Falling);
+        // Of Y and Z only the pending bit is used; their interrupt stays masked in the NVIC.
+        pin.enable_interrupt(&mut exti);
+    }
+    DRDY_X.give(exti);
+    // A stamp may interrupt the link, so that it is late by less than a microsecond; the lower
+    // number is the more urgent, and DRDY's stays at 0.
+    //
+    // SAFETY: the handler is defined below, what it needs is in place, and no critical section
+    // is built on masks or priorities.
+    #[allow(unsafe_code)]
+    unsafe {
+        core.NVIC.set_priority(Interrupt::USART1, LINK_PRIORITY);
+        NVIC::unmask(Interrupt::EXTI4);
+    }
+
+    let sync = b
+        .pb0
+        .into_push_pull_output_in_state(stm32f4xx_hal::gpio::PinState::High);
+    let mut range = b.pb1.into_push_pull_output();
+    range.set_low();
+    let mut self_test = b.pb10.into_push_pull_output();
+    self_test.set_low();
+
+    let link = start_link(chip.USART1, a.pa9, a.pa10, &mut rcc);
+    let analog = Analog::start(chip.ADC1, c.pc0.into_analog(), Delay { timer_hz }, &mut rcc);
+
+    let machine = Machine {
+        board: describe("stm32f405", serial_number(), timer_hz, reason),
+        sensors: Attached { self_test, analog },
+        link,
+        watchdog,
+    };
+    let [drdy_x, drdy_y, drdy_z] = drdy;
+    let axes = [
+        (
+            Bus::X(x),
+            DrdyPin {
+                pin: drdy_x,
+                latched_by_interrupt: true,
+            },
+        ),
+        (
+            Bus::Y(y),
+            DrdyPin {
+                pin: drdy_y,
+                latched_by_interrupt: false,
+            },
+        ),
+        (
+            Bus::Z(z),
+            DrdyPin {
+                pin: drdy_z,
+                latched_by_interrupt: false,
+            },
+        ),
+    ]
+    .map(|(bus, drdy)| Ads1281::new(bus, drdy, Delay { timer_hz }));
+    (machine, axes, sync)
+}
+
+/// Unique number of the chip: place on the wafer, then wafer and lot.
+fn serial_number() -> [u32; 3] {
+    let uid = Uid::get();
+    let place = u32::from(uid.x()) << 16 | u32::from(uid.y());
+    let mut lot = [0; 8];
+    let name = uid.lot_num().as_bytes();
+    let len = name.len().min(lot.len() - 1);
+    lot[0] = uid.waf_num();
+    lot[1..=len].copy_from_slice(&name[..len]);
+    let [a, b, c, d, e, f, g, h] = lot;
+    [
+        place,
+        u32::from_le_bytes([a, b, c, d]),
+        u32::from_le_bytes([e, f, g, h]),
+    ]
+}
+
+/// X has a new conversion.
+#[interrupt]
+fn EXTI4() {
+    static mut PENDING: Option<EXTI> = None;
+    stamps::stamp();
+    EDGE_X.store(true, Ordering::Release);
+    if let Some(exti) = DRDY_X.receive(PENDING) {
+        exti.pr().write(|w| w.pr4().clear_bit_by_one());
+    }
+}
+
+impl Sensors for Attached {
+    type Spi = Bus;
+    type Drdy = DrdyPin;
+    type Sync = PB0<Output>;
+    type Delay = Delay;
+
+    fn now(&self) -> u64 {
+        clock::now()
+    }
+
+    fn take_edge_stamp(&mut self) -> Option<u64> {
+        stamps::take()
+    }
+
+    fn temperature_centi_celsius(&mut self) -> Option<i16> {
+        self.analog.temperature_centi_celsius()
+    }
+
+    fn supply_mv(&mut self) -> Option<u16> {
+        Some(self.analog.supply_mv())
+    }
+
+    fn self_test(&mut self, on: bool) {
+        self.self_test.set_state(on.into());
+    }
+}
+
+impl ErrorType for DrdyPin {
+    type Error = Infallible;
+}
+
+impl InputPin for DrdyPin {
+    fn is_high(&mut self) -> Result<bool, Infallible> {
+        Ok(self.pin.is_high())
+    }
+
+    fn is_low(&mut self) -> Result<bool, Infallible> {
+        Ok(self.pin.is_low())
+    }
+}
+
+impl DataReady for DrdyPin {
+    fn take_edge(&mut self) -> bool {
+        if self.latched_by_interrupt {
+            return EDGE_X.swap(false, Ordering::AcqRel);
+        }
+        let fallen = self.pin.check_interrupt();
+        if fallen {
+            self.pin.clear_interrupt_pending_bit();
+        }
+        fallen
+    }
+}

@@ -1,0 +1,60 @@
+//! Time: TIM2 free-running, made 64 bits wide in software, and the heartbeat of the loop.
+
+use core::cell::RefCell;
+
+use cortex_m::peripheral::SYST;
+use cortex_m::peripheral::syst::SystClkSource;
+use cortex_m_rt::exception;
+use critical_section::Mutex;
+use inm_firmware::ticks::Ticks;
+use stm32f4xx_hal::pac::TIM2;
+use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
+
+/// Beats a second: a sleeping loop wakes at least this often, to notice what did not happen,
+/// and to see every turn of the 32-bit timer.
+const HEARTBEAT_HZ: u32 = 1000;
+
+struct Clock {
+    timer: TIM2,
+    ticks: Ticks,
+}
+
+static CLOCK: Mutex<RefCell<Option<Clock>>> = Mutex::new(RefCell::new(None));
+
+/// Starts TIM2 with its input clock divided by `divider` (1 to 65536), and the heartbeat on a
+/// core that runs at `core_hz`.
+pub fn start(timer: TIM2, divider: u32, syst: &mut SYST, core_hz: u32, rcc: &mut Rcc) {
+    TIM2::enable(rcc);
+    TIM2::reset(rcc);
+    timer.psc().write(|w| w.psc().set((divider - 1) as u16));
+    timer.arr().write(|w| w.arr().set(u32::MAX));
+    // The prescaler takes effect with an update event.
+    timer.egr().write(|w| w.ug().set_bit());
+    timer.cr1().write(|w| w.cen().set_bit());
+    critical_section::with(|cs| {
+        CLOCK.borrow_ref_mut(cs).replace(Clock {
+            timer,
+            ticks: Ticks::new(),
+        });
+    });
+
+    syst.set_clock_source(SystClkSource::Core);
+    syst.set_reload(core_hz / HEARTBEAT_HZ - 1);
+    syst.clear_current();
+    syst.enable_interrupt();
+    syst.enable_counter();
+}
+
+/// Ticks since [`start`]; from the loop or from any interrupt.
+pub fn now() -> u64 {
+    critical_section::with(|cs| {
+        CLOCK.borrow_ref_mut(cs).as_mut().map_or(0, |clock| {
+            let count = clock.timer.cnt().read().cnt().bits();
+            clock.ticks.extend(count)
+        })
+    })
+}
+
+/// The handler does nothing: that it ends the sleep is all it is for.
+#[exception]
+fn SysTick() {}

@@ -1,0 +1,135 @@
+//! The image's side of the instrument: everything below [`Platform`].
+
+use embedded_hal::delay::DelayNs;
+use embedded_hal::digital::OutputPin;
+use embedded_hal::spi::SpiBus;
+use inm_firmware::ads1281::DataReady;
+use inm_firmware::platform::Stack;
+use inm_firmware::{Board, Platform};
+use inm_protocol::Restart;
+use stm32f4xx_hal::watchdog::IndependentWatchdog;
+
+use super::link::Link;
+use super::{restart, stack, stamps};
+
+/// What differs between the board and QEMU's model of it: the converters, and time as they
+/// see it.
+pub trait Sensors {
+    /// See [`Platform::Spi`].
+    type Spi: SpiBus<u8>;
+    /// See [`Platform::Drdy`].
+    type Drdy: DataReady;
+    /// See [`Platform::Sync`].
+    type Sync: OutputPin;
+    /// See [`Platform::Delay`].
+    type Delay: DelayNs;
+
+    /// See [`Platform::now`].
+    fn now(&self) -> u64;
+
+    /// See [`Platform::take_edge_stamp`].
+    fn take_edge_stamp(&mut self) -> Option<u64>;
+
+    /// See [`Platform::temperature_centi_celsius`].
+    fn temperature_centi_celsius(&mut self) -> Option<i16> {
+        None
+    }
+
+    /// See [`Platform::supply_mv`].
+    fn supply_mv(&mut self) -> Option<u16> {
+        None
+    }
+
+    /// See [`Platform::self_test`].
+    fn self_test(&mut self, on: bool);
+}
+
+/// The microcontroller, with its converters' side `S`.
+pub struct Machine<S> {
+    /// What the board is.
+    pub board: Board,
+    /// The converters' side.
+    pub sensors: S,
+    /// The host.
+    pub link: Link,
+    /// Resets the board when the loop hangs.
+    pub watchdog: IndependentWatchdog,
+}
+
+impl<S> Machine<S> {
+    /// Why the board started.
+    pub fn restart(&self) -> &Restart {
+        &self.board.restart
+    }
+
+    /// Sleeps until the next interrupt, unless something already waits.
+    ///
+    /// With interrupts masked between look and sleep none can slip through between them; a
+    /// masked interrupt still ends the sleep, and is served as soon as the mask is lifted.
+    pub fn sleep(&self) {
+        cortex_m::interrupt::free(|_| {
+            if !stamps::is_waiting() && self.link.is_quiet() {
+                cortex_m::asm::wfi();
+            }
+        });
+    }
+}
+
+impl<S: Sensors> Platform for Machine<S> {
+    type Spi = S::Spi;
+    type Drdy = S::Drdy;
+    type Sync = S::Sync;
+    type Delay = S::Delay;
+
+    fn board(&self) -> Board {
+        self.board.clone()
+    }
+
+    fn now(&self) -> u64 {
+        self.sensors.now()
+    }
+
+    fn take_edge_stamp(&mut self) -> Option<u64> {
+        self.sensors.take_edge_stamp()
+    }
+
+    fn receive(&mut self) -> Option<u8> {
+        self.link.receive()
+    }
+
+    fn receive_lost(&self) -> u32 {
+        self.link.lost()
+    }
+
+    fn transmit(&mut self, frame: &[u8]) -> bool {
+        self.link.transmit(frame)
+    }
+
+    fn transmit_idle(&self) -> bool {
+        self.link.is_idle()
+    }
+
+    fn temperature_centi_celsius(&mut self) -> Option<i16> {
+        self.sensors.temperature_centi_celsius()
+    }
+
+    fn supply_mv(&mut self) -> Option<u16> {
+        self.sensors.supply_mv()
+    }
+
+    fn self_test(&mut self, on: bool) {
+        self.sensors.self_test(on);
+    }
+
+    fn stack(&self) -> Stack {
+        stack::measure()
+    }
+
+    fn feed_watchdog(&mut self) {
+        self.watchdog.feed();
+    }
+
+    fn restart(&mut self) {
+        restart::on_command()
+    }
+}

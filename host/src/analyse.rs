@@ -1,0 +1,318 @@
+//! The analysis of a record: a source in, a plain result out. Reports only format it.
+//!
+//! The result is what `--json` writes (schema 1). Absent knowledge is `None`, `null` in JSON.
+
+use inm_allan::Statistic;
+use serde::Serialize;
+
+use crate::bins::point::{self, Point};
+pub use crate::bins::record::Overlap;
+use crate::bins::record::{AxisRecord, Record};
+use crate::bins::taus::Taus;
+use crate::fit::design::Design;
+use crate::fit::{published, weighted};
+use crate::model::kernel::Kernel;
+use crate::model::{Coefficient, PerCoefficient};
+use crate::signal::{Axis, Signal, Unit};
+use crate::source::{Source, SourceError};
+
+/// Version of the JSON schema.
+pub const SCHEMA: u32 = 1;
+
+/// How to evaluate the Allan family.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct AnalysisOptions {
+    /// Averaging times.
+    pub taus: Taus,
+    /// Which overlap.
+    pub overlap: Overlap,
+}
+
+/// Everything that was found out about a record.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Analysis {
+    /// Version of this structure.
+    pub schema: u32,
+    /// What was analysed.
+    pub source: SourceSummary,
+    /// The axes.
+    pub axes: Vec<AxisAnalysis>,
+}
+
+/// What was analysed.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SourceSummary {
+    /// File, port or the like.
+    pub file: String,
+    /// Samples a second.
+    pub rate_hz: f64,
+    /// Unit of the first axis.
+    pub unit: Option<Unit>,
+    /// Samples an axis that arrived.
+    pub samples: u64,
+    /// Time that they and the gaps of known length cover, seconds.
+    pub duration_s: f64,
+    /// Samples known to be missing from all axes.
+    pub lost_samples: u64,
+    /// Gaps in all axes.
+    pub gaps: Vec<GapSummary>,
+    /// Signal chain of the first axis.
+    pub chain: Option<String>,
+}
+
+/// Samples missing from all axes.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct GapSummary {
+    /// Time of the first missing sample since the start, seconds.
+    pub from_s: f64,
+    /// Length in seconds, where it is known.
+    pub duration_s: Option<f64>,
+    /// Missing samples, where the number is known.
+    pub samples: Option<u64>,
+    /// Why, in words.
+    pub cause: String,
+}
+
+/// One axis.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AxisAnalysis {
+    /// Its name.
+    pub name: String,
+    /// Unit of the signal.
+    pub unit: Unit,
+    /// Its signal chain, as for `--chain`.
+    pub chain: Option<String>,
+    /// Mean of the signal.
+    pub mean: Option<f64>,
+    /// Samples that count.
+    pub samples: u64,
+    /// Samples of this axis alone that were left out (clipped, torn, not a number).
+    pub invalid_samples: u64,
+    /// Which overlap the estimates have.
+    pub overlap: Overlap,
+    /// Allan deviation.
+    pub allan: Vec<CurvePoint>,
+    /// Modified Allan deviation.
+    pub modified: Vec<CurvePoint>,
+    /// Hadamard deviation.
+    pub hadamard: Vec<CurvePoint>,
+    /// Spectral density; `None` where it was not estimated.
+    pub spectrum: Option<Vec<()>>,
+    /// The fits.
+    pub fits: Fits,
+    /// Predicted growth of the integral's error; `None` where it was not computed.
+    pub velocity_error: Option<Vec<()>>,
+    /// The fitted curves, for plots; they follow from the coefficients and are not in the JSON.
+    #[serde(skip)]
+    pub curves: Vec<CurveModel>,
+}
+
+/// What the fits say of one point of the Allan curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CurveModel {
+    /// Averaging time, seconds.
+    pub tau_s: f64,
+    /// Deviation that the weighted fit expects, chain and sampling included.
+    pub weighted: Option<f64>,
+    /// Deviation of the published fit's curve; `None` where its square is negative.
+    pub published: Option<f64>,
+}
+
+/// One point of a deviation curve.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct CurvePoint {
+    /// Averaging time, seconds.
+    pub tau_s: f64,
+    /// Averaging time, data periods.
+    pub m: u64,
+    /// The deviation, in the unit of the signal.
+    pub adev: f64,
+    /// Lower end of its 95 % interval.
+    pub lo: f64,
+    /// Upper end of its 95 % interval.
+    pub hi: f64,
+    /// Equivalent degrees of freedom.
+    pub edf: f64,
+}
+
+/// The fits of one axis; `None` where the record is too short for one.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Fits {
+    /// Eq. 9 to 11 as printed.
+    pub published: Option<PerCoefficient<PublishedValue>>,
+    /// Weighted by each point's uncertainty, coefficients not negative.
+    pub weighted: Option<PerCoefficient<WeightedValue>>,
+    /// By likelihood; `None` where it was not computed.
+    pub likelihood: Option<()>,
+}
+
+/// A coefficient of the published fit.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PublishedValue {
+    /// The coefficient; `None` where its square came out negative.
+    pub value: Option<f64>,
+    /// Its square, as fitted.
+    pub squared: f64,
+}
+
+/// A coefficient of the weighted fit.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct WeightedValue {
+    /// The coefficient; `None` where its square was held at zero.
+    pub value: Option<f64>,
+    /// Its square, not negative.
+    pub squared: f64,
+    /// Lower end of its 95 % interval; zero where the data cannot tell it from zero.
+    pub lo: f64,
+    /// Upper end of its 95 % interval.
+    pub hi: f64,
+}
+
+/// Reads `source` to its end and analyses it. `progress` is told the samples read so far.
+///
+/// # Errors
+/// Whatever ends the source early.
+pub fn analyse(
+    source: &mut dyn Source,
+    options: &AnalysisOptions,
+    mut progress: impl FnMut(u64),
+) -> Result<Analysis, SourceError> {
+    let signal = source.signal().clone();
+    let mut record = Record::new(signal.axes.len(), options.overlap);
+    while let Some(chunk) = source.next_chunk()? {
+        record.push(chunk);
+        progress(record.account().samples);
+    }
+    Ok(summarise(&signal, &record, options))
+}
+
+/// The result for what a record holds so far; a live view asks for it again and again.
+pub fn summarise(signal: &Signal, record: &Record, options: &AnalysisOptions) -> Analysis {
+    let account = record.account();
+    let axes = signal.axes.iter().zip(record.axes());
+    let analyse = |(axis, record)| analyse_axis(signal.rate_hz, axis, record, options);
+    Analysis {
+        schema: SCHEMA,
+        source: SourceSummary {
+            file: signal.name.clone(),
+            rate_hz: signal.rate_hz,
+            unit: signal.axes.first().map(|axis| axis.unit),
+            samples: account.samples,
+            duration_s: (account.samples + account.lost) as f64 / signal.rate_hz,
+            lost_samples: account.lost,
+            gaps: account
+                .gaps
+                .iter()
+                .map(|gap| {
+                    let samples = gap.to.map(|to| to.saturating_sub(gap.from));
+                    GapSummary {
+                        from_s: gap.from as f64 / signal.rate_hz,
+                        duration_s: samples.map(|samples| samples as f64 / signal.rate_hz),
+                        samples,
+                        cause: gap.cause.clone(),
+                    }
+                })
+                .collect(),
+            chain: signal
+                .axes
+                .first()
+                .and_then(|axis| axis.chain.as_ref())
+                .map(ToString::to_string),
+        },
+        axes: axes.map(analyse).collect(),
+    }
+}
+
+fn analyse_axis(
+    rate_hz: f64,
+    axis: &Axis,
+    record: &AxisRecord,
+    options: &AnalysisOptions,
+) -> AxisAnalysis {
+    let samples = record.count();
+    let factors = options.taus.factors(samples / 2);
+    let points = |statistic| {
+        point::points(
+            statistic,
+            &record.estimates(statistic, &factors),
+            rate_hz,
+            axis.scale,
+        )
+    };
+    let allan = points(Statistic::Allan);
+    let modified = points(Statistic::Modified);
+    let design = Design::new(rate_hz, axis.chain.as_ref());
+    let published_points: Vec<(f64, f64)> = record
+        .nearest(Statistic::Allan, &published::factors(samples))
+        .iter()
+        .map(|one| {
+            (
+                one.m as f64 / rate_hz,
+                one.variance * axis.scale * axis.scale,
+            )
+        })
+        .collect();
+    let fits = Fits {
+        published: published::fit(&published_points).map(published_values),
+        weighted: weighted::fit(&modified, rate_hz, &design),
+        likelihood: None,
+    };
+    AxisAnalysis {
+        name: axis.name.clone(),
+        unit: axis.unit,
+        chain: axis.chain.as_ref().map(ToString::to_string),
+        mean: record.mean().map(|mean| axis.scale * (mean - axis.zero)),
+        samples,
+        invalid_samples: record.invalid(),
+        overlap: options.overlap,
+        curves: curves(&allan, &fits, &design),
+        fits,
+        allan: curve(&allan),
+        modified: curve(&modified),
+        hadamard: curve(&points(Statistic::Hadamard)),
+        spectrum: None,
+        velocity_error: None,
+    }
+}
+
+fn curve(points: &[Point]) -> Vec<CurvePoint> {
+    let point = |point: &Point| CurvePoint {
+        tau_s: point.tau_s,
+        m: point.m,
+        adev: point.deviation(),
+        lo: point.lo,
+        hi: point.hi,
+        edf: point.edf,
+    };
+    points.iter().map(point).collect()
+}
+
+fn curves(points: &[Point], fits: &Fits, design: &Design) -> Vec<CurveModel> {
+    let sum = |part: &dyn Fn(Coefficient) -> f64| {
+        let variance: f64 = Coefficient::ALL.into_iter().map(part).sum();
+        (variance > 0.0).then(|| variance.sqrt())
+    };
+    let curve = |point: &Point| CurveModel {
+        tau_s: point.tau_s,
+        weighted: fits.weighted.as_ref().and_then(|fit| {
+            sum(&|one| match fit.get(one).squared {
+                0.0 => 0.0,
+                squared => squared * design.unit_variance(Kernel::Allan, one, point.m),
+            })
+        }),
+        published: fits.published.as_ref().and_then(|fit| {
+            sum(&|one| fit.get(one).squared * one.term(1.0).allan_asymptote(point.tau_s))
+        }),
+    };
+    points.iter().map(curve).collect()
+}
+
+fn published_values(squares: PerCoefficient<f64>) -> PerCoefficient<PublishedValue> {
+    PerCoefficient::from_fn(|coefficient| {
+        let squared = *squares.get(coefficient);
+        PublishedValue {
+            value: (squared >= 0.0).then(|| squared.sqrt()),
+            squared,
+        }
+    })
+}

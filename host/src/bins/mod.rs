@@ -1,0 +1,9 @@
+//! Allan, modified Allan and Hadamard deviation of a record: averaging times, estimates, and
+//! their 95 % intervals.
+
+pub mod full;
+pub mod identify;
+pub mod point;
+pub mod record;
+pub mod strided;
+pub mod taus;

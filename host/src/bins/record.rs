@@ -1,0 +1,319 @@
+//! Accumulates the chunks of a source, axis by axis.
+
+use inm_allan::{Estimate, Statistic};
+
+use super::full::Segments;
+use super::strided::Strided;
+use crate::source::{Block, Chunk, Column, Gap, Values};
+
+/// Which differences enter an estimate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Overlap {
+    /// At least 24 an averaging time, four averaging times an octave, in bounded memory.
+    #[default]
+    Strided,
+    /// Every one, at any averaging time; keeps the record in memory.
+    Full,
+}
+
+/// What a record consists of, for all axes.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Account {
+    /// Samples that arrived, an axis.
+    pub samples: u64,
+    /// Samples known to be missing from all axes.
+    pub lost: u64,
+    /// Gaps in all axes.
+    pub gaps: Vec<Gap>,
+    /// News on the way, in words.
+    pub news: Vec<String>,
+}
+
+/// A record being accumulated.
+pub struct Record {
+    account: Account,
+    axes: Vec<AxisRecord>,
+    /// Index that the next sample should have, where the count goes on.
+    next: Option<u64>,
+}
+
+/// One axis of it.
+pub struct AxisRecord {
+    bins: AxisBins,
+    count: u64,
+    invalid: u64,
+    sum: Sum,
+}
+
+enum AxisBins {
+    Strided(Strided),
+    Full(Segments),
+}
+
+impl Record {
+    /// An empty record of `axes` axes.
+    pub fn new(axes: usize, overlap: Overlap) -> Self {
+        let axis = || AxisRecord {
+            bins: match overlap {
+                Overlap::Strided => AxisBins::Strided(Strided::default()),
+                Overlap::Full => AxisBins::Full(Segments::default()),
+            },
+            count: 0,
+            invalid: 0,
+            sum: Sum::default(),
+        };
+        Self {
+            account: Account::default(),
+            axes: (0..axes).map(|_| axis()).collect(),
+            next: None,
+        }
+    }
+
+    /// Takes the next chunk of a source.
+    pub fn push(&mut self, chunk: Chunk) {
+        match chunk {
+            Chunk::Samples(block) => self.push_block(&block),
+            Chunk::Gap(gap) => {
+                self.account.lost += gap.to.map_or(0, |to| to.saturating_sub(gap.from));
+                if gap.to.is_none() {
+                    // A new count begins: what its first index is does not matter.
+                    self.skip(1);
+                    self.next = None;
+                }
+                self.account.gaps.push(gap);
+            }
+            Chunk::News(news) => self.account.news.push(news),
+        }
+    }
+
+    fn push_block(&mut self, block: &Block) {
+        // Indices jump where samples are missing, told by a gap or not.
+        match self.next {
+            Some(next) if block.first > next => self.skip(block.first - next),
+            Some(next) if block.first < next => self.skip(1),
+            _ => {}
+        }
+        self.next = Some(block.end());
+        self.account.samples += block.len() as u64;
+        for (axis, column) in self.axes.iter_mut().zip(&block.columns) {
+            axis.push(column);
+        }
+    }
+
+    fn skip(&mut self, missing: u64) {
+        self.axes.iter_mut().for_each(|axis| axis.skip(missing));
+    }
+
+    /// Samples, losses and gaps so far.
+    pub fn account(&self) -> &Account {
+        &self.account
+    }
+
+    /// The axes.
+    pub fn axes(&self) -> &[AxisRecord] {
+        &self.axes
+    }
+}
+
+impl AxisRecord {
+    fn push(&mut self, column: &Column) {
+        let end = column.values.len();
+        let mut from = 0;
+        for bad in column
+            .invalid
+            .iter()
+            .cloned()
+            .chain(std::iter::once(end..end))
+        {
+            if bad.start > from {
+                self.push_run(&column.values, from..bad.start);
+            }
+            self.skip(bad.len() as u64);
+            self.invalid += bad.len() as u64;
+            from = bad.end;
+        }
+    }
+
+    fn skip(&mut self, missing: u64) {
+        if missing > 0 {
+            match &mut self.bins {
+                AxisBins::Strided(bins) => bins.skip(missing),
+                AxisBins::Full(segments) => segments.end(),
+            }
+        }
+    }
+
+    fn push_run(&mut self, values: &Values, run: std::ops::Range<usize>) {
+        self.count += run.len() as u64;
+        match values {
+            Values::Codes(codes) => {
+                let run = &codes[run];
+                self.sum.add_codes(run);
+                match &mut self.bins {
+                    AxisBins::Strided(bins) => bins.push_codes(run),
+                    AxisBins::Full(segments) => segments.push_codes(run),
+                }
+            }
+            Values::Floats(floats) => {
+                let run = &floats[run];
+                self.sum.add_floats(run);
+                match &mut self.bins {
+                    AxisBins::Strided(bins) => bins.push_floats(run),
+                    AxisBins::Full(segments) => segments.push_floats(run),
+                }
+            }
+        }
+    }
+
+    /// Samples that count.
+    pub fn count(&self) -> u64 {
+        self.count
+    }
+
+    /// Samples of this axis alone that were marked as unusable.
+    pub fn invalid(&self) -> u64 {
+        self.invalid
+    }
+
+    /// Mean in counts, `None` without samples.
+    pub fn mean(&self) -> Option<f64> {
+        (self.count > 0).then(|| self.sum.value() / self.count as f64)
+    }
+
+    /// Estimates in squared counts, ascending in `m`: at the averaging factors `factors` with
+    /// full overlap; at those of them that the bins hold where it is strided.
+    pub fn estimates(&self, statistic: Statistic, factors: &[u64]) -> Vec<Estimate> {
+        match &self.bins {
+            AxisBins::Full(segments) => segments.estimates(statistic, factors),
+            AxisBins::Strided(bins) => {
+                let mut all = bins.estimates(statistic);
+                all.retain(|estimate| factors.binary_search(&estimate.m).is_ok());
+                all
+            }
+        }
+    }
+
+    /// Estimates in squared counts at the averaging factors `factors`, or at the nearest ones
+    /// that the bins hold, each once.
+    pub fn nearest(&self, statistic: Statistic, factors: &[u64]) -> Vec<Estimate> {
+        let AxisBins::Strided(bins) = &self.bins else {
+            return self.estimates(statistic, factors);
+        };
+        let all = bins.estimates(statistic);
+        let distance = |estimate: &Estimate, m: u64| (estimate.m as f64 / m as f64).ln().abs();
+        let mut near: Vec<Estimate> = factors
+            .iter()
+            .filter_map(|&m| {
+                all.iter()
+                    .min_by(|a, b| distance(a, m).total_cmp(&distance(b, m)))
+                    .copied()
+            })
+            .collect();
+        near.dedup_by_key(|estimate| estimate.m);
+        near
+    }
+}
+
+/// A sum that does not lose the small against the large.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sum {
+    codes: i128,
+    floats: f64,
+    /// What was rounded off `floats` (Neumaier 1974).
+    rest: f64,
+}
+
+impl Sum {
+    fn add_codes(&mut self, codes: &[i32]) {
+        // A run in memory is shorter than 2^32, so 64 bits hold its sum.
+        self.codes += i128::from(codes.iter().map(|&code| i64::from(code)).sum::<i64>());
+    }
+
+    fn add_floats(&mut self, floats: &[f64]) {
+        // Short plain sums round at the size of their own few samples only.
+        for few in floats.chunks(64) {
+            let value: f64 = few.iter().sum();
+            let total = self.floats + value;
+            self.rest += if self.floats.abs() >= value.abs() {
+                (self.floats - total) + value
+            } else {
+                (value - total) + self.floats
+            };
+            self.floats = total;
+        }
+    }
+
+    fn value(&self) -> f64 {
+        self.codes as f64 + (self.floats + self.rest)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn floats(first: u64, values: &[f64], invalid: Vec<std::ops::Range<usize>>) -> Chunk {
+        let column = Column {
+            values: Values::Floats(values.to_vec()),
+            invalid,
+        };
+        Chunk::Samples(Block {
+            first,
+            columns: vec![column],
+        })
+    }
+
+    #[test]
+    fn both_overlaps_count_the_same_short_differences_across_gaps() {
+        for overlap in [Overlap::Strided, Overlap::Full] {
+            let mut record = Record::new(1, overlap);
+            let samples = [9.8, 9.9, 9.7, f64::NAN, 9.8, 9.6, 9.9, 9.7];
+            record.push(floats(0, &samples, std::iter::once(3..4).collect()));
+            record.push(Chunk::Gap(Gap {
+                from: 8,
+                to: Some(10),
+                cause: "test".into(),
+            }));
+            record.push(floats(10, &[9.8, 9.9], vec![]));
+            record.push(Chunk::Gap(Gap {
+                from: 12,
+                to: None,
+                cause: "test".into(),
+            }));
+            record.push(floats(0, &[9.5, 9.9], vec![]));
+            let axis = &record.axes()[0];
+            assert_eq!(
+                (axis.count(), axis.invalid(), record.account().lost),
+                (11, 1, 2)
+            );
+            let mean = axis.mean().expect("samples");
+            assert!(
+                (mean - (9.8 + 9.9 + 9.7 + 9.8 + 9.6 + 9.9 + 9.7 + 19.7 + 19.4) / 11.0).abs()
+                    < 1e-12
+            );
+            let one = axis.estimates(Statistic::Allan, &[1])[0];
+            let steps: [f64; 7] = [0.1, -0.2, -0.2, 0.3, -0.2, 0.1, 0.4];
+            let expected = steps.iter().map(|step| step * step).sum::<f64>() / 14.0;
+            assert_eq!(one.terms, 7, "{overlap:?}");
+            assert!(
+                (one.variance / expected - 1.0).abs() < 1e-9,
+                "{overlap:?} {}",
+                one.variance
+            );
+        }
+    }
+
+    #[test]
+    fn nearest_of_the_bins() {
+        let mut record = Record::new(1, Overlap::Strided);
+        let samples: Vec<f64> = (0..200).map(|k| f64::from(k % 7)).collect();
+        record.push(floats(0, &samples, vec![]));
+        let factors: Vec<u64> = record.axes()[0]
+            .nearest(Statistic::Allan, &[1, 9, 11, 70])
+            .iter()
+            .map(|estimate| estimate.m)
+            .collect();
+        assert_eq!(factors, [1, 10, 12, 64]);
+    }
+}

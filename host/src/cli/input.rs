@@ -1,0 +1,57 @@
+//! Options that say what an array file holds, shared by the subcommands that read one.
+
+use clap::Args;
+
+use crate::chain::Chain;
+use crate::signal::Unit;
+use crate::source::options::{ArrayOptions, Selector};
+
+/// What an array file does not say itself. Captures carry all of it.
+#[derive(Debug, Clone, Args)]
+#[command(next_help_heading = "Array files (.npy, .csv, columns of text)")]
+pub struct InputOptions {
+    /// Samples a second.
+    #[arg(long, value_name = "HZ")]
+    pub rate: Option<f64>,
+    /// Column of time stamps in seconds (number from 0, or name); gives the rate and the gaps.
+    #[arg(long, value_name = "COLUMN")]
+    pub time: Option<Selector>,
+    /// Columns to take as axes, by number from 0 or by name; all where not given.
+    #[arg(long, value_name = "COLUMN,...", value_delimiter = ',')]
+    pub columns: Vec<Selector>,
+    /// Unit of the scaled data: m/s^2, g, rad/s, deg/s, V or counts. Integers need this or a scale.
+    #[arg(long)]
+    pub unit: Option<Unit>,
+    /// Units per count, once or one for each column.
+    #[arg(
+        long,
+        value_name = "UNIT_PER_COUNT,...",
+        value_delimiter = ',',
+        allow_negative_numbers = true
+    )]
+    pub scale: Vec<f64>,
+    /// Leave out what lies before this time, seconds from the start.
+    #[arg(long, value_name = "S")]
+    pub from: Option<f64>,
+    /// Leave out what lies at or after this time, seconds from the start.
+    #[arg(long, value_name = "S")]
+    pub to: Option<f64>,
+    /// Signal chain the data came through, such as ads1281:linear+400hz.
+    #[arg(long)]
+    pub chain: Option<Chain>,
+}
+
+impl From<InputOptions> for ArrayOptions {
+    fn from(options: InputOptions) -> Self {
+        Self {
+            rate_hz: options.rate,
+            time: options.time,
+            columns: options.columns,
+            unit: options.unit,
+            scales: options.scale,
+            from_s: options.from,
+            to_s: options.to,
+            chain: options.chain,
+        }
+    }
+}

@@ -1,0 +1,45 @@
+//! `inm live`: record a board, and watch its Allan table grow.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::board::BoardOptions;
+use super::interrupt;
+use super::results::ResultOptions;
+use crate::analyse::{AnalysisOptions, summarise};
+use crate::bins::record::{Overlap, Record};
+use crate::live::{Screen, watch};
+use crate::source::Source;
+use crate::source::board::BoardSource;
+
+/// Arguments of `inm live`.
+#[derive(Debug, Args)]
+pub struct LiveCommand {
+    #[command(flatten)]
+    board: BoardOptions,
+    /// Capture to write; it must not exist yet. Without one, only the statistics are kept.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    results: ResultOptions,
+}
+
+impl LiveCommand {
+    /// Runs the subcommand. Ctrl-C ends the recording and prints the noise table.
+    ///
+    /// # Errors
+    /// What the board or a file says; what was recorded until then stays, and is analysed.
+    pub fn run(self) -> anyhow::Result<()> {
+        let stop = interrupt::stop_on_signal()?;
+        let connect = self.board.connect(1.0);
+        let mut source =
+            BoardSource::start(connect, self.board.plan(), self.output.as_deref(), stop)?;
+        let signal = source.signal().clone();
+        let mut record = Record::new(signal.axes.len(), Overlap::Strided);
+        let ended = watch(&mut source, Some(&mut record), &mut Screen::stderr());
+        let analysis = summarise(&signal, &record, &AnalysisOptions::default());
+        self.results.write(&analysis)?;
+        Ok(ended?)
+    }
+}

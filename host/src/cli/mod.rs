@@ -1,0 +1,83 @@
+//! The command line: one file per subcommand.
+//!
+//! Exit status: 0 done; 2 bad usage or input, with a message that names the place and the remedy.
+
+pub mod analyze;
+pub mod board;
+pub mod demo;
+#[cfg(feature = "flash")]
+pub mod flash;
+pub mod input;
+pub mod interrupt;
+pub mod live;
+pub mod output;
+pub mod record;
+pub mod replay;
+pub mod results;
+pub mod simulate;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Exit status of bad usage or input; clap uses the same.
+const BAD_INPUT: u8 = 2;
+
+/// Noise bench for inertial accelerometers.
+#[derive(Debug, Parser)]
+#[command(name = "inm", version, max_term_width = 100)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// The whole chain without hardware: virtual board, capture, noise table, report.
+    Demo(demo::DemoCommand),
+    /// Record a board into a capture file.
+    Record(record::RecordCommand),
+    /// Record a board and watch its Allan table grow.
+    Live(live::LiveCommand),
+    /// Allan deviation and noise coefficients of a record.
+    Analyze(analyze::Analyze),
+    /// Data from a noise model.
+    Simulate(simulate::Simulate),
+    /// Send a capture down the path that live data take.
+    Replay(replay::ReplayCommand),
+    /// Program the board through a debug probe.
+    #[cfg(feature = "flash")]
+    Flash(flash::FlashCommand),
+}
+
+/// Runs the command line of this process.
+pub fn main() -> ExitCode {
+    let result = match Arguments::parse().command {
+        Command::Demo(command) => command.run(),
+        Command::Record(command) => command.run(),
+        Command::Live(command) => command.run(),
+        Command::Analyze(command) => command.run(),
+        Command::Simulate(command) => command.run(),
+        Command::Replay(command) => command.run(),
+        #[cfg(feature = "flash")]
+        Command::Flash(command) => command.run(),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            // The whole chain of causes on one line.
+            eprintln!("inm: {error:#}");
+            ExitCode::from(BAD_INPUT)
+        }
+    }
+}
+
+/// Whether the reader of our output went away, as `head` does: no error to speak of.
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    error.chain().any(|cause| {
+        cause
+            .downcast_ref::<std::io::Error>()
+            .is_some_and(|error| error.kind() == std::io::ErrorKind::BrokenPipe)
+    })
+}

@@ -1,0 +1,136 @@
+//! The same five terms, fitted with each point weighed by its own uncertainty and coefficients
+//! that may not be negative.
+//!
+//! The points are those of the *modified* Allan variance, although the table and the plot show the
+//! Allan variance: where quantisation noise is large, the Allan variance is ruled by it at every
+//! averaging time below the crossing with the walk, since its kernel does not keep out high
+//! frequencies, and white noise only shows as a small difference of large numbers. The modified
+//! variance of quantisation noise falls faster by a factor of `m`, so that each term has
+//! averaging times of its own, and its estimates lose nothing by being taken in strides.
+//!
+//! A point's weight is the inverse variance of its estimate under the fitted model, found by
+//! iteration: the measured curve gives the first weights, then the model's own, so that a
+//! point that came out low by chance does not gain weight by it. The intervals take into account
+//! that the points err together ([`super::covariance`]).
+
+use nalgebra::{DMatrix, DVector};
+
+use super::covariance::covariance;
+use super::design::Design;
+use super::least_squares::solve_non_negative;
+use crate::analyse::WeightedValue;
+use crate::bins::point::Point;
+use crate::model::kernel::Kernel;
+use crate::model::{Coefficient, PerCoefficient};
+
+/// Rounds of weighing; the weights settle to a fraction of a percent in four.
+const ROUNDS: usize = 6;
+
+/// Points with fewer degrees of freedom carry no weight worth having and spoil its estimate.
+const LEAST_EDF: f64 = 1.0;
+
+/// Standard deviations of a 95 % interval.
+const SIGMAS: f64 = 1.96;
+
+/// Fits the points of a modified Allan curve at `rate_hz`.
+///
+/// `None` where fewer than five points carry weight, or the curve is zero everywhere.
+pub fn fit(
+    points: &[Point],
+    rate_hz: f64,
+    design: &Design,
+) -> Option<PerCoefficient<WeightedValue>> {
+    let points: Vec<Point> = points
+        .iter()
+        .filter(|point| point.edf >= LEAST_EDF && point.variance > 0.0)
+        .copied()
+        .collect();
+    if points.len() < Coefficient::ALL.len() {
+        return None;
+    }
+    let factors: Vec<u64> = points.iter().map(|point| point.m).collect();
+    let a = design.matrix(Kernel::Modified, &factors);
+    let y = DVector::from_iterator(points.len(), points.iter().map(|point| point.variance));
+    let mut deviation = DVector::from_iterator(
+        points.len(),
+        points
+            .iter()
+            .map(|point| point.variance * (2.0 / point.edf).sqrt()),
+    );
+    let mut squares = weigh_and_solve(&a, &y, &deviation);
+    let mut errors = DMatrix::zeros(0, 0);
+    for _ in 0..ROUNDS {
+        let model = per_coefficient(&squares);
+        errors = covariance(
+            &points,
+            rate_hz,
+            |f| design.spectrum(&model, f),
+            &(&a * &squares),
+        );
+        deviation = errors.diagonal().map(f64::sqrt);
+        if !deviation.iter().all(|one| one.is_normal()) {
+            return None;
+        }
+        squares = weigh_and_solve(&a, &y, &deviation);
+    }
+    let found: Vec<usize> = (0..squares.len()).filter(|&j| squares[j] > 0.0).collect();
+    let values = Coefficient::ALL.iter().enumerate().map(|(j, _)| {
+        let mut columns = found.clone();
+        if !columns.contains(&j) {
+            columns.push(j);
+        }
+        let error = SIGMAS * standard_error(&a, &deviation, &errors, &columns, j);
+        WeightedValue {
+            value: (squares[j] > 0.0).then(|| squares[j].sqrt()),
+            squared: squares[j],
+            lo: (squares[j] - error).max(0.0).sqrt(),
+            hi: (squares[j] + error).sqrt(),
+        }
+    });
+    let mut values = values.collect::<Vec<_>>().into_iter();
+    let mut next = || values.next().filter(|value| value.hi.is_finite());
+    let [r, k, b, n, q] = [next()?, next()?, next()?, next()?, next()?];
+    Some(PerCoefficient { r, k, b, n, q })
+}
+
+fn per_coefficient(squares: &DVector<f64>) -> PerCoefficient<f64> {
+    let mut squares = squares.iter();
+    PerCoefficient::from_fn(|_| *squares.next().unwrap_or(&0.0))
+}
+
+fn weigh_and_solve(a: &DMatrix<f64>, y: &DVector<f64>, deviation: &DVector<f64>) -> DVector<f64> {
+    let weighted = DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)] / deviation[i]);
+    solve_non_negative(&weighted, &y.component_div(deviation))
+}
+
+/// Standard error of the square in column `j`, of a fit with the columns `columns` weighted by
+/// `deviation` to points with the covariance `errors`. Infinite if they cannot be told apart.
+fn standard_error(
+    a: &DMatrix<f64>,
+    deviation: &DVector<f64>,
+    errors: &DMatrix<f64>,
+    columns: &[usize],
+    j: usize,
+) -> f64 {
+    // Columns scaled to one, so that their units do not matter.
+    let part = a.select_columns(columns);
+    let weighted = DMatrix::from_fn(part.nrows(), part.ncols(), |i, k| {
+        part[(i, k)] / deviation[i]
+    });
+    let lengths = DVector::from_iterator(columns.len(), weighted.column_iter().map(|c| c.norm()));
+    let scaled = DMatrix::from_fn(part.nrows(), part.ncols(), |i, k| {
+        weighted[(i, k)] / lengths[k]
+    });
+    let Some(normal) = (scaled.transpose() * &scaled).try_inverse() else {
+        return f64::INFINITY;
+    };
+    let correlation = DMatrix::from_fn(part.nrows(), part.nrows(), |i, k| {
+        errors[(i, k)] / deviation[i] / deviation[k]
+    });
+    let middle = scaled.transpose() * correlation * &scaled;
+    let result = &normal * middle * &normal;
+    let Some(at) = columns.iter().position(|&column| column == j) else {
+        return f64::INFINITY;
+    };
+    result[(at, at)].sqrt() / lengths[at]
+}

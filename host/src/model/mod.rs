@@ -1,0 +1,193 @@
+//! The noise model: a sum of independent terms, one file for each.
+//!
+//! A [`Term`] knows its law (Allan variance and spectrum of the *sampled* process), how to make
+//! data that follow it, and what it is physically. The five terms of the published model
+//! (Pavlov and Petrov eq. 8) are each linear in one squared [`Coefficient`]; that is what the
+//! fits use. Spectra are two-sided, per hertz; averaging times are `m` data periods.
+
+pub mod flicker;
+pub mod kernel;
+pub mod published;
+pub mod quantisation;
+pub mod ramp;
+pub mod walk;
+pub mod white;
+
+use crate::signal::Unit;
+use crate::simulate::Generator;
+
+/// One kind of noise with its parameters.
+pub trait Term: Send + Sync {
+    /// Allan variance of the sampled process at `m` data periods, exact.
+    fn allan_variance(&self, m: u64, rate_hz: f64) -> f64;
+
+    /// Allan variance of the process in continuous time: the textbook straight line.
+    fn allan_asymptote(&self, tau_s: f64) -> f64;
+
+    /// Two-sided spectral density of the sampled process at `f_hz`, between zero and half the
+    /// rate. Zero for what is not random.
+    fn spectrum(&self, f_hz: f64, rate_hz: f64) -> f64;
+
+    /// Two-sided spectral density ahead of a signal chain that band-limits and samples it.
+    fn spectrum_ahead(&self, f_hz: f64, rate_hz: f64) -> f64;
+
+    /// Makes data that follow the law; the same `seed` gives the same data.
+    fn generator(&self, rate_hz: f64, seed: Seed) -> Box<dyn Generator>;
+}
+
+/// Names one stream of random numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Seed {
+    /// What the user chose.
+    pub seed: u64,
+    /// Which stream of it: axes and terms have one each.
+    pub stream: u64,
+}
+
+/// The five coefficients of eq. 8, in the order of falling slope of the Allan curve.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Coefficient {
+    /// Rate ramp.
+    R,
+    /// Rate random walk.
+    K,
+    /// Bias instability.
+    B,
+    /// Velocity (or angle) random walk.
+    N,
+    /// Quantisation.
+    Q,
+}
+
+impl Coefficient {
+    /// All five.
+    pub const ALL: [Self; 5] = [Self::R, Self::K, Self::B, Self::N, Self::Q];
+
+    /// The letter.
+    pub const fn symbol(self) -> &'static str {
+        match self {
+            Self::R => "R",
+            Self::K => "K",
+            Self::B => "B",
+            Self::N => "N",
+            Self::Q => "Q",
+        }
+    }
+
+    /// What it is called.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::R => "rate ramp",
+            Self::K => "rate random walk",
+            Self::B => "bias instability",
+            Self::N => "white noise",
+            Self::Q => "quantisation noise",
+        }
+    }
+
+    /// What it does physically, in a sentence.
+    pub const fn meaning(self) -> &'static str {
+        match self {
+            Self::R => ramp::MEANING,
+            Self::K => walk::MEANING,
+            Self::B => flicker::MEANING,
+            Self::N => white::MEANING,
+            Self::Q => quantisation::MEANING,
+        }
+    }
+
+    /// Its unit, for a signal in `unit`.
+    pub fn unit(self, unit: Unit) -> String {
+        let special = match (unit, self) {
+            (Unit::MetrePerSecondSquared, Self::R) => "m/s^3",
+            (Unit::MetrePerSecondSquared, Self::K) => "m/s^2/sqrt(s)",
+            (Unit::MetrePerSecondSquared, Self::N) => "m/s/sqrt(s)",
+            (Unit::MetrePerSecondSquared, Self::Q) => "m/s",
+            (Unit::RadianPerSecond, Self::N) => "rad/sqrt(s)",
+            (Unit::RadianPerSecond, Self::Q) => "rad",
+            (Unit::DegreePerSecond, Self::N) => "deg/sqrt(s)",
+            (Unit::DegreePerSecond, Self::Q) => "deg",
+            (_, Self::B) => unit.symbol(),
+            _ => "",
+        };
+        if !special.is_empty() {
+            return special.to_owned();
+        }
+        match self {
+            Self::R => format!("{unit}/s"),
+            Self::K => format!("{unit}/sqrt(s)"),
+            Self::N => format!("{unit}*sqrt(s)"),
+            _ => format!("{unit}*s"),
+        }
+    }
+
+    /// The term with this coefficient at `value`.
+    pub fn term(self, value: f64) -> Box<dyn Term> {
+        match self {
+            Self::R => Box::new(ramp::Ramp { per_s: value }),
+            Self::K => Box::new(walk::Walk { per_root_s: value }),
+            Self::B => Box::new(flicker::Flicker { level: value }),
+            Self::N => Box::new(white::White {
+                root_density: value,
+            }),
+            Self::Q => Box::new(quantisation::Quantisation { step: value }),
+        }
+    }
+}
+
+/// One number for each coefficient.
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
+pub struct PerCoefficient<T> {
+    /// Rate ramp.
+    #[serde(rename = "R")]
+    pub r: T,
+    /// Rate random walk.
+    #[serde(rename = "K")]
+    pub k: T,
+    /// Bias instability.
+    #[serde(rename = "B")]
+    pub b: T,
+    /// White noise.
+    #[serde(rename = "N")]
+    pub n: T,
+    /// Quantisation.
+    #[serde(rename = "Q")]
+    pub q: T,
+}
+
+impl<T> PerCoefficient<T> {
+    /// Asks `value` for each.
+    pub fn from_fn(mut value: impl FnMut(Coefficient) -> T) -> Self {
+        Self {
+            r: value(Coefficient::R),
+            k: value(Coefficient::K),
+            b: value(Coefficient::B),
+            n: value(Coefficient::N),
+            q: value(Coefficient::Q),
+        }
+    }
+
+    /// The one for `coefficient`.
+    pub const fn get(&self, coefficient: Coefficient) -> &T {
+        match coefficient {
+            Coefficient::R => &self.r,
+            Coefficient::K => &self.k,
+            Coefficient::B => &self.b,
+            Coefficient::N => &self.n,
+            Coefficient::Q => &self.q,
+        }
+    }
+}
+
+impl PerCoefficient<f64> {
+    /// The terms whose coefficient is not zero.
+    pub fn terms(&self) -> Vec<Box<dyn Term>> {
+        let present = |&coefficient: &Coefficient| *self.get(coefficient) != 0.0;
+        let term = |coefficient: Coefficient| coefficient.term(*self.get(coefficient));
+        Coefficient::ALL
+            .into_iter()
+            .filter(present)
+            .map(term)
+            .collect()
+    }
+}

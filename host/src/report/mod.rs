@@ -1,0 +1,11 @@
+//! Formats a finished [`Analysis`](crate::analyse::Analysis): text, JSON, HTML, PNG. Nothing is
+//! computed here that the result does not hold.
+
+pub mod allan_plot;
+pub mod html;
+pub mod json;
+pub mod number;
+pub mod png;
+pub mod svg;
+pub mod text;
+pub mod verdict;

@@ -1,0 +1,194 @@
+//! The result as a short table for the terminal.
+
+use std::fmt::Write;
+
+use super::number::{duration, grouped, plain, significant};
+use super::verdict;
+use crate::analyse::{Analysis, AxisAnalysis, CurvePoint, PublishedValue, SourceSummary};
+use crate::model::Coefficient;
+
+/// Rows of the Allan table at most; JSON and HTML have every point.
+const MOST_ROWS: usize = 24;
+
+/// Gaps listed at most.
+const MOST_GAPS: usize = 5;
+
+/// The whole text, with a newline at the end.
+pub fn render(analysis: &Analysis) -> String {
+    let mut text = String::new();
+    // Writing to a string cannot fail.
+    let _ = head(&mut text, &analysis.source)
+        .and_then(|()| {
+            analysis
+                .axes
+                .iter()
+                .try_for_each(|axis| coefficients(&mut text, axis))
+        })
+        .and_then(|()| allan_table(&mut text, &analysis.axes));
+    text
+}
+
+fn head(text: &mut String, source: &SourceSummary) -> std::fmt::Result {
+    writeln!(
+        text,
+        "{}: {} samples an axis at {}/s, {}",
+        source.file,
+        grouped(source.samples),
+        plain(source.rate_hz),
+        duration(source.duration_s),
+    )?;
+    if let Some(chain) = &source.chain {
+        writeln!(
+            text,
+            "Signal chain {chain}: its effect on every term is part of the weighted fit."
+        )?;
+    }
+    if source.gaps.is_empty() {
+        return writeln!(text, "No gaps.");
+    }
+    writeln!(
+        text,
+        "{} gaps, {} samples known to be missing; no difference spans a gap.",
+        source.gaps.len(),
+        grouped(source.lost_samples)
+    )?;
+    for gap in source.gaps.iter().take(MOST_GAPS) {
+        let length = gap.samples.map_or("an unknown number of".into(), grouped);
+        writeln!(
+            text,
+            "  at {} s: {length} samples, {}",
+            significant(gap.from_s, 6),
+            gap.cause
+        )?;
+    }
+    if source.gaps.len() > MOST_GAPS {
+        writeln!(text, "  and {} more", source.gaps.len() - MOST_GAPS)?;
+    }
+    Ok(())
+}
+
+fn coefficients(text: &mut String, axis: &AxisAnalysis) -> std::fmt::Result {
+    writeln!(text)?;
+    let mean = axis.mean.map_or("none".into(), |mean| significant(mean, 6));
+    write!(text, "Axis {}: mean {mean} {}", axis.name, axis.unit)?;
+    if axis.invalid_samples > 0 {
+        write!(
+            text,
+            ", {} unusable samples left out",
+            grouped(axis.invalid_samples)
+        )?;
+    }
+    writeln!(text)?;
+    let Some(weighted) = &axis.fits.weighted else {
+        return writeln!(text, "  Too short for a fit of five coefficients.");
+    };
+    let width = Coefficient::ALL
+        .iter()
+        .map(|one| one.unit(axis.unit).len())
+        .max()
+        .unwrap_or_default();
+    writeln!(
+        text,
+        "  {:<22} {:>14} {:>11} {:>23}  {:<width$}",
+        "", "published fit", "weighted", "95 % interval", "unit"
+    )?;
+    for coefficient in Coefficient::ALL.into_iter().rev() {
+        let value = weighted.get(coefficient);
+        let published = axis.fits.published.as_ref().map(|fit| fit.get(coefficient));
+        let interval = if value.lo > 0.0 {
+            format!(
+                "{} .. {}",
+                significant(value.lo, 4),
+                significant(value.hi, 4)
+            )
+        } else {
+            format!("below {}", significant(value.hi, 3))
+        };
+        let remark = published.and_then(|published| verdict::published(published, value));
+        writeln!(
+            text,
+            "  {} {:<20} {:>14} {:>11} {:>23}  {:<width$}  {}{}",
+            coefficient.symbol(),
+            coefficient.name(),
+            published.map_or("-".into(), published_value),
+            value
+                .value
+                .map_or("-".into(), |value| significant(value, 4)),
+            interval,
+            coefficient.unit(axis.unit),
+            verdict::sentence(value),
+            remark.map_or(String::new(), |remark| format!(" ({remark})")),
+        )?;
+    }
+    Ok(())
+}
+
+fn published_value(value: &PublishedValue) -> String {
+    match value.value {
+        Some(value) => significant(value, 4),
+        None => format!("sq {}", significant(value.squared, 3)),
+    }
+}
+
+fn allan_table(text: &mut String, axes: &[AxisAnalysis]) -> std::fmt::Result {
+    let Some(longest) = axes.iter().max_by_key(|axis| axis.allan.len()) else {
+        return Ok(());
+    };
+    if longest.allan.is_empty() {
+        return Ok(());
+    }
+    let overlap = match longest.overlap {
+        crate::analyse::Overlap::Full => "every overlap",
+        crate::analyse::Overlap::Strided => "bounded memory",
+    };
+    writeln!(
+        text,
+        "\nAllan deviation ({overlap}), half width of the 95 % interval in percent"
+    )?;
+    write!(text, "  {:>12}", "tau, s")?;
+    for axis in axes {
+        write!(text, "  {:>22}", format!("{}, {}", axis.name, axis.unit))?;
+    }
+    writeln!(text)?;
+    for row in shown(&longest.allan) {
+        write!(text, "  {:>12}", significant(row.tau_s, 6))?;
+        for axis in axes {
+            let cell = axis
+                .allan
+                .iter()
+                .find(|point| point.m == row.m)
+                .map_or("-".into(), cell);
+            write!(text, "  {cell:>22}")?;
+        }
+        writeln!(text)?;
+    }
+    Ok(())
+}
+
+/// All points where they are few, else those at powers of two, else evenly chosen ones.
+fn shown(points: &[CurvePoint]) -> Vec<&CurvePoint> {
+    if points.len() <= MOST_ROWS {
+        return points.iter().collect();
+    }
+    let octaves: Vec<_> = points
+        .iter()
+        .filter(|point| point.m.is_power_of_two())
+        .collect();
+    if (MOST_ROWS / 2..=MOST_ROWS + 8).contains(&octaves.len()) {
+        return octaves;
+    }
+    points
+        .iter()
+        .step_by(points.len().div_ceil(MOST_ROWS))
+        .collect()
+}
+
+fn cell(point: &CurvePoint) -> String {
+    let percent = 50.0 * (point.hi - point.lo) / point.adev;
+    let width = if percent < 0.1 {
+        "<0.1".into()
+    } else {
+        significant(percent, 2)
+    };
+    format!("{} +-{width:>4}", significant(point.adev, 8))
+}

@@ -1,0 +1,47 @@
+//! Simulated records: seeded, streaming, in bounded memory for any length.
+
+pub mod file;
+pub mod source;
+
+use rand_distr::{Distribution, StandardNormal};
+use rand_pcg::Pcg64;
+
+use crate::model::Seed;
+
+/// Makes one term's part of a record, block after block.
+pub trait Generator: Send {
+    /// Adds the next samples to `samples`.
+    fn add_to(&mut self, samples: &mut [f64]);
+}
+
+/// A seeded stream of Gaussian numbers with mean zero.
+pub struct Gaussian {
+    random: Pcg64,
+    deviation: f64,
+}
+
+impl Gaussian {
+    /// A stream with the standard deviation `deviation`.
+    pub fn new(seed: Seed, deviation: f64) -> Self {
+        // The generator is told apart by its stream constant; any seed is as good as another.
+        let state = 0x9e37_79b9_7f4a_7c15_u128 << 64 | u128::from(seed.seed);
+        Self {
+            random: Pcg64::new(state, u128::from(seed.stream)),
+            deviation,
+        }
+    }
+
+    /// The next number.
+    pub fn draw(&mut self) -> f64 {
+        let standard: f64 = StandardNormal.sample(&mut self.random);
+        self.deviation * standard
+    }
+}
+
+impl Generator for Gaussian {
+    fn add_to(&mut self, samples: &mut [f64]) {
+        for sample in samples {
+            *sample += self.draw();
+        }
+    }
+}

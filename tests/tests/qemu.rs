@@ -1,0 +1,262 @@
+//! The image itself: the board's program in QEMU, streaming over a real serial port.
+//!
+//! QEMU executes the image instruction by instruction; the three converters on its buses are
+//! emulated inside it. The host makes the words again from the same seed and compares all of
+//! them. Integers on both sides, so one bit of difference is an error.
+//!
+//! Ignored where there is no image; `cargo xtask test` builds it and runs these.
+
+use std::time::Instant;
+
+use inm_emulator::channel::{Channel, published};
+use inm_emulator::{Conversion, Registers};
+use inm_host::link::{Client, Connect, LinkError};
+use inm_host::source::assemble::Losses;
+use inm_host::source::board::{BoardSource, Plan, Stop};
+use inm_host::source::{Block, Chunk, Source, Values};
+use inm_protocol::{
+    AXES, Answer, AxisCounters, Decoder, Filter, Health, Identity, Rate, Refusal, Reply, Request,
+    Restart, Settings, ToHost,
+};
+use inm_tests::qemu::{PATIENCE, Qemu};
+
+/// The image's seed, `SEED` in board_qemu.rs.
+const SEED: u64 = 0x494e_4d31;
+
+/// Board time of a stream, seconds.
+const DURATION_S: u64 = 60;
+
+/// The words that the converters make after a start at a new rate.
+struct Expected {
+    registers: Registers,
+    axes: [Conversion<Channel>; AXES],
+}
+
+impl Expected {
+    /// `config0` is register 01h as the driver must have written it (SBAS378D, table 14).
+    fn new(config0: u8) -> Self {
+        let mut registers = Registers::default();
+        registers.set(0x01, config0);
+        Self {
+            registers,
+            axes: [0, 1, 2].map(|axis| Conversion::new(published(axis, SEED))),
+        }
+    }
+
+    fn compare(&mut self, block: &Block) {
+        for (axis, column) in block.columns.iter().enumerate() {
+            assert_eq!(column.invalid, [], "axis {axis}: no word is flagged");
+            let Values::Codes(codes) = &column.values else {
+                panic!("codes stay codes")
+            };
+            for (i, &code) in codes.iter().enumerate() {
+                let word = self.axes[axis].next_word(&self.registers);
+                let index = block.first + i as u64;
+                assert_eq!(
+                    code as u32, word,
+                    "axis {axis}, word {index}, seed {SEED:#x}"
+                );
+            }
+        }
+    }
+}
+
+/// Streams at `rate` and compares every word.
+fn stream(rate: Rate, config0: u8) {
+    let qemu = Qemu::start().expect("QEMU runs the image");
+    let plan = Plan {
+        settings: Some(Settings {
+            rate,
+            filter: Filter::default(),
+        }),
+        samples: Some(DURATION_S * u64::from(rate.hz())),
+        patience: PATIENCE,
+        ..Plan::default()
+    };
+    let wanted = plan.samples;
+    let mut source = BoardSource::start(Box::new(qemu.connect()), plan, None, Stop::default())
+        .expect("the board starts");
+    let begin = Instant::now();
+    let mut expected = Expected::new(config0);
+    let mut received = 0;
+    let mut first_health = None;
+    while let Some(chunk) = source.next_chunk().expect("the port stays") {
+        match chunk {
+            Chunk::Samples(block) => {
+                assert_eq!(block.first, received, "no gap in the index");
+                expected.compare(&block);
+                received = block.end();
+            }
+            Chunk::Gap(gap) => panic!("a gap: {gap:?}"),
+            Chunk::News(news) => panic!("news on a sound board: {news}"),
+        }
+        first_health = first_health.or(source.status().health);
+    }
+    let took = begin.elapsed().as_secs_f64();
+    assert!(Some(received) >= wanted, "{received} of {wanted:?} samples");
+    assert_eq!(source.losses(), Losses::default());
+    assert_eq!(source.damaged(), (0, 0), "frames damaged, and their bytes");
+    let health = source
+        .status()
+        .health
+        .as_ref()
+        .expect("a health record each second");
+    assert_sound(health);
+    println!(
+        "{received} conversions of three axes at {}/s equal bit for bit: {:.0} s of board time in \
+         {took:.1} s; stack {} of {} bytes",
+        rate.hz(),
+        received as f64 / f64::from(rate.hz()),
+        health.stack_used,
+        health.stack_size,
+    );
+}
+
+/// Nothing went wrong on the board.
+fn assert_sound(health: &Health) {
+    for axis in health.axes {
+        // Each start resets the converters on purpose.
+        assert_eq!(
+            axis,
+            AxisCounters {
+                resets: axis.resets,
+                ..AxisCounters::default()
+            }
+        );
+    }
+    assert_eq!(health.lost_conversions, 0);
+    assert_eq!(health.link.frames_dropped, 0);
+    assert!(health.stack_used > 0, "the stack is measured");
+    assert!(
+        health.stack_used < health.stack_size / 2,
+        "half the stack is in reserve: {health:?}"
+    );
+}
+
+#[test]
+#[ignore = "needs the image for QEMU: cargo xtask test"]
+fn a_minute_at_2000_a_second_arrives_bit_for_bit() {
+    stream(Rate::Sps2000, 0x5a);
+}
+
+#[test]
+#[ignore = "needs the image for QEMU: cargo xtask test"]
+fn a_minute_at_4000_a_second_arrives_bit_for_bit() {
+    stream(Rate::Sps4000, 0x62);
+}
+
+/// A board and what it said.
+struct Talk {
+    client: Client,
+    decoder: Decoder,
+    samples: u64,
+}
+
+impl Talk {
+    fn ask(&mut self, request: Request) -> Result<Answer, Refusal> {
+        let Self {
+            client,
+            decoder,
+            samples,
+        } = self;
+        let answer = client.request(request, |mut bytes, id| {
+            let mut found: Option<Reply> = None;
+            while let Some(message) = decoder.next::<ToHost>(&mut bytes) {
+                match message.expect("a pty damages nothing") {
+                    ToHost::Samples(batch) => *samples += batch.codes.len() as u64,
+                    ToHost::Reply(reply) if reply.id == id => found = Some(reply),
+                    _ => {}
+                }
+            }
+            Ok::<_, LinkError>(found)
+        });
+        match answer {
+            Ok(answer) => Ok(answer),
+            Err(LinkError::Refused { refusal, .. }) => Err(refusal),
+            Err(error) => panic!("{error}"),
+        }
+    }
+
+    fn identify(&mut self) -> Identity {
+        match self.ask(Request::Identify) {
+            Ok(Answer::Identity(identity)) => identity,
+            other => panic!("not an identity: {other:?}"),
+        }
+    }
+}
+
+#[test]
+#[ignore = "needs the image for QEMU: cargo xtask test"]
+fn commands_are_answered_refused_and_survive_a_restart() {
+    let qemu = Qemu::start().expect("QEMU runs the image");
+    let port = qemu.connect().open().expect("its port opens");
+    let client = Client::new(port, "QEMU".to_owned(), PATIENCE);
+    let mut board = Talk {
+        client,
+        decoder: Decoder::new(),
+        samples: 0,
+    };
+
+    let identity = board.identify();
+    assert_eq!(identity.platform, "qemu");
+    assert_eq!(identity.restart, Restart::Power);
+    assert!(
+        identity.converters.iter().all(Option::is_some),
+        "{identity:?}"
+    );
+
+    let sinc = Settings {
+        rate: Rate::Sps4000,
+        filter: Filter::Sinc,
+    };
+    let refused = board.ask(Request::Configure(sinc));
+    assert!(
+        matches!(refused, Err(Refusal::LinkTooSlow { .. })),
+        "{refused:?}"
+    );
+    assert_eq!(
+        board.identify().settings,
+        Settings::default(),
+        "a refused mode changes nothing"
+    );
+
+    // Stop and start, three times: it streams after each start and is silent after each stop.
+    for round in 1..=3 {
+        assert_eq!(
+            board.ask(Request::Start),
+            Ok(Answer::Settings(Settings::default()))
+        );
+        assert_eq!(
+            board.ask(Request::Start),
+            Err(Refusal::Streaming),
+            "round {round}"
+        );
+        let before = board.samples;
+        for _ in 0..100 {
+            board.identify();
+        }
+        assert!(
+            board.samples > before,
+            "round {round}: samples come while it streams"
+        );
+        assert_eq!(board.ask(Request::Stop), Ok(Answer::Done));
+        let after = board.samples;
+        for _ in 0..20 {
+            board.identify();
+        }
+        assert_eq!(board.samples, after, "round {round}: none after the stop");
+    }
+
+    assert_eq!(board.ask(Request::Reset), Ok(Answer::Done));
+    let identity = board.identify();
+    assert_eq!(
+        identity.restart,
+        Restart::Command,
+        "the reason survives the restart"
+    );
+    assert_eq!(
+        board.ask(Request::Start),
+        Ok(Answer::Settings(Settings::default()))
+    );
+    assert_eq!(board.ask(Request::Stop), Ok(Answer::Done));
+}

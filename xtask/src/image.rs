@@ -1,0 +1,63 @@
+//! Building the images.
+
+use std::fs;
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+
+use crate::run::{cargo, root, run};
+use crate::tools::TARGET;
+
+/// Profile of the images; link-time optimisation cannot be set for one package.
+const PROFILE: &str = "firmware";
+
+/// The two images: one source, two machines below it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Image {
+    /// For the STM32F405RG.
+    Board,
+    /// For QEMU's model of it, converters emulated inside.
+    Qemu,
+}
+
+impl Image {
+    /// File name of the ELF.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Board => "inm-board",
+            Self::Qemu => "inm-board-qemu",
+        }
+    }
+
+    /// Features that make it.
+    pub fn features(self) -> &'static [&'static str] {
+        match self {
+            Self::Board => &[],
+            Self::Qemu => &["--features", "qemu"],
+        }
+    }
+
+    /// Builds it and returns its ELF.
+    ///
+    /// Cargo gives both images one name, so each is copied to a place of its own.
+    ///
+    /// # Errors
+    /// The build fails, or the copy.
+    pub fn build(self) -> Result<PathBuf> {
+        run(
+            cargo(&["build", "--package", "inm-firmware", "--bin", "inm-board"])
+                .args(["--target", TARGET, "--profile", PROFILE])
+                .args(self.features()),
+        )?;
+        let target = match std::env::var_os("CARGO_TARGET_DIR") {
+            Some(folder) => root().join(folder),
+            None => root().join("target"),
+        };
+        let built = target.join(TARGET).join(PROFILE).join("inm-board");
+        let kept = target.join("image").join(self.name());
+        fs::create_dir_all(target.join("image"))?;
+        fs::copy(&built, &kept)
+            .with_context(|| format!("cannot copy {} to {}", built.display(), kept.display()))?;
+        Ok(kept)
+    }
+}

@@ -1,0 +1,99 @@
+//! `cargo xtask size`: what the images take of the chip, held to a budget.
+//!
+//! The budgets are no limits of the chip, which has a megabyte of flash: they are what the
+//! program is known to need, and some room. Going over one is a reason to look, not to raise
+//! it.
+
+use anyhow::{Result, ensure};
+
+use crate::elf::Elf;
+use crate::image::Image;
+use crate::tools::ensure_target;
+
+/// Symbols shown of each image.
+const LARGEST: usize = 12;
+
+/// Most that an image may take, bytes.
+struct Budget {
+    flash: u64,
+    /// Without the stack, whose size memory.x sets.
+    ram: u64,
+}
+
+const fn budget(image: Image) -> Budget {
+    match image {
+        Image::Board => Budget {
+            flash: 80 * 1024,
+            ram: 16 * 1024,
+        },
+        // The emulator's filters and its tables come on top.
+        Image::Qemu => Budget {
+            flash: 96 * 1024,
+            ram: 32 * 1024,
+        },
+    }
+}
+
+/// Builds both images and shows what they take.
+///
+/// # Errors
+/// A build fails, or an image is over its budget.
+pub fn run() -> Result<()> {
+    ensure_target()?;
+    for image in [Image::Board, Image::Qemu] {
+        let elf = Elf::read(&image.build()?)?;
+        show(image, &elf);
+        check(image, &elf)?;
+    }
+    Ok(())
+}
+
+/// Compares an image with its budget.
+///
+/// # Errors
+/// It is over it.
+pub fn check(image: Image, elf: &Elf) -> Result<()> {
+    let Budget { flash, ram } = budget(image);
+    let name = image.name();
+    let (flash_used, ram_used) = (elf.flash(), elf.ram());
+    ensure!(
+        flash_used <= flash,
+        "{name} takes {flash_used} bytes of flash, budget {flash}"
+    );
+    ensure!(
+        ram_used <= ram,
+        "{name} takes {ram_used} bytes of RAM, budget {ram}"
+    );
+    println!(
+        "{name}: {flash_used} of {flash} bytes of flash, {ram_used} of {ram} of RAM, {} of stack \
+         beside them",
+        elf.stack
+    );
+    Ok(())
+}
+
+fn show(image: Image, elf: &Elf) {
+    println!("\n{}", image.name());
+    println!(
+        "  {:<16} {:>10} {:>8} {:>8}",
+        "section", "address", "flash", "RAM"
+    );
+    for section in &elf.sections {
+        let (name, address) = (&section.name, section.address);
+        println!(
+            "  {name:<16} {address:#010x} {:>8} {:>8}",
+            section.flash, section.ram
+        );
+    }
+    println!(
+        "  {:<16} {:>10} {:>8} {:>8}",
+        "sum",
+        "",
+        elf.flash(),
+        elf.ram()
+    );
+    println!("  largest symbols");
+    for symbol in elf.symbols.iter().take(LARGEST) {
+        println!("  {:>8}  {}", symbol.size, symbol.name);
+    }
+}

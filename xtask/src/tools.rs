@@ -1,0 +1,52 @@
+//! What the toolchain and the system must have, installed if it is missing.
+
+use std::process::Command;
+
+use anyhow::{Context, Result, bail};
+
+use crate::run::{output, run};
+
+/// The board's target.
+pub const TARGET: &str = "thumbv7em-none-eabihf";
+
+const QEMU: &str = "qemu-system-arm";
+
+/// Sees to the target's standard library.
+///
+/// # Errors
+/// It is missing and rustup cannot add it.
+pub fn ensure_target() -> Result<()> {
+    let libraries =
+        output(Command::new("rustc").args(["--print", "target-libdir", "--target", TARGET]))?;
+    if std::path::Path::new(libraries.trim()).is_dir() {
+        return Ok(());
+    }
+    run(Command::new("rustup").args(["target", "add", TARGET]))
+        .with_context(|| format!("the image needs the target {TARGET}: rustup target add {TARGET}"))
+}
+
+/// Sees to QEMU.
+///
+/// # Errors
+/// It is missing and cannot be installed from here; says how.
+pub fn ensure_qemu() -> Result<()> {
+    if Command::new(QEMU)
+        .arg("--version")
+        .output()
+        .is_ok_and(|run| run.status.success())
+    {
+        return Ok(());
+    }
+    let is_root = output(Command::new("id").arg("-u")).is_ok_and(|id| id.trim() == "0");
+    let has_apt = Command::new("apt-get").arg("--version").output().is_ok();
+    if !(is_root && has_apt) {
+        bail!(
+            "the image is tested under {QEMU}, which is missing; install it and try again, on \
+             Debian: sudo apt-get install {QEMU}"
+        );
+    }
+    run(Command::new("apt-get").args(["update"]))?;
+    run(Command::new("apt-get")
+        .env("DEBIAN_FRONTEND", "noninteractive")
+        .args(["install", "--yes", "--no-install-recommends", QEMU]))
+}
