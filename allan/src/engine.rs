@@ -11,7 +11,7 @@ use crate::statistic::{Estimate, Statistic};
 use crate::sums::Sums;
 
 /// Largest absolute index; skipping further stops here. 2^63 samples are 10^8 years.
-const LAST_INDEX: u64 = 1 << 63;
+pub(crate) const LAST_INDEX: u64 = 1 << 63;
 
 /// Accumulated sums, the past they need, and the position in the record.
 #[derive(Debug, Clone)]

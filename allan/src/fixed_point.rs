@@ -10,6 +10,8 @@
 //! most `resolution` (Allan and modified: two means of rounded samples, divided by the square
 //! root of two; Hadamard: weights 1, 2, 1 over the square root of six).
 
+use serde::{Deserialize, Serialize};
+
 /// Magnitude limit of a code: |code| < 2^42.
 ///
 /// At averaging times below 2^34 samples this keeps a third difference below 2^79 and the inner sum
@@ -17,7 +19,8 @@
 pub const CODE_LIMIT: i64 = 1 << 42;
 
 /// An affine map from `f64` samples to integer codes: `sample = offset + resolution * code`.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "(f64, f64)", into = "(f64, f64)")]
 pub struct FixedPoint {
     offset: f64,
     resolution: f64,
@@ -73,6 +76,24 @@ impl FixedPoint {
     #[must_use]
     pub fn scale_variance(&self, variance_codes: f64) -> f64 {
         variance_codes * self.resolution * self.resolution
+    }
+}
+
+impl From<FixedPoint> for (f64, f64) {
+    fn from(grid: FixedPoint) -> Self {
+        (grid.offset, grid.resolution)
+    }
+}
+
+impl TryFrom<(f64, f64)> for FixedPoint {
+    type Error = &'static str;
+
+    fn try_from((offset, resolution): (f64, f64)) -> Result<Self, Self::Error> {
+        if offset.is_finite() && resolution.is_normal() && resolution > 0.0 {
+            Ok(Self { offset, resolution })
+        } else {
+            Err("a grid needs a finite offset and a positive resolution")
+        }
     }
 }
 

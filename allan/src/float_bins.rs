@@ -2,6 +2,8 @@
 
 use core::fmt;
 
+use serde::{Deserialize, Serialize};
+
 use crate::block::{BLOCK, Scratch};
 use crate::fixed_point::{CODE_LIMIT, FixedPoint};
 use crate::{Bins, Estimate, NotAdjacent, Statistic};
@@ -65,7 +67,7 @@ impl core::error::Error for MergeError {}
 /// assert_eq!(allan.terms, 2); // none spans the NaN
 /// assert!((allan.deviation() - 2e-5 / 2_f64.sqrt()).abs() < 1e-14);
 /// ```
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FloatBins<const LEVELS: usize> {
     grid: FixedPoint,
     bins: Bins<LEVELS>,

@@ -100,6 +100,41 @@ impl<const LEVELS: usize> Head<LEVELS> {
         }
     }
 
+    /// Level (0 is the ground) and index of each knot that the head of a record holds at sample count
+    /// `next`, ascending.
+    pub(crate) fn slots(&self, next: u64) -> impl Iterator<Item = (u32, u64)> + use<LEVELS> {
+        let (first, end) = (self.first, self.end);
+        let ground = first..=end.unwrap_or(next).min(first + GROUND - 1);
+        let levels = (1..=LEVELS as u32).flat_map(move |level| {
+            let begin = first >> level;
+            let last = match end {
+                Some(end) => Some(end >> level),
+                None => last_taken_over(level, next),
+            };
+            let multiples = last
+                .into_iter()
+                .flat_map(move |last| begin + NEAREST..=last.min(begin + FURTHEST));
+            multiples.map(move |multiple| (level, multiple << level))
+        });
+        ground.map(|index| (0, index)).chain(levels)
+    }
+
+    /// The knot in the slot of a level and index.
+    pub(crate) fn get_for(&self, level: u32, index: u64) -> PairKnot {
+        match level {
+            0 => self.ground[(index % GROUND) as usize],
+            _ => self.rings[level as usize - 1][(index >> level) as usize % RING],
+        }
+    }
+
+    /// Fills the slot of a level and index.
+    pub(crate) fn put(&mut self, level: u32, index: u64, knot: PairKnot) {
+        match level {
+            0 => self.ground[(index % GROUND) as usize] = knot,
+            _ => self.rings[level as usize - 1][(index >> level) as usize % RING] = knot,
+        }
+    }
+
     /// The knot at `index`, in the first run of a closed head.
     ///
     /// For a difference of level `l` that began before this record, the index is a multiple of

@@ -130,21 +130,27 @@ impl<K: Knot, const LEVELS: usize> History<K, LEVELS> {
         }
     }
 
+    /// Level (0 is the ground) and index of each knot that a history holds at sample count `next`
+    /// of the run from `start`.
+    pub(crate) fn slots(next: u64, start: u64) -> impl Iterator<Item = (u32, u64)> {
+        let ground = start.max(next.saturating_sub(GROUND as u64 - 1))..=next;
+        let levels = (1..=LEVELS as u32).flat_map(move |level| {
+            let last = last_taken_over(level, next).into_iter();
+            let multiples = last.flat_map(|last| last.saturating_sub(RING as u64 - 1)..=last);
+            multiples.map(move |multiple| (level, multiple << level))
+        });
+        let levels = levels.filter(move |&(_, index)| index >= start);
+        ground.map(|index| (0, index)).chain(levels)
+    }
+
     /// A history at sample count `next` with `knot(level, index)` in every slot that belongs to the
     /// run from `start`, and nothing in the others.
     pub(crate) fn collected(next: u64, start: u64, knot: impl Fn(u32, u64) -> K) -> Self {
         let mut tidy = Self::EMPTY;
-        for index in start.max(next.saturating_sub(GROUND as u64 - 1))..=next {
-            tidy.put(index, knot(0, index));
-        }
-        for (level, ring) in (1..).zip(&mut tidy.rings) {
-            let Some(last) = last_taken_over(level, next) else {
-                break;
-            };
-            for multiple in last.saturating_sub(RING as u64 - 1)..=last {
-                if multiple << level >= start {
-                    ring[multiple as usize % RING] = knot(level, multiple << level);
-                }
+        for (level, index) in Self::slots(next, start) {
+            match level {
+                0 => tidy.put(index, knot(0, index)),
+                _ => tidy.put_level(level, index, knot(level, index)),
             }
         }
         tidy

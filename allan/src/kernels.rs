@@ -142,7 +142,8 @@ fn chunks(len: usize, from: usize, sum: impl Fn(usize, usize) -> u128) -> u128 {
 /// Squares of at most [`CHUNK`] numbers of magnitude up to [`NARROW`].
 #[inline(always)]
 fn narrow(differences: impl Iterator<Item = i32>) -> u128 {
-    let square = |d: i32| (i64::from(d) * i64::from(d)) as u64;
+    // Of magnitudes, since SSE2 multiplies unsigned numbers only.
+    let square = |d: i32| u64::from(d.unsigned_abs()) * u64::from(d.unsigned_abs());
     u128::from(differences.fold(0_u64, |sum, d| sum + square(d)))
 }
 

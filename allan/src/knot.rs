@@ -130,6 +130,20 @@ impl PairKnot {
         u128::from(self.sum_low) | u128::from(self.high >> DOUBLE_HIGH_BITS) << 64
     }
 
+    /// The three words it is packed into.
+    pub(crate) fn to_words(self) -> [u64; 3] {
+        [self.sum_low, self.double_low, self.high]
+    }
+
+    /// From the words of another knot.
+    pub(crate) fn from_words([sum_low, double_low, high]: [u64; 3]) -> Self {
+        Self {
+            sum_low,
+            double_low,
+            high,
+        }
+    }
+
     /// The double sum modulo 2^112 in the low bits; what stands above is to be ignored.
     #[inline]
     pub(crate) fn double(self) -> u128 {

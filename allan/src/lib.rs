@@ -9,6 +9,7 @@
 //! - [`AllanBins`]: streaming Allan variance, small enough for the board.
 //! - [`Bins`]: streaming Allan, modified Allan and Hadamard variance for the host.
 //! - [`FloatBins`]: the same over floating-point samples, by way of a fixed grid.
+//! - [`BlockMeans`]: Allan variance across gaps, biased and marked as such.
 //! - [`full`]: every overlap at any averaging time, for records held in memory.
 //! - [`edf`]: equivalent degrees of freedom of an estimate for a given noise type.
 //! - [`fixed_point`]: codes for floating-point samples, with a stated resolution.
@@ -40,6 +41,7 @@ extern crate std;
 mod allan_bins;
 mod bins;
 mod block;
+mod block_means;
 pub mod edf;
 mod engine;
 pub mod fixed_point;
@@ -51,12 +53,14 @@ mod history;
 mod kernels;
 mod knot;
 mod merge;
+mod state;
 mod statistic;
 mod sums;
 mod wide;
 
 pub use allan_bins::{AllanBins, BoardBins};
 pub use bins::{Bins, HostBins};
+pub use block_means::{BlockEstimate, BlockMeans};
 pub use float_bins::{FloatBins, MergeError, OffGrid};
 pub use merge::NotAdjacent;
 

@@ -34,8 +34,8 @@ pub(crate) trait Sums: core::fmt::Debug + Copy + PartialEq {
 /// Squared differences of one statistic and how many they were.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Sum<const LIMBS: usize> {
-    pub(crate) squares: Wide<LIMBS>,
-    pub(crate) terms: u64,
+    squares: Wide<LIMBS>,
+    terms: u64,
 }
 
 impl<const LIMBS: usize> Sum<LIMBS> {
@@ -43,6 +43,14 @@ impl<const LIMBS: usize> Sum<LIMBS> {
         squares: Wide::ZERO,
         terms: 0,
     };
+
+    /// From a number of terms and the limbs of the sum of their squares.
+    pub(crate) fn from_parts(terms: u64, limbs: [u64; LIMBS]) -> Self {
+        Self {
+            squares: Wide::from_limbs(limbs),
+            terms,
+        }
+    }
 
     #[inline]
     fn add(&mut self, difference: i128) {

@@ -58,6 +58,11 @@ impl<const LIMBS: usize> Wide<LIMBS> {
         }
     }
 
+    /// From limbs, least significant first.
+    pub(crate) fn from_limbs(limbs: [u64; LIMBS]) -> Self {
+        Self(limbs)
+    }
+
     /// The limbs, least significant first.
     pub(crate) fn limbs(&self) -> &[u64; LIMBS] {
         &self.0

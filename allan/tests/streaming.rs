@@ -152,6 +152,10 @@ proptest! {
             backward = merged;
         }
         prop_assert!(backward == whole, "from the right");
+        // Through its serialised form.
+        let words = postcard::to_stdvec(&forward).unwrap();
+        prop_assert_eq!(&words, &postcard::to_stdvec(&whole).unwrap());
+        prop_assert!(postcard::from_bytes::<Bins<LEVELS>>(&words).unwrap() == whole, "resumed");
         // And goes on identically.
         let more = adversarial(4, 300, 1);
         let mut whole = whole;
@@ -160,6 +164,40 @@ proptest! {
         prop_assert!(backward == whole, "continued");
         let points: Vec<_> = whole.points(Statistic::Modified).collect();
         prop_assert_eq!(points, backward.points(Statistic::Modified).collect::<Vec<_>>());
+    }
+}
+
+#[test]
+fn damaged_states_are_refused_or_usable() {
+    let mut bins = Bins::<LEVELS>::new();
+    bins.push_slice(&adversarial(4, 3000, 5));
+    bins.skip(10);
+    bins.push_slice(&adversarial(0, 3000, 6));
+    let bytes = postcard::to_stdvec(&bins).unwrap();
+    assert!(
+        postcard::from_bytes::<Bins<7>>(&bytes).is_err(),
+        "another number of levels"
+    );
+    assert!(
+        postcard::from_bytes::<Bins<LEVELS>>(&bytes[..bytes.len() - 1]).is_err(),
+        "cut"
+    );
+    for position in (0..bytes.len()).step_by(101).chain(0..200.min(bytes.len())) {
+        for flip in [1, 0x80, 0xFF] {
+            let mut damaged = bytes.clone();
+            damaged[position] ^= flip;
+            if let Ok(mut state) = postcard::from_bytes::<Bins<LEVELS>>(&damaged) {
+                state.push_slice(&[1, 2, 3]);
+                state.skip(1);
+                let mut right = Bins::starting_at(state.next_index());
+                right.push(7);
+                state.merge(&right).unwrap();
+                assert!(
+                    ALL.iter()
+                        .all(|&s| state.points(s).all(|p| p.variance.is_finite()))
+                );
+            }
+        }
     }
 }
 

@@ -51,6 +51,9 @@ const MODE_0: Mode = Mode {
     phase: Phase::CaptureOnFirstTransition,
 };
 
+/// Priority of the link's interrupt, in the upper four bits.
+const LINK_PRIORITY: u8 = 1 << 4;
+
 /// The interrupt's hold on the pending register.
 static DRDY_X: Handover<EXTI> = Handover::new();
 
@@ -128,10 +131,14 @@ pub fn start(bins: &'static mut ProofBins) -> (Machine<Attached>, [Axis; 3], PB0
         pin.enable_interrupt(&mut exti);
     }
     DRDY_X.give(exti);
+    // A stamp may interrupt the link, so that it is late by less than a microsecond; the lower
+    // number is the more urgent, and DRDY's stays at 0.
+    //
     // SAFETY: the handler is defined below, what it needs is in place, and no critical section
-    // is built on the interrupt's mask.
+    // is built on masks or priorities.
     #[allow(unsafe_code)]
     unsafe {
+        core.NVIC.set_priority(Interrupt::USART1, LINK_PRIORITY);
         NVIC::unmask(Interrupt::EXTI4);
     }
 

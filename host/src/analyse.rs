@@ -9,8 +9,10 @@ use crate::bins::point::{self, Point};
 pub use crate::bins::record::Overlap;
 use crate::bins::record::{AxisRecord, Record};
 use crate::bins::taus::Taus;
+use crate::fit::design::Design;
 use crate::fit::{published, weighted};
-use crate::model::PerCoefficient;
+use crate::model::kernel::Kernel;
+use crate::model::{Coefficient, PerCoefficient};
 use crate::signal::{Axis, Signal, Unit};
 use crate::source::{Source, SourceError};
 
@@ -78,6 +80,8 @@ pub struct AxisAnalysis {
     pub name: String,
     /// Unit of the signal.
     pub unit: Unit,
+    /// Its signal chain, as for `--chain`.
+    pub chain: Option<String>,
     /// Mean of the signal.
     pub mean: Option<f64>,
     /// Samples that count.
@@ -98,6 +102,20 @@ pub struct AxisAnalysis {
     pub fits: Fits,
     /// Predicted growth of the integral's error; `None` where it was not computed.
     pub velocity_error: Option<Vec<()>>,
+    /// The fitted curves, for plots; they follow from the coefficients and are not in the JSON.
+    #[serde(skip)]
+    pub curves: Vec<CurveModel>,
+}
+
+/// What the fits say of one point of the Allan curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CurveModel {
+    /// Averaging time, seconds.
+    pub tau_s: f64,
+    /// Deviation that the weighted fit expects, chain and sampling included.
+    pub weighted: Option<f64>,
+    /// Deviation of the published fit's curve; `None` where its square is negative.
+    pub published: Option<f64>,
 }
 
 /// One point of a deviation curve.
@@ -222,6 +240,8 @@ fn analyse_axis(
         )
     };
     let allan = points(Statistic::Allan);
+    let modified = points(Statistic::Modified);
+    let design = Design::new(rate_hz, axis.chain.as_ref());
     let published_points: Vec<(f64, f64)> = record
         .nearest(Statistic::Allan, &published::factors(samples))
         .iter()
@@ -232,20 +252,23 @@ fn analyse_axis(
             )
         })
         .collect();
+    let fits = Fits {
+        published: published::fit(&published_points).map(published_values),
+        weighted: weighted::fit(&modified, rate_hz, &design),
+        likelihood: None,
+    };
     AxisAnalysis {
         name: axis.name.clone(),
         unit: axis.unit,
+        chain: axis.chain.as_ref().map(ToString::to_string),
         mean: record.mean().map(|mean| axis.scale * (mean - axis.zero)),
         samples,
         invalid_samples: record.invalid(),
         overlap: options.overlap,
-        fits: Fits {
-            published: published::fit(&published_points).map(published_values),
-            weighted: weighted::fit(&allan, rate_hz, axis.chain.as_ref()),
-            likelihood: None,
-        },
+        curves: curves(&allan, &fits, &design),
+        fits,
         allan: curve(&allan),
-        modified: curve(&points(Statistic::Modified)),
+        modified: curve(&modified),
         hadamard: curve(&points(Statistic::Hadamard)),
         spectrum: None,
         velocity_error: None,
@@ -262,6 +285,26 @@ fn curve(points: &[Point]) -> Vec<CurvePoint> {
         edf: point.edf,
     };
     points.iter().map(point).collect()
+}
+
+fn curves(points: &[Point], fits: &Fits, design: &Design) -> Vec<CurveModel> {
+    let sum = |part: &dyn Fn(Coefficient) -> f64| {
+        let variance: f64 = Coefficient::ALL.into_iter().map(part).sum();
+        (variance > 0.0).then(|| variance.sqrt())
+    };
+    let curve = |point: &Point| CurveModel {
+        tau_s: point.tau_s,
+        weighted: fits.weighted.as_ref().and_then(|fit| {
+            sum(&|one| match fit.get(one).squared {
+                0.0 => 0.0,
+                squared => squared * design.unit_variance(Kernel::Allan, one, point.m),
+            })
+        }),
+        published: fits.published.as_ref().and_then(|fit| {
+            sum(&|one| fit.get(one).squared * one.term(1.0).allan_asymptote(point.tau_s))
+        }),
+    };
+    points.iter().map(curve).collect()
 }
 
 fn published_values(squares: PerCoefficient<f64>) -> PerCoefficient<PublishedValue> {

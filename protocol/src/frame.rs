@@ -4,9 +4,14 @@ use serde::Serialize;
 
 use crate::{AXES, BATCH_LEN, VERSION};
 
+/// Look-up tables of the check sum: 16 KiB where speed counts, 1 KiB where flash does.
+#[cfg(not(target_os = "none"))]
+type Tables = crc::Table<16>;
+#[cfg(target_os = "none")]
+type Tables = crc::Table<1>;
+
 /// CRC-32 of Ethernet and zlib (ISO-HDLC), over version byte and message.
-pub(crate) const CRC: crc::Crc<u32, crc::Table<16>> =
-    crc::Crc::<u32, crc::Table<16>>::new(&crc::CRC_32_ISO_HDLC);
+pub(crate) const CRC: crc::Crc<u32, Tables> = crc::Crc::<u32, Tables>::new(&crc::CRC_32_ISO_HDLC);
 
 /// Bytes of the CRC at the end of the payload.
 pub(crate) const CRC_LEN: usize = 4;

@@ -80,6 +80,7 @@ fn stream(rate: Rate, config0: u8) {
     let begin = Instant::now();
     let mut expected = Expected::new(config0);
     let mut received = 0;
+    let mut first_health = None;
     while let Some(chunk) = source.next_chunk().expect("the port stays") {
         match chunk {
             Chunk::Samples(block) => {
@@ -90,6 +91,7 @@ fn stream(rate: Rate, config0: u8) {
             Chunk::Gap(gap) => panic!("a gap: {gap:?}"),
             Chunk::News(news) => panic!("news on a sound board: {news}"),
         }
+        first_health = first_health.or(source.status().health);
     }
     let took = begin.elapsed().as_secs_f64();
     assert!(Some(received) >= wanted, "{received} of {wanted:?} samples");
@@ -130,7 +132,6 @@ fn assert_sound(health: &Health) {
     }
     assert_eq!(health.lost_conversions, 0);
     assert_eq!(health.link.frames_dropped, 0);
-    assert_eq!(health.link.bytes_lost, 0);
     assert!(health.stack_used > 0, "the stack is measured");
     assert!(
         health.stack_used < health.stack_size / 2,

@@ -128,3 +128,29 @@ fn on_chip(section: &object::Section<'_, '_>) -> Option<Section> {
         ram,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// As with an image whose linker script was dropped: a good ELF, and no vectors.
+    #[test]
+    fn a_program_without_vectors_is_no_image() {
+        let this = std::env::current_exe().expect("a test is a file");
+        let error = Elf::read(&this)
+            .err()
+            .map(|error| error.to_string())
+            .unwrap_or_default();
+        assert!(error.contains("has no vector table"), "{error:?}");
+    }
+
+    #[test]
+    fn a_text_is_no_elf() {
+        let text = Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml");
+        let error = Elf::read(&text)
+            .err()
+            .map(|error| error.to_string())
+            .unwrap_or_default();
+        assert!(error.contains("is no ELF"), "{error:?}");
+    }
+}

@@ -74,9 +74,10 @@ pub(super) struct Axis {
     uniform_run: u32,
     missed_run: u32,
     broken: u32,
-    /// One of them was positive. The bit behind the word, which a doubled stream takes in, is
-    /// zero and breaks negative signs only; a halved one shows a value bit and breaks both.
-    broken_positive: bool,
+    /// Since they began, a positive word was broken or a negative one was not: the lowest bit
+    /// is one of the value, as in a halved stream. A doubled one shows the level behind the
+    /// word, zero or the sign, which breaks all negative words or none.
+    value_bit: bool,
     since_clip: u32,
     good: u32,
 }
@@ -95,7 +96,7 @@ impl Axis {
             uniform_run: 0,
             missed_run: 0,
             broken: 0,
-            broken_positive: false,
+            value_bit: false,
             since_clip: SETTLING_READINGS,
             good: 0,
         }
@@ -144,7 +145,7 @@ impl Axis {
         self.uniform_run = 0;
         self.missed_run = 0;
         self.broken = 0;
-        self.broken_positive = false;
+        self.value_bit = false;
     }
 
     pub(super) fn is_running(&self) -> bool {
@@ -256,18 +257,19 @@ impl Axis {
     /// `None`: no sign of a slip. `Some(None)`: perhaps. `Some(Some(..))`: surely.
     #[inline]
     fn slip(&mut self, word: Word, broken: bool, flags: Flags) -> Option<Option<Trouble>> {
+        let negative = word.value() < 0;
         if broken {
             self.broken += BROKEN_STEP;
-            self.broken_positive |= word.value() >= 0;
+            self.value_bit |= !negative;
             if self.broken >= BROKEN_LIMIT {
                 self.broken = 0;
                 return Some(Some(Trouble::Slipped {
-                    doubled: !self.broken_positive,
+                    doubled: !self.value_bit,
                 }));
             }
         } else if self.broken > 0 {
             self.broken -= 1;
-            self.broken_positive &= self.broken > 0;
+            self.value_bit = (self.value_bit | negative) && self.broken > 0;
         }
         // Torn, clipped and stuck words say nothing about the level. A broken sign does not
         // hide it: behind a slip half of the words may have one.

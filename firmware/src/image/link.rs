@@ -81,7 +81,7 @@ impl Link {
 
     /// Whether all that was queued is on the line.
     pub fn is_idle(&self) -> bool {
-        self.outgoing.len() == 0 && IDLE.load(Ordering::Acquire)
+        self.outgoing.is_empty() && IDLE.load(Ordering::Acquire)
     }
 
     /// Next byte from the host.

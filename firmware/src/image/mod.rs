@@ -15,7 +15,7 @@ pub mod handover;
 pub mod link;
 pub mod machine;
 pub mod restart;
-mod stack;
+pub mod stack;
 pub mod stamps;
 
 use inm_firmware::Board;

@@ -11,7 +11,7 @@ use inm_firmware::platform::Stack;
 
 unsafe extern "C" {
     /// Lowest address of the stack, from memory.x.
-    static _stack_end: u32;
+    static mut _stack_end: u32;
     /// Address just above the stack, from memory.x.
     static _stack_start: u32;
 }
@@ -30,5 +30,21 @@ pub fn measure() -> Stack {
     Stack {
         used: (top.addr() - lowest_used.addr()) as u32,
         size: (top.addr() - bottom.addr()) as u32,
+    }
+}
+
+/// Paints again what is not in use: the mark then tells of what runs from here on.
+#[cfg(feature = "qemu")]
+#[inline(never)]
+pub fn repaint() {
+    // The compiler may read the pointer before it makes room for this function's own frame.
+    const FRAME: usize = 256;
+    let top = cortex_m::register::msp::read() as usize - FRAME;
+    let mut word = &raw mut _stack_end;
+    while word.addr() < top {
+        // SAFETY: between the stack's end and this frame there is RAM that nothing uses;
+        // an interrupt's frame there is gone again before this goes on.
+        unsafe { ptr::write_volatile(word, STACK_PAINT_VALUE) };
+        word = word.wrapping_add(1);
     }
 }

@@ -1,14 +1,11 @@
 //! `inm analyze`: Allan deviation and noise coefficients of a record.
 
-use std::io::Write;
-
 use clap::{Args, ValueEnum};
 
 use super::input::InputOptions;
-use super::output::write_to;
+use super::results::ResultOptions;
 use crate::analyse::{self, AnalysisOptions};
 use crate::bins::taus::Taus;
-use crate::report;
 use crate::source::open::open;
 
 /// Arguments of `inm analyze`.
@@ -21,12 +18,12 @@ pub struct Analyze {
     /// Averaging times: quarter (four an octave), octave, decade, all, or numbers of samples.
     #[arg(long, default_value = "quarter")]
     taus: Taus,
-    /// Which differences to average: strided (bounded memory) or full (every one).
+    /// Which differences to average: strided (bounded memory) or full (every one) [default:
+    /// strided, or full where the averaging times need it].
     #[arg(long)]
     overlap: Option<Overlap>,
-    /// Write the result as JSON to this file; - is standard output, in place of the table.
-    #[arg(long, value_name = "OUT")]
-    json: Option<String>,
+    #[command(flatten)]
+    results: ResultOptions,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -36,33 +33,33 @@ enum Overlap {
 }
 
 impl Analyze {
+    /// The overlap asked for; where none is, the one that can serve the averaging times.
+    fn overlap(&self) -> anyhow::Result<analyse::Overlap> {
+        let on_grid = matches!(self.taus, Taus::Quarter | Taus::Octave);
+        match self.overlap {
+            Some(Overlap::Full) => Ok(analyse::Overlap::Full),
+            Some(Overlap::Strided) if !on_grid => anyhow::bail!(
+                "--overlap strided knows the averaging times of --taus quarter and octave only; \
+                 leave it out, or say --overlap full"
+            ),
+            Some(Overlap::Strided) => Ok(analyse::Overlap::Strided),
+            None if on_grid => Ok(analyse::Overlap::Strided),
+            None => Ok(analyse::Overlap::Full),
+        }
+    }
+
     /// Runs the subcommand.
     ///
     /// # Errors
     /// If the record cannot be read or a result cannot be written.
     pub fn run(self) -> anyhow::Result<()> {
-        let mut source = open(&self.file, &self.input.into())?;
         let options = AnalysisOptions {
+            overlap: self.overlap()?,
             taus: self.taus,
-            overlap: match self.overlap {
-                Some(Overlap::Full) => analyse::Overlap::Full,
-                _ => analyse::Overlap::Strided,
-            },
         };
+        let mut source = open(&self.file, &self.input.into())?;
         let analysis = analyse::analyse(&mut *source, &options, |_| {})?;
-        if let Some(path) = &self.json {
-            write_to(path, |mut output| {
-                report::json::write(&analysis, &mut output)
-            })?;
-        }
-        if self.json.as_deref() != Some("-") {
-            let mut output = std::io::stdout().lock();
-            output.write_all(report::text::render(&analysis).as_bytes())?;
-            if let Some(proof) = source.proof() {
-                writeln!(output, "{proof}")?;
-            }
-            output.flush()?;
-        }
-        Ok(())
+        self.results.write(&analysis)?;
+        self.results.write_proof(source.proof())
     }
 }

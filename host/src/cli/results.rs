@@ -7,6 +7,7 @@ use clap::Args;
 use super::output::write_to;
 use crate::analyse::Analysis;
 use crate::report;
+use crate::source::audit::Proof;
 
 /// Files for the result; the table on the terminal comes in any case.
 #[derive(Debug, Clone, Default, Args)]
@@ -18,7 +19,7 @@ pub struct ResultOptions {
     /// Write a self-contained page with plots to this file.
     #[arg(long, value_name = "OUT.html")]
     pub report: Option<String>,
-    /// Write the Allan plot to this file.
+    /// Write the Allan plots to this file as a bitmap.
     #[arg(long, value_name = "OUT.png")]
     pub png: Option<String>,
 }
@@ -34,10 +35,30 @@ impl ResultOptions {
                 report::json::write(analysis, &mut output)
             })?;
         }
+        if let Some(path) = &self.report {
+            write_to(path, |output| {
+                output.write_all(report::html::render(analysis).as_bytes())
+            })?;
+        }
+        if let Some(path) = &self.png {
+            let bitmap = report::png::render(analysis)?;
+            write_to(path, |output| output.write_all(&bitmap))?;
+        }
         if self.json.as_deref() != Some("-") {
             let mut output = std::io::stdout().lock();
             output.write_all(report::text::render(analysis).as_bytes())?;
             output.flush()?;
+        }
+        Ok(())
+    }
+
+    /// Says how far the board's own bins agree with those of the host, under the table.
+    ///
+    /// # Errors
+    /// If standard output cannot be written.
+    pub fn write_proof(&self, proof: Option<Proof>) -> anyhow::Result<()> {
+        if let Some(proof) = proof.filter(|_| self.json.as_deref() != Some("-")) {
+            writeln!(std::io::stdout().lock(), "{proof}")?;
         }
         Ok(())
     }

@@ -1,166 +1,126 @@
-//! Covariance of the points of one Allan curve, under a model of the noise.
+//! Covariance of the points of one modified Allan curve, under a model of the noise.
 //!
 //! All points are made from the same samples, so they err together. For two estimates that
-//! average squared Gaussian differences `D1` and `D2` (normalised to the variances) at distances
-//! `s1 <= s2`,
+//! average squared Gaussian differences `D1` and `D2` (normalised to the variances), `n1` of them
+//! at the distance of `s1` samples in the denser one,
 //!
 //! ```text
 //! cov = 2 / n1 * sum over lags l = k s1 of r(l)^2,    r(l) = E[D1(t) D2(t + l)]
 //! ```
 //!
-//! with `n1` differences of the first. By Parseval that is an integral of `S^2 k1 k2` over
-//! frequency, `k` being the Allan kernel, up to half the rate `fs / s1` at which the first is
-//! taken. Power above that (differenced noise, mostly) folds back as noise of its own, with
-//! the correlation of second differences of a white sequence, whose sums are known. The formula
-//! holds for records long against both averaging times; where a record is short, the caller's
-//! own degrees of freedom rule.
+//! which by Parseval is an integral of `S^2 k1 k2` over frequency, `k` being the kernel of the
+//! variance: `cov = 4 / (n1 s1 tau0) * int S^2 k1 k2 df`. Taking differences only every `s1`
+//! samples changes nothing in that as long as their power lies below `fs / (2 s1)`; it does,
+//! since `s1` is at most 1/24 of the averaging time and the modified kernel falls with the fourth
+//! power of frequency. The formula holds for records long against both averaging times; where a
+//! record is short, the point's own degrees of freedom rule.
 
 use std::f64::consts::PI;
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
-use super::design::Design;
 use crate::bins::point::Point;
-use crate::model::kernel::{kernel, panels};
-use crate::model::{Coefficient, PerCoefficient};
+use crate::model::kernel::{Kernel, panels};
 
-/// Oscillations of a kernel that are resolved; a few percent of a covariance is enough.
+const KERNEL: Kernel = Kernel::Modified;
+
+/// Oscillations of a kernel that are resolved; a percent of a covariance is enough.
 const CYCLES: f64 = 4.0;
 
-/// Means over an oscillation of sin^4 and of sin^8.
-const MEAN_SIN4: f64 = 3.0 / 8.0;
-const MEAN_SIN8: f64 = 35.0 / 128.0;
+/// Panels an oscillation.
+const PANELS_PER_CYCLE: f64 = 2.0;
 
-/// Sums over lags of products of the correlations of second differences of a white sequence,
-/// (1, -2, 1) with itself: at the same spacing 70/36, at different ones 36/36.
-const FOLDED_SAME: f64 = 70.0 / 36.0;
-const FOLDED_OTHER: f64 = 1.0;
+/// Relative width of a panel where the integrand is smooth.
+const RELATIVE_PANEL: f64 = 0.5;
 
-/// The covariance matrix of the variances of `points`, ascending in `m`, if the squared
-/// coefficients are `squares`.
+/// Panels over the band from zero to the rate at least.
+const PANELS_PER_RATE: f64 = 32.0;
+
+/// Mean over an oscillation of sin^12 over the square of that of sin^6: what the same kernel has
+/// in common with itself beyond two that oscillate apart.
+const MEAN_SIN12_RATIO: f64 = 231.0 / 1024.0 / (5.0 / 16.0 * 5.0 / 16.0);
+
+/// The covariance matrix of the variances of `points`, ascending in `m`, if the samples have the
+/// two-sided spectral density `spectrum` and the points the expected variances `expected`.
 pub fn covariance(
     points: &[Point],
     rate_hz: f64,
-    design: &Design,
-    squares: &PerCoefficient<f64>,
+    spectrum: impl Fn(f64) -> f64,
+    expected: &DVector<f64>,
 ) -> DMatrix<f64> {
-    let spectrum = |f: f64| design.spectrum(squares, f);
-    let parts: Vec<Part> = points
-        .iter()
-        .map(|point| Part::new(point, rate_hz, &spectrum))
-        .collect();
     let n = points.len();
     let mut matrix = DMatrix::zeros(n, n);
-    for i in 0..n {
-        let model: f64 = Coefficient::ALL
-            .into_iter()
-            .map(|one| squares.get(one) * design.unit_allan_variance(one, points[i].m))
-            .sum();
-        for j in i..n {
-            matrix[(i, j)] = parts[i].covariance(&parts[j], rate_hz, &spectrum);
-        }
-        // The finite record, which the integral does not know.
-        let short = 2.0 * model * model / points[i].edf.max(f64::MIN_POSITIVE);
-        let scale = (short / matrix[(i, i)]).max(1.0).sqrt();
-        let scale = if scale.is_finite() { scale } else { 1.0 };
-        for k in 0..=i {
-            matrix[(k, i)] *= scale;
-        }
-        for k in i..n {
-            matrix[(i, k)] *= scale;
+    for (i, first) in points.iter().enumerate() {
+        for (j, second) in points.iter().enumerate().skip(i) {
+            let span_s = first.terms as f64 * first.stride as f64 / rate_hz;
+            matrix[(i, j)] = 4.0 / span_s * overlap(first.m, second.m, rate_hz, &spectrum);
         }
     }
+    // The finite record, which the integral does not know.
+    let stretch = DVector::from_fn(n, |i, _| {
+        let short = 2.0 * expected[i].powi(2) / points[i].edf;
+        (short / matrix[(i, i)]).max(1.0).sqrt()
+    });
     matrix.fill_lower_triangle_with_upper_triangle();
-    matrix
+    DMatrix::from_fn(n, n, |i, j| matrix[(i, j)] * stretch[i] * stretch[j])
 }
 
-/// What a point needs for its covariance with later ones.
-struct Part {
-    m: u64,
-    terms: f64,
-    /// Half the rate at which its differences are taken, hertz.
-    edge_hz: f64,
-    stride: f64,
-    /// Variance from frequencies below the edge, and from above.
-    below: f64,
-    above_density: f64,
-    /// Integral of `S^2 / sin^4` from the last resolved oscillation to the edge.
-    tail: f64,
-    resolved_hz: f64,
+/// Integral of `S^2 k1 k2` from zero to half the rate, for `m1 <= m2`.
+fn overlap(m1: u64, m2: u64, rate_hz: f64, spectrum: &impl Fn(f64) -> f64) -> f64 {
+    let x = |f: f64| PI * f / rate_hz;
+    let nyquist = 0.5 * rate_hz;
+    let (cycle1, cycle2) = (rate_hz / m1 as f64, rate_hz / m2 as f64);
+    let both_hz = (CYCLES * cycle2).min(nyquist);
+    let first_hz = (CYCLES * cycle1).min(nyquist);
+    let widest = rate_hz / PANELS_PER_RATE;
+    let smooth = |f: f64| (RELATIVE_PANEL * f).min(widest);
+    let both = panels(
+        0.0,
+        both_hz,
+        |_| (cycle2 / PANELS_PER_CYCLE).min(widest),
+        |f| spectrum(f).powi(2) * KERNEL.at(m1, x(f)) * KERNEL.at(m2, x(f)),
+    );
+    let first = panels(
+        both_hz,
+        first_hz,
+        |f| smooth(f).min(cycle1 / PANELS_PER_CYCLE),
+        |f| spectrum(f).powi(2) * KERNEL.at(m1, x(f)) * KERNEL.mean(m2, x(f)),
+    );
+    let common = if m1 == m2 { MEAN_SIN12_RATIO } else { 1.0 };
+    let neither = panels(first_hz, nyquist, smooth, |f| {
+        spectrum(f).powi(2) * KERNEL.mean(m1, x(f)) * KERNEL.mean(m2, x(f))
+    });
+    both + first + common * neither
 }
 
-impl Part {
-    fn new(point: &Point, rate_hz: f64, spectrum: &impl Fn(f64) -> f64) -> Self {
-        let edge_hz = 0.5 * rate_hz / point.stride as f64;
-        let resolved_hz = (CYCLES * rate_hz / point.m as f64).min(edge_hz);
-        let cycle = rate_hz / point.m as f64;
-        let wide = |f: f64| (0.5 * f).min(rate_hz / 32.0).max(0.25 * cycle);
-        let sine2 = |f: f64| (PI * f / rate_hz).sin().powi(2);
-        let above_density = panels(edge_hz, 0.5 * rate_hz, wide, |f| spectrum(f) / sine2(f));
-        let below = 2.0
-            * (panels(
-                0.0,
-                resolved_hz,
-                |_| 0.5 * cycle,
-                |f| spectrum(f) * kernel(point.m, PI * f / rate_hz),
-            ) + panels(resolved_hz, edge_hz, wide, |f| {
-                spectrum(f) * mean_kernel(point.m, f, rate_hz)
-            }));
-        let tail = panels(resolved_hz, edge_hz, wide, |f| {
-            (spectrum(f) / sine2(f)).powi(2)
-        });
-        Self {
-            m: point.m,
-            terms: point.terms as f64,
-            edge_hz,
-            stride: point.stride as f64,
-            below,
-            above_density,
-            tail,
-            resolved_hz,
+#[cfg(test)]
+mod tests {
+    use inm_allan::Statistic;
+    use inm_allan::edf::{Noise, edf};
+
+    use super::*;
+    use crate::model::Coefficient;
+
+    #[test]
+    fn variances_agree_with_exact_degrees_of_freedom() {
+        // A record long against all averaging times, where both must say the same.
+        for (coefficient, noise) in [
+            (Coefficient::Q, Noise::Quantisation),
+            (Coefficient::N, Noise::White),
+            (Coefficient::K, Noise::Walk),
+        ] {
+            let term = coefficient.term(1.0);
+            for m in [1, 2, 5, 40, 3000] {
+                let stride = (m / 24).max(1);
+                let terms = 4000 * m / stride;
+                let exact = edf(Statistic::Modified, noise, m, stride, terms);
+                let expected =
+                    crate::model::kernel::variance(KERNEL, m, 1.0, |f| term.spectrum(f, 1.0));
+                let span = (terms * stride) as f64;
+                let variance = 4.0 / span * overlap(m, m, 1.0, &|f| term.spectrum(f, 1.0));
+                let ratio = 2.0 * expected.powi(2) / variance / exact;
+                assert!((ratio - 1.0).abs() < 0.02, "{noise:?} m={m}: {ratio}");
+            }
         }
     }
-
-    /// Variance at `m` from frequencies above this point's edge.
-    fn above(&self, m: u64) -> f64 {
-        4.0 * MEAN_SIN4 * self.above_density / (m as f64).powi(2)
-    }
-
-    /// Covariance with a point at the same or a longer averaging time.
-    fn covariance(&self, other: &Self, rate_hz: f64, spectrum: &impl Fn(f64) -> f64) -> f64 {
-        let same = self.m == other.m;
-        let cycle = rate_hz / other.m as f64;
-        let both_hz = (CYCLES * cycle).min(self.edge_hz).min(self.resolved_hz);
-        let wide = |f: f64| (0.5 * f).min(0.25 * rate_hz / self.m as f64);
-        let x = |f: f64| PI * f / rate_hz;
-        let both = panels(
-            0.0,
-            both_hz,
-            |_| 0.5 * cycle,
-            |f| spectrum(f).powi(2) * kernel(self.m, x(f)) * kernel(other.m, x(f)),
-        );
-        let first = panels(both_hz, self.resolved_hz, wide, |f| {
-            spectrum(f).powi(2) * kernel(self.m, x(f)) * mean_kernel(other.m, f, rate_hz)
-        });
-        let mean = if same {
-            MEAN_SIN8
-        } else {
-            MEAN_SIN4 * MEAN_SIN4
-        };
-        let tail = 4.0 * mean * self.tail / (self.m as f64 * other.m as f64).powi(2);
-        let below = 2.0 * (both + first + tail) * rate_hz / self.stride;
-        let (above1, above2) = (self.above(self.m), self.above(other.m));
-        let folded = if same { FOLDED_SAME } else { FOLDED_OTHER };
-        // Products of folded and other parts, as for white noise: 5/3 of the lag-zero product.
-        let mixed = if same {
-            10.0 / 3.0 * self.below * above1
-        } else {
-            (self.below * above1 * other.below * above2).sqrt()
-        };
-        2.0 / self.terms * (below + folded * above1 * above2 + mixed)
-    }
-}
-
-fn mean_kernel(m: u64, f_hz: f64, rate_hz: f64) -> f64 {
-    2.0 * MEAN_SIN4 / (m as f64 * (PI * f_hz / rate_hz).sin()).powi(2)
 }

@@ -1,22 +1,23 @@
-//! What each coefficient contributes to each point of an Allan curve, and to the spectrum, with
-//! the signal chain where it is known.
+//! What each coefficient contributes to each point of a curve, and to the spectrum, with the
+//! signal chain where it is known.
 //!
 //! With a chain the terms enter ahead of it. The contribution of a term is then the integral of
-//! its spectrum times the chain's power over the Allan kernel ([`crate::model::kernel`]);
-//! without one it is the closed form of the sampled process. The ramp passes any chain unchanged.
+//! its spectrum times the chain's power over the kernel of the variance ([`crate::model::kernel`]);
+//! without one it is that of the sampled process. The ramp passes any chain unchanged.
 
 use nalgebra::DMatrix;
 
 use crate::chain::Chain;
-use crate::model::{Coefficient, PerCoefficient, kernel};
+use crate::model::kernel::{self, Kernel};
+use crate::model::{Coefficient, PerCoefficient, Term};
 
 /// Steps of the table of the chain's power from zero to half the rate.
 const STEPS: usize = 8192;
 
-/// The chain's effect on the samples at a rate.
-#[derive(Debug, Clone)]
+/// The five terms with coefficient 1, seen through a chain at a rate.
 pub struct Design {
     rate_hz: f64,
+    terms: PerCoefficient<Box<dyn Term>>,
     /// Power of the chain at equal steps from zero to half the rate; `None` without a chain.
     power: Option<Vec<f64>>,
     /// Whether the converter's filter keeps out what lies above half the rate.
@@ -24,7 +25,7 @@ pub struct Design {
 }
 
 impl Design {
-    /// The chain's effect at `rate_hz`.
+    /// The terms through `chain` at `rate_hz`.
     pub fn new(rate_hz: f64, chain: Option<&Chain>) -> Self {
         let table = |chain: &Chain| {
             let at = |step| 0.5 * rate_hz * step as f64 / STEPS as f64;
@@ -34,6 +35,7 @@ impl Design {
         };
         Self {
             rate_hz,
+            terms: PerCoefficient::from_fn(|coefficient| coefficient.term(1.0)),
             power: chain.map(table),
             band_limited: chain.is_some_and(|chain| chain.converter.is_some()),
         }
@@ -48,40 +50,45 @@ impl Design {
         power[step] + part * (power[step + 1] - power[step])
     }
 
-    /// Two-sided spectral density of the samples for coefficient 1.
+    /// Two-sided spectral density for coefficient 1 ahead of the chain's power.
     fn unit_spectrum(&self, coefficient: Coefficient, f_hz: f64) -> f64 {
-        let term = coefficient.term(1.0);
-        let density = if self.band_limited {
+        let term = self.terms.get(coefficient);
+        if self.band_limited {
             term.spectrum_ahead(f_hz, self.rate_hz)
         } else {
             // Poles alone do not keep out what folds back; the sampled form includes it.
             term.spectrum(f_hz, self.rate_hz)
-        };
-        density * self.power(f_hz)
+        }
     }
 
     /// Two-sided spectral density of the samples for squared coefficients.
     pub fn spectrum(&self, squares: &PerCoefficient<f64>, f_hz: f64) -> f64 {
-        Coefficient::ALL
+        let sum: f64 = Coefficient::ALL
             .into_iter()
             .filter(|&one| *squares.get(one) > 0.0)
             .map(|one| squares.get(one) * self.unit_spectrum(one, f_hz))
-            .sum()
+            .sum();
+        sum * self.power(f_hz)
     }
 
-    /// Allan variance at `m` data periods for coefficient 1.
-    pub fn unit_allan_variance(&self, coefficient: Coefficient, m: u64) -> f64 {
-        if self.power.is_none() || coefficient == Coefficient::R {
-            return coefficient.term(1.0).allan_variance(m, self.rate_hz);
+    /// Variance at `m` data periods for coefficient 1.
+    pub fn unit_variance(&self, kernel: Kernel, coefficient: Coefficient, m: u64) -> f64 {
+        // A ramp has the same variance in both families, with or without a chain.
+        let closed =
+            coefficient == Coefficient::R || (self.power.is_none() && kernel == Kernel::Allan);
+        if closed {
+            return self.terms.get(coefficient).allan_variance(m, self.rate_hz);
         }
-        kernel::allan_variance(m, self.rate_hz, |f| self.unit_spectrum(coefficient, f))
+        kernel::variance(kernel, m, self.rate_hz, |f| {
+            self.unit_spectrum(coefficient, f) * self.power(f)
+        })
     }
 
     /// The matrix of contributions: a row for each averaging factor, a column for each of
     /// [`Coefficient::ALL`].
-    pub fn matrix(&self, factors: &[u64]) -> DMatrix<f64> {
+    pub fn matrix(&self, kernel: Kernel, factors: &[u64]) -> DMatrix<f64> {
         DMatrix::from_fn(factors.len(), Coefficient::ALL.len(), |row, column| {
-            self.unit_allan_variance(Coefficient::ALL[column], factors[row])
+            self.unit_variance(kernel, Coefficient::ALL[column], factors[row])
         })
     }
 }
@@ -107,8 +114,9 @@ mod tests {
             let parsed = chain.parse::<Chain>().expect(chain);
             let design = Design::new(rate_hz, Some(&parsed));
             for (m, expected) in (1..).zip(expected) {
-                let ratio =
-                    (design.unit_allan_variance(Coefficient::N, m) * m as f64 / rate_hz).sqrt();
+                let ratio = (design.unit_variance(Kernel::Allan, Coefficient::N, m) * m as f64
+                    / rate_hz)
+                    .sqrt();
                 assert!((ratio - expected).abs() < 6e-4, "{chain} m={m}: {ratio}");
             }
         }
@@ -118,15 +126,20 @@ mod tests {
     fn long_averages_do_not_see_the_chain() {
         let chain = "ads1281:linear+400hz".parse::<Chain>().expect("a chain");
         let (with, without) = (Design::new(2000.0, Some(&chain)), Design::new(2000.0, None));
-        for coefficient in [
+        let terms = [
             Coefficient::N,
             Coefficient::B,
             Coefficient::K,
             Coefficient::R,
-        ] {
-            let ratio = with.unit_allan_variance(coefficient, 1 << 20)
-                / without.unit_allan_variance(coefficient, 1 << 20);
-            assert!((ratio - 1.0).abs() < 1e-4, "{coefficient:?}: {ratio}");
+        ];
+        let both = |kernel| terms.map(|coefficient| (kernel, coefficient));
+        for (kernel, coefficient) in [Kernel::Allan, Kernel::Modified].into_iter().flat_map(both) {
+            let ratio = with.unit_variance(kernel, coefficient, 1 << 20)
+                / without.unit_variance(kernel, coefficient, 1 << 20);
+            assert!(
+                (ratio - 1.0).abs() < 1e-4,
+                "{kernel:?} {coefficient:?}: {ratio}"
+            );
         }
     }
 }

@@ -1,10 +1,17 @@
 //! The same five terms, fitted with each point weighed by its own uncertainty and coefficients
 //! that may not be negative.
 //!
-//! A point's weight is the inverse variance of the Allan estimate under the fitted model,
-//! found by iteration: the measured curve gives the first weights, then the model's own, so that
-//! a point that came out low by chance does not gain weight by it. The intervals take into
-//! account that the points err together ([`super::covariance`]).
+//! The points are those of the *modified* Allan variance, although the table and the plot show the
+//! Allan variance: where quantisation noise is large, the Allan variance is ruled by it at every
+//! averaging time below the crossing with the walk, since its kernel does not keep out high
+//! frequencies, and white noise only shows as a small difference of large numbers. The modified
+//! variance of quantisation noise falls faster by a factor of `m`, so that each term has
+//! averaging times of its own, and its estimates lose nothing by being taken in strides.
+//!
+//! A point's weight is the inverse variance of its estimate under the fitted model, found by
+//! iteration: the measured curve gives the first weights, then the model's own, so that a
+//! point that came out low by chance does not gain weight by it. The intervals take into account
+//! that the points err together ([`super::covariance`]).
 
 use nalgebra::{DMatrix, DVector};
 
@@ -13,7 +20,7 @@ use super::design::Design;
 use super::least_squares::solve_non_negative;
 use crate::analyse::WeightedValue;
 use crate::bins::point::Point;
-use crate::chain::Chain;
+use crate::model::kernel::Kernel;
 use crate::model::{Coefficient, PerCoefficient};
 
 /// Rounds of weighing; the weights settle to a fraction of a percent in four.
@@ -25,13 +32,13 @@ const LEAST_EDF: f64 = 1.0;
 /// Standard deviations of a 95 % interval.
 const SIGMAS: f64 = 1.96;
 
-/// Fits the points of an Allan curve.
+/// Fits the points of a modified Allan curve at `rate_hz`.
 ///
 /// `None` where fewer than five points carry weight, or the curve is zero everywhere.
 pub fn fit(
     points: &[Point],
     rate_hz: f64,
-    chain: Option<&Chain>,
+    design: &Design,
 ) -> Option<PerCoefficient<WeightedValue>> {
     let points: Vec<Point> = points
         .iter()
@@ -41,11 +48,9 @@ pub fn fit(
     if points.len() < Coefficient::ALL.len() {
         return None;
     }
-    let design = Design::new(rate_hz, chain);
     let factors: Vec<u64> = points.iter().map(|point| point.m).collect();
-    let a = design.matrix(&factors);
+    let a = design.matrix(Kernel::Modified, &factors);
     let y = DVector::from_iterator(points.len(), points.iter().map(|point| point.variance));
-
     let mut deviation = DVector::from_iterator(
         points.len(),
         points
@@ -55,7 +60,13 @@ pub fn fit(
     let mut squares = weigh_and_solve(&a, &y, &deviation);
     let mut errors = DMatrix::zeros(0, 0);
     for _ in 0..ROUNDS {
-        errors = covariance(&points, rate_hz, &design, &per_coefficient(&squares));
+        let model = per_coefficient(&squares);
+        errors = covariance(
+            &points,
+            rate_hz,
+            |f| design.spectrum(&model, f),
+            &(&a * &squares),
+        );
         deviation = errors.diagonal().map(f64::sqrt);
         if !deviation.iter().all(|one| one.is_normal()) {
             return None;

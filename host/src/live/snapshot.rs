@@ -169,7 +169,7 @@ fn clock(seconds: f64) -> String {
 
 /// A time to four digits without trailing zeros.
 fn short(seconds: f64) -> String {
-    if seconds >= 0.001 && seconds < 1e5 {
+    if (0.001..1e5).contains(&seconds) {
         let digits = (3 - seconds.log10().floor() as i32).max(0) as usize;
         let text = format!("{seconds:.digits$}");
         if text.contains('.') {

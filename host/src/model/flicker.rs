@@ -8,7 +8,7 @@
 
 use std::f64::consts::{LN_2, PI};
 
-use super::kernel;
+use super::kernel::{self, Kernel};
 use super::{Seed, Term};
 use crate::simulate::{Gaussian, Generator};
 
@@ -25,7 +25,7 @@ pub struct Flicker {
 
 impl Term for Flicker {
     fn allan_variance(&self, m: u64, rate_hz: f64) -> f64 {
-        kernel::allan_variance(m, rate_hz, |f| self.spectrum(f, rate_hz))
+        kernel::variance(Kernel::Allan, m, rate_hz, |f| self.spectrum(f, rate_hz))
     }
 
     fn allan_asymptote(&self, _tau_s: f64) -> f64 {

@@ -1,15 +1,18 @@
-//! Allan variance of any spectrum: the integral over the Allan kernel of sampled data.
+//! Allan and modified Allan variance of any spectrum: the integral over the kernel of sampled data.
 //!
 //! For a sampled process with two-sided spectral density `S(f)` and averaging over `m` samples,
+//! with `x = pi f tau0`,
 //!
 //! ```text
-//! sigma^2(m) = 2 int_0^{fs/2} S(f) k(f) df,   k(f) = 2 sin^4(pi f m tau0) / (m^2 sin^2(pi f tau0))
+//! sigma^2(m) = 2 int_0^{fs/2} S(f) k(f) df
+//! Allan:          k(f) = 2 sin^4(m x) / (m sin x)^2
+//! modified Allan: k(f) = 2 sin^6(m x) / (m sin x)^4
 //! ```
 //!
-//! which is Pavlov and Petrov eq. 7 with the sum over samples in place of the integral over
-//! time. The kernel oscillates `m / 2` times; beyond [`CYCLES`] of them its square sine is
-//! replaced by the mean, which leaves a relative error below 1e-6 for every spectrum that
-//! does not change within one oscillation there.
+//! which for the Allan variance is Pavlov and Petrov eq. 7 with the sum over samples in place of
+//! the integral over time. The kernel oscillates `m / 2` times; beyond [`CYCLES`] of them the
+//! power of the sine is replaced by its mean, which leaves a relative error below 2e-6 for
+//! every spectrum that does not change within one oscillation there.
 
 use std::f64::consts::PI;
 
@@ -25,9 +28,6 @@ const PANELS_PER_RATE: f64 = 200.0;
 /// Relative width of a panel where the integrand is smooth.
 const RELATIVE_PANEL: f64 = 0.2;
 
-/// Mean of sin^4.
-const MEAN_SIN4: f64 = 3.0 / 8.0;
-
 /// Nodes and weights of Gauss-Legendre quadrature with eight points on (-1, 1), positive half.
 const GAUSS: [(f64, f64); 4] = [
     (0.183_434_642_495_649_8, 0.362_683_783_378_362),
@@ -36,23 +36,43 @@ const GAUSS: [(f64, f64); 4] = [
     (0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
 ];
 
-/// The kernel `k(f)` for `m` samples, with `x = pi f / rate`.
-pub fn kernel(m: u64, x: f64) -> f64 {
-    2.0 * (m as f64 * x).sin().powi(4) / smooth(m, x)
+/// Which variance a kernel belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kernel {
+    /// Allan variance.
+    Allan,
+    /// Modified Allan variance.
+    Modified,
 }
 
-/// The kernel averaged over its oscillation.
-fn mean_kernel(m: u64, x: f64) -> f64 {
-    2.0 * MEAN_SIN4 / smooth(m, x)
+impl Kernel {
+    /// Power of the oscillating sine, and its mean over an oscillation.
+    const fn sine(self) -> (i32, f64) {
+        match self {
+            Self::Allan => (4, 3.0 / 8.0),
+            Self::Modified => (6, 5.0 / 16.0),
+        }
+    }
+
+    /// The kernel for `m` samples, with `x = pi f / rate`.
+    pub fn at(self, m: u64, x: f64) -> f64 {
+        self.smooth(m, x) * (m as f64 * x).sin().powi(self.sine().0)
+    }
+
+    /// The kernel averaged over its oscillation.
+    pub fn mean(self, m: u64, x: f64) -> f64 {
+        self.smooth(m, x) * self.sine().1
+    }
+
+    /// The part that does not oscillate.
+    pub fn smooth(self, m: u64, x: f64) -> f64 {
+        2.0 / (m as f64 * x.sin()).powi(self.sine().0 - 2)
+    }
 }
 
-fn smooth(m: u64, x: f64) -> f64 {
-    (m as f64 * x.sin()).powi(2)
-}
-
-/// Allan variance at `m` samples of a process with the two-sided spectral density `spectrum`,
-/// a function of the frequency in hertz; it is asked above zero and below half the rate.
-pub fn allan_variance(m: u64, rate_hz: f64, spectrum: impl Fn(f64) -> f64) -> f64 {
+/// The variance at `m` samples of a process with the two-sided spectral density `spectrum`, a
+/// function of the frequency in hertz; it is asked above zero and below half the rate.
+pub fn variance(kernel: Kernel, m: u64, rate_hz: f64, spectrum: impl Fn(f64) -> f64) -> f64 {
     let nyquist = 0.5 * rate_hz;
     let cycle = rate_hz / m as f64;
     let resolved = (CYCLES * cycle).min(nyquist);
@@ -62,13 +82,13 @@ pub fn allan_variance(m: u64, rate_hz: f64, spectrum: impl Fn(f64) -> f64) -> f6
         0.0,
         resolved,
         |_| fine,
-        |f| spectrum(f) * kernel(m, PI * f / rate_hz),
+        |f| spectrum(f) * kernel.at(m, PI * f / rate_hz),
     );
     let far = panels(
         resolved,
         nyquist,
         |f| (RELATIVE_PANEL * f).min(widest),
-        |f| spectrum(f) * mean_kernel(m, PI * f / rate_hz),
+        |f| spectrum(f) * kernel.mean(m, PI * f / rate_hz),
     );
     2.0 * (near + far)
 }
@@ -108,15 +128,29 @@ mod tests {
 
     #[test]
     fn equals_the_closed_forms_of_sampled_noise() {
-        for coefficient in [Coefficient::Q, Coefficient::N, Coefficient::K] {
-            let term = coefficient.term(3.0);
-            for rate_hz in [1.0, 2000.0] {
-                for m in [1, 2, 3, 7, 63, 64, 65, 1000, 123_456] {
-                    let exact = term.allan_variance(m, rate_hz);
-                    let numeric = allan_variance(m, rate_hz, |f| term.spectrum(f, rate_hz));
+        for rate_hz in [1.0, 2000.0] {
+            for m in [1, 2, 3, 7, 63, 64, 65, 1000, 123_456] {
+                let check = |kernel, coefficient: Coefficient, exact: f64| {
+                    let term = coefficient.term(3.0);
+                    let numeric = variance(kernel, m, rate_hz, |f| term.spectrum(f, rate_hz));
                     let relative = numeric / exact - 1.0;
-                    assert!(relative.abs() < 2e-6, "{coefficient:?} m={m}: {relative:e}");
+                    assert!(
+                        relative.abs() < 2e-6,
+                        "{kernel:?} {coefficient:?} m={m}: {relative:e}"
+                    );
+                };
+                let (m, tau_s) = (m as f64, m as f64 / rate_hz);
+                for coefficient in [Coefficient::Q, Coefficient::N, Coefficient::K] {
+                    let allan = coefficient.term(3.0).allan_variance(m as u64, rate_hz);
+                    check(Kernel::Allan, coefficient, allan);
                 }
+                // P. Lesage and T. Ayi, IEEE Trans. Instrum. Meas. 33 (1984) 332.
+                check(Kernel::Modified, Coefficient::Q, 27.0 / (m * tau_s * tau_s));
+                check(
+                    Kernel::Modified,
+                    Coefficient::N,
+                    9.0 * (1.0 + m.powi(-2)) / (2.0 * tau_s),
+                );
             }
         }
     }

@@ -19,6 +19,16 @@ pub fn significant(value: f64, digits: usize) -> String {
     }
 }
 
+/// A number with up to seven significant digits and no superfluous zeros.
+pub fn plain(value: f64) -> String {
+    let text = significant(value, 7);
+    if text.contains('.') && !text.contains('e') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
+}
+
 /// A count with its thousands apart.
 pub fn grouped(count: u64) -> String {
     let digits = count.to_string();
@@ -60,6 +70,10 @@ mod tests {
         assert_eq!(significant(-123_456.7, 3), "-123457");
         assert_eq!(significant(1.0e7, 2), "1.0e7");
         assert_eq!(grouped(10_800_000), "10 800 000");
+        assert_eq!(
+            (plain(2000.0).as_str(), plain(0.5).as_str()),
+            ("2000", "0.5")
+        );
         assert_eq!(grouped(42), "42");
         assert_eq!(duration(5400.0), "1 h 30 min");
         assert_eq!(duration(0.25), "0.250 s");

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::number::{duration, grouped, significant};
+use super::number::{duration, grouped, plain, significant};
 use super::verdict;
 use crate::analyse::{Analysis, AxisAnalysis, CurvePoint, PublishedValue, SourceSummary};
 use crate::model::Coefficient;
@@ -34,9 +34,7 @@ fn head(text: &mut String, source: &SourceSummary) -> std::fmt::Result {
         "{}: {} samples an axis at {}/s, {}",
         source.file,
         grouped(source.samples),
-        significant(source.rate_hz, 6)
-            .trim_end_matches('0')
-            .trim_end_matches('.'),
+        plain(source.rate_hz),
         duration(source.duration_s),
     )?;
     if let Some(chain) = &source.chain {
@@ -50,8 +48,13 @@ fn head(text: &mut String, source: &SourceSummary) -> std::fmt::Result {
     }
     writeln!(
         text,
-        "{} gaps, {} samples known to be missing; no difference spans a gap.",
+        "{} {}, {} samples known to be missing; no difference spans a gap.",
         source.gaps.len(),
+        if source.gaps.len() == 1 {
+            "gap"
+        } else {
+            "gaps"
+        },
         grouped(source.lost_samples)
     )?;
     for gap in source.gaps.iter().take(MOST_GAPS) {
@@ -121,6 +124,9 @@ fn coefficients(text: &mut String, axis: &AxisAnalysis) -> std::fmt::Result {
             verdict::sentence(value),
             remark.map_or(String::new(), |remark| format!(" ({remark})")),
         )?;
+    }
+    if let Some(warning) = verdict::misfit(axis) {
+        writeln!(text, "  {warning}")?;
     }
     Ok(())
 }

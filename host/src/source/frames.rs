@@ -1,11 +1,15 @@
 //! The one path from bytes to samples: live, from a capture, from the virtual board.
 
-use inm_protocol::{Answer, Decoder, Fault, Health, Note, Reply, ToHost};
+use inm_protocol::{Answer, Decoder, Fault, Health, Note, Reply, ToHost, Trouble};
 
 use super::Chunk;
 use super::assemble::{Assembler, Losses};
 use super::audit::{Audit, Proof, State};
 use crate::link::{axis_name, describe};
+
+/// Conversions that may pass between a slipped bit and its notice: blocks of 32 words are
+/// compared, and at the latest the registers come out shifted (firmware/src/ads1281/slip.rs).
+const SLIP_NOTICE: u64 = 540;
 
 /// Decodes frames and puts their samples together.
 #[derive(Debug, Default)]
@@ -123,6 +127,9 @@ impl Frames {
             }
             ToHost::Reply(reply) => self.status.replies.push(reply),
             ToHost::Event(event) => {
+                if let (Trouble::Slipped { .. }, Some(axis)) = (event.trouble, event.axis) {
+                    self.assembler.spoil(axis, event.index, SLIP_NOTICE);
+                }
                 let axis = event
                     .axis
                     .map_or(String::new(), |a| format!("{}: ", axis_name(a)));
