@@ -32,8 +32,25 @@ pub struct Bench<S> {
 impl<S: Signal> Bench<S> {
     /// A bench that is powered up at time zero.
     pub fn new(converters: [Converter<S>; 3]) -> Self {
+        Self::on(converters.map(RefCell::new))
+    }
+
+    /// As [`Self::new`], converter after converter in its place: a stack has to hold one copy
+    /// less of all three.
+    #[inline]
+    pub fn from_fn(mut converter: impl FnMut(usize) -> Converter<S>) -> Self {
+        // Written out: `map` takes a copy on the way.
+        Self::on([
+            RefCell::new(converter(0)),
+            RefCell::new(converter(1)),
+            RefCell::new(converter(2)),
+        ])
+    }
+
+    #[inline]
+    fn on(converters: [RefCell<Converter<S>>; 3]) -> Self {
         Self {
-            converters: converters.map(RefCell::new),
+            converters,
             bit_ps: [const { Cell::new(PS_PER_S / SCLK_HZ as u64) }; 3],
             now_ps: Cell::new(0),
             sync_high: Cell::new(true),

@@ -12,6 +12,7 @@ use inm_emulator::channel::{Channel, published};
 use inm_emulator::{Conversion, Registers};
 use inm_host::link::{Client, Connect, LinkError};
 use inm_host::source::assemble::Losses;
+use inm_host::source::audit::State;
 use inm_host::source::board::{BoardSource, Plan, Stop};
 use inm_host::source::{Block, Chunk, Source, Values};
 use inm_protocol::{
@@ -95,6 +96,11 @@ fn stream(rate: Rate, config0: u8) {
     let took = begin.elapsed().as_secs_f64();
     assert!(Some(received) >= wanted, "{received} of {wanted:?} samples");
     assert_eq!(source.losses(), Losses::default());
+    let proven = State::Proven {
+        epoch: 0,
+        index: received,
+    };
+    assert_eq!(source.proof().map(|proof| proof.state), Some(proven));
     assert_eq!(source.damaged(), (0, 0), "frames damaged, and their bytes");
     let health = source
         .status()
