@@ -297,7 +297,7 @@ mod tests {
             let expected = steps.iter().map(|step| step * step).sum::<f64>() / 14.0;
             assert_eq!(one.terms, 7, "{overlap:?}");
             assert!(
-                (one.variance / expected - 1.0).abs() < 1e-9,
+                (one.variance / expected - 1.0).abs() < 1e-8,
                 "{overlap:?} {}",
                 one.variance
             );
