@@ -144,6 +144,9 @@ pub struct Fits {
     pub published: Option<PerCoefficient<PublishedValue>>,
     /// Weighted by each point's uncertainty, coefficients not negative.
     pub weighted: Option<PerCoefficient<WeightedValue>>,
+    /// Error of the model's deviation that the weighted fit had to allow for at every point,
+    /// percent; zero where the record follows the five terms.
+    pub weighted_allowance_percent: Option<f64>,
     /// By likelihood; `None` where it was not computed.
     pub likelihood: Option<()>,
 }
@@ -255,9 +258,11 @@ fn analyse_axis(
             )
         })
         .collect();
+    let weighted = weighted::fit(&modified, rate_hz, &design);
     let fits = Fits {
         published: published::fit(&published_points).map(published_values),
-        weighted: weighted::fit(&modified, rate_hz, &design),
+        weighted: weighted.map(|fit| fit.coefficients),
+        weighted_allowance_percent: weighted.map(|fit| 50.0 * fit.allowance),
         likelihood: None,
     };
     AxisAnalysis {

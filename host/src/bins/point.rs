@@ -39,10 +39,14 @@ impl Point {
     }
 }
 
+/// Averages in a record below which the slope of the curve is chance.
+const FEW_AVERAGES: u64 = 16;
+
 /// Points of a curve from the estimates of `statistic`, ascending in `m`, in counts.
 ///
 /// The interval is that of a chi-squared variable with the equivalent degrees of freedom of
-/// the locally identified noise type. (Greenhall and Riley 2003; NIST SP 1065, section 5.4.)
+/// the locally identified noise type. Where the record holds only few averages the slope itself
+/// is uncertain, and the type found at the last sound point stands. (Greenhall and Riley 2003; NIST SP 1065, section 5.4.)
 pub fn points(
     statistic: Statistic,
     estimates: &[Estimate],
@@ -50,13 +54,17 @@ pub fn points(
     scale: f64,
 ) -> Vec<Point> {
     let curve: Vec<_> = estimates.iter().map(|one| (one.m, one.variance)).collect();
-    let point = |(estimate, noise): (&Estimate, Noise)| {
+    let mut sound = None;
+    let mut point = |(estimate, noise): (&Estimate, Noise)| {
         let &Estimate {
             m,
             terms,
             stride,
             variance,
         } = estimate;
+        let few = terms.saturating_mul(stride) / m < FEW_AVERAGES;
+        let noise = if few { sound.unwrap_or(noise) } else { noise };
+        sound = Some(noise);
         let variance = variance * scale * scale;
         let edf = edf::edf(statistic, noise, m, stride, terms);
         let (lo, hi) = interval(variance, edf);
@@ -72,7 +80,11 @@ pub fn points(
             hi,
         }
     };
-    estimates.iter().zip(identify(&curve)).map(point).collect()
+    estimates
+        .iter()
+        .zip(identify(&curve))
+        .map(&mut point)
+        .collect()
 }
 
 /// 95 % interval of the deviation whose square was estimated with `edf` degrees of freedom.

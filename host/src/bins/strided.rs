@@ -7,9 +7,9 @@
 use inm_allan::fixed_point::FixedPoint;
 use inm_allan::{Estimate, FloatBins, HostBins, Statistic};
 
-/// How much further than the first block the grid reaches. Leaves 2^-28 of the first block's
+/// How much further than the first block the grid reaches. Leaves 2^-32 of the first block's
 /// range as the step, far below any noise in it.
-const HEADROOM: f64 = 65_536.0;
+const HEADROOM: f64 = 4096.0;
 
 /// Octaves of averaging times of the floating-point bins: up to 10^9 samples.
 const FLOAT_LEVELS: usize = 25;

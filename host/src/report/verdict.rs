@@ -8,45 +8,31 @@ use crate::analyse::{AxisAnalysis, PublishedValue, WeightedValue};
 const WELL: f64 = 0.1;
 const ROUGHLY: f64 = 0.5;
 
-/// Share of points outside of their intervals from which the five terms do not describe a curve.
-/// One in twenty lies outside by chance, but neighbours err together.
-const MISFIT: f64 = 0.25;
-
-/// Degrees of freedom from which a point counts in that.
+/// Degrees of freedom from which a point may be named as the worst.
 const MISFIT_EDF: f64 = 10.0;
 
-/// A warning where the weighted fit runs past more points than chance explains.
+/// A warning where the record does not follow the five terms.
 pub fn misfit(axis: &AxisAnalysis) -> Option<String> {
-    let compared: Vec<_> = axis
+    let allowance = axis
+        .fits
+        .weighted_allowance_percent
+        .filter(|&percent| percent > 0.0)?;
+    let off = axis
         .allan
         .iter()
         .zip(&axis.curves)
         .filter(|(point, _)| point.edf >= MISFIT_EDF)
-        .filter_map(|(point, model)| model.weighted.map(|expected| (point, expected)))
-        .collect();
-    let outside: Vec<_> = compared
-        .iter()
-        .filter(|(point, expected)| !(point.lo..=point.hi).contains(expected))
-        .collect();
-    let (point, expected) = outside
-        .iter()
-        .max_by(|a, b| off(a).abs().total_cmp(&off(b).abs()))?;
-    if (outside.len() as f64) < MISFIT * compared.len() as f64 {
-        return None;
-    }
+        .filter_map(|(point, model)| {
+            Some((point.tau_s, 100.0 * (point.adev / model.weighted? - 1.0)))
+        });
+    let (tau_s, percent) = off.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
     Some(format!(
-        "The five terms do not describe this record: {} of {} points lie outside of their \
-         intervals, worst at {} s by {} %. The coefficients above hold only as far as the terms do.",
-        outside.len(),
-        compared.len(),
-        significant(point.tau_s, 3),
-        significant(100.0 * off(&(point, *expected)), 2),
+        "The five terms do not describe this record: the curve departs from them by some {} %, \
+         far more than chance explains (most at {} s, by {percent:+.0} %). The intervals allow for \
+         that; the coefficients hold only as far as the terms do.",
+        significant(allowance, 2),
+        significant(tau_s, 3),
     ))
-}
-
-/// Measured over expected, minus one.
-fn off((point, expected): &(&crate::analyse::CurvePoint, f64)) -> f64 {
-    point.adev / expected - 1.0
 }
 
 /// How far a coefficient is known.
