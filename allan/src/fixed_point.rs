@@ -36,10 +36,16 @@ impl FixedPoint {
     #[must_use]
     pub fn covering(samples: impl IntoIterator<Item = f64>, headroom: f64) -> Self {
         let mut finite = samples.into_iter().filter(|sample| sample.is_finite());
-        let offset = finite.next().unwrap_or(0.0);
-        let spread = finite.fold(0.0_f64, |spread, sample| {
-            spread.max((sample - offset).abs())
+        let first = finite.next().unwrap_or(0.0);
+        let (spread, size) = finite.fold((0.0_f64, first.abs()), |(spread, size), sample| {
+            (spread.max((sample - first).abs()), size.max(sample.abs()))
         });
+        // Distances may overflow where the samples themselves do not.
+        let (offset, spread) = if spread.is_finite() {
+            (first, spread)
+        } else {
+            (0.0, size)
+        };
         let reach = if spread > 0.0 {
             spread * headroom.max(1.0)
         } else if offset == 0.0 {
@@ -118,6 +124,13 @@ mod tests {
         for sample in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e3, -1e3] {
             assert_eq!(grid.code(sample), None, "{sample}");
         }
+    }
+
+    #[test]
+    fn the_largest_numbers_have_codes() {
+        let samples = [f64::MAX, -f64::MAX, 0.0];
+        let grid = FixedPoint::covering(samples, 4.0);
+        assert!(samples.iter().all(|&sample| grid.code(sample).is_some()));
     }
 
     #[test]
