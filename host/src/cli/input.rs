@@ -11,7 +11,7 @@ use crate::source::options::{ArrayOptions, Selector};
 #[command(next_help_heading = "Array files (.npy, .csv, columns of text)")]
 pub struct InputOptions {
     /// Samples a second.
-    #[arg(long, value_name = "HZ")]
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     pub rate: Option<f64>,
     /// Column of time stamps in seconds (number from 0, or name); gives the rate and the gaps.
     #[arg(long, value_name = "COLUMN")]
@@ -31,10 +31,10 @@ pub struct InputOptions {
     )]
     pub scale: Vec<f64>,
     /// Leave out what lies before this time, seconds from the start.
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub from: Option<f64>,
     /// Leave out what lies at or after this time, seconds from the start.
-    #[arg(long, value_name = "S")]
+    #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub to: Option<f64>,
     /// Signal chain the data came through, such as ads1281:linear+400hz.
     #[arg(long)]

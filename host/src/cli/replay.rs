@@ -8,8 +8,8 @@ use super::results::ResultOptions;
 use crate::analyse::{AnalysisOptions, summarise};
 use crate::bins::record::{Overlap, Record};
 use crate::live::{Screen, watch};
-use crate::source::Source;
 use crate::source::capture::CaptureSource;
+use crate::source::{Source, SourceError};
 
 /// Arguments of `inm replay`.
 #[derive(Debug, Args)]
@@ -30,7 +30,8 @@ impl ReplayCommand {
     /// # Errors
     /// What the capture says.
     pub fn run(self) -> anyhow::Result<()> {
-        let mut source = CaptureSource::open(&self.capture)?.at_speed(self.speed);
+        let source = CaptureSource::open(&self.capture).map_err(SourceError::from)?;
+        let mut source = source.at_speed(self.speed);
         let signal = source.signal().clone();
         let mut record = Record::new(signal.axes.len(), Overlap::Strided);
         let ended = watch(&mut source, Some(&mut record), &mut Screen::stderr());

@@ -35,7 +35,9 @@ impl ResultOptions {
             })?;
         }
         if let Some(path) = &self.report {
-            write_to(path, |output| output.write_all(report::html::render(analysis).as_bytes()))?;
+            write_to(path, |output| {
+                output.write_all(report::html::render(analysis).as_bytes())
+            })?;
         }
         if let Some(path) = &self.png {
             let bitmap = report::png::render(analysis)?;

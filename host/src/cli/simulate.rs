@@ -21,10 +21,10 @@ pub struct Simulate {
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Length in seconds.
-    #[arg(long, value_name = "S", default_value_t = DURATION_S)]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, default_value_t = DURATION_S)]
     duration: f64,
     /// Samples a second.
-    #[arg(long, value_name = "HZ", default_value_t = RATE_HZ)]
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true, default_value_t = RATE_HZ)]
     rate: f64,
 }
 

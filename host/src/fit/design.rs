@@ -126,12 +126,14 @@ mod tests {
     fn long_averages_do_not_see_the_chain() {
         let chain = "ads1281:linear+400hz".parse::<Chain>().expect("a chain");
         let (with, without) = (Design::new(2000.0, Some(&chain)), Design::new(2000.0, None));
-        for coefficient in [
+        let terms = [
             Coefficient::N,
             Coefficient::B,
             Coefficient::K,
             Coefficient::R,
-        ] {
+        ];
+        let both = |kernel| terms.map(|coefficient| (kernel, coefficient));
+        for (kernel, coefficient) in [Kernel::Allan, Kernel::Modified].into_iter().flat_map(both) {
             let ratio = with.unit_variance(kernel, coefficient, 1 << 20)
                 / without.unit_variance(kernel, coefficient, 1 << 20);
             assert!(

@@ -3,7 +3,7 @@
 
 use std::fmt::{Result, Write};
 
-use super::svg::{LogScale, Theme, escape, path, power_of_ten};
+use super::svg::{LogScale, Theme, escape, path, power_of_ten, typeset};
 use crate::analyse::{AxisAnalysis, CurveModel, CurvePoint};
 use crate::model::Coefficient;
 
@@ -12,12 +12,15 @@ pub const WIDTH: f64 = 760.0;
 /// Size of a panel, pixels.
 pub const HEIGHT: f64 = 560.0;
 
-const LEFT: f64 = 64.0;
-const RIGHT: f64 = WIDTH - 18.0;
+pub(super) const LEFT: f64 = 64.0;
+pub(super) const RIGHT: f64 = WIDTH - 18.0;
 const TOP: f64 = 34.0;
 const BOTTOM: f64 = 392.0;
 /// The strip of residuals.
-const STRIP: (f64, f64) = (418.0, 508.0);
+pub(super) const STRIP: (f64, f64) = (418.0, 508.0);
+
+/// Decades left free on either side of the averaging times.
+const MARGIN: f64 = 0.15;
 
 /// Colours of the five terms, told apart by colour-blind eyes too (Okabe and Ito 2008).
 const fn term_colour(coefficient: Coefficient) -> &'static str {
@@ -30,7 +33,7 @@ const fn term_colour(coefficient: Coefficient) -> &'static str {
     }
 }
 
-/// Whole decades that the curves of `axes` cover, in tau and in deviation.
+/// Decades that the curves of `axes` cover, in tau and (whole ones) in deviation.
 pub fn decades<'a>(axes: impl Iterator<Item = &'a AxisAnalysis>) -> [(f64, f64); 2] {
     let mut range = [(f64::INFINITY, f64::NEG_INFINITY); 2];
     for point in axes
@@ -41,13 +44,14 @@ pub fn decades<'a>(axes: impl Iterator<Item = &'a AxisAnalysis>) -> [(f64, f64);
             *range = (range.0.min(value.log10()), range.1.max(value.log10()));
         }
     }
-    range.map(|(low, high)| {
-        if low > high {
-            (0.0, 1.0)
-        } else {
-            (low.floor(), high.ceil().max(low.floor() + 1.0))
-        }
-    })
+    let [(from, to), (low, high)] = range;
+    if from > to {
+        return [(0.0, 1.0); 2];
+    }
+    [
+        (from - MARGIN, to + MARGIN),
+        (low.floor(), high.ceil().max(low.floor() + 1.0)),
+    ]
 }
 
 /// The panel of `axis` as an SVG group; `id` is unique within the document.
@@ -71,17 +75,18 @@ pub fn panel(axis: &AxisAnalysis, id: &str, decades: [(f64, f64); 2], theme: &Th
     svg
 }
 
-struct Plot<'a> {
-    axis: &'a AxisAnalysis,
-    id: &'a str,
-    theme: &'a Theme,
-    x: LogScale,
+/// What the parts of a panel need to draw themselves.
+pub(super) struct Plot<'a> {
+    pub(super) axis: &'a AxisAnalysis,
+    pub(super) id: &'a str,
+    pub(super) theme: &'a Theme,
+    pub(super) x: LogScale,
     y: LogScale,
 }
 
 impl Plot<'_> {
     fn draw(&self, svg: &mut String) -> Result {
-        let Theme { ink, paper, .. } = self.theme;
+        let paper = self.theme.paper;
         let id = self.id;
         write!(
             svg,
@@ -101,12 +106,7 @@ impl Plot<'_> {
         write!(svg, "</g>")?;
         self.labels(svg)?;
         self.legend(svg)?;
-        self.strip(svg)?;
-        write!(
-            svg,
-            "<text x=\"{LEFT}\" y=\"22\" font-size=\"15\" font-weight=\"bold\" fill=\"{ink}\">Axis {}</text>",
-            escape(&self.axis.name)
-        )
+        self.strip(svg)
     }
 
     fn grid(&self, svg: &mut String) -> Result {
@@ -149,7 +149,7 @@ impl Plot<'_> {
             0.5 * (LEFT + RIGHT),
             HEIGHT - 12.0,
             0.5 * (TOP + BOTTOM),
-            escape(self.axis.unit.symbol()),
+            escape(&typeset(self.axis.unit.symbol())),
             w = RIGHT - LEFT,
         )
     }
@@ -265,10 +265,14 @@ impl Plot<'_> {
     fn fits(&self, svg: &mut String) -> Result {
         let Theme { faint, fitted, .. } = self.theme;
         let curve = |value: &dyn Fn(&CurveModel) -> Option<f64>| {
-            let points = self.axis.curves.iter().filter_map(|model| {
-                value(model).map(|deviation| (self.x.at(model.tau_s), self.y.at(deviation)))
-            });
-            path(points)
+            // Where the square is negative the curve has a hole.
+            let pieces = self.axis.curves.split(|model| value(model).is_none());
+            let piece = |models: &[CurveModel]| {
+                path(models.iter().filter_map(|model| {
+                    value(model).map(|deviation| (self.x.at(model.tau_s), self.y.at(deviation)))
+                }))
+            };
+            pieces.map(piece).collect::<String>()
         };
         write!(
             svg,
@@ -338,84 +342,6 @@ impl Plot<'_> {
                     "stroke=\"{faint}\" stroke-width=\"1.6\" stroke-dasharray=\"1.5 3.5\" stroke-linecap=\"round\""
                 ),
             ),
-        )
-    }
-
-    /// Measured over fitted, minus one, in percent.
-    fn strip(&self, svg: &mut String) -> Result {
-        let Theme {
-            ink,
-            faint,
-            fitted,
-            measured,
-            ..
-        } = self.theme;
-        let residuals: Vec<_> = self
-            .axis
-            .allan
-            .iter()
-            .zip(&self.axis.curves)
-            .filter_map(|(point, model)| {
-                let expected = model.weighted?;
-                let percent = |value: f64| 100.0 * (value / expected - 1.0);
-                Some((
-                    self.x.at(point.tau_s),
-                    percent(point.lo),
-                    percent(point.adev),
-                    percent(point.hi),
-                ))
-            })
-            .collect();
-        let largest = residuals
-            .iter()
-            .map(|residual| residual.2.abs())
-            .fold(0.0_f64, f64::max);
-        let limit = [2.0, 5.0, 10.0, 20.0, 50.0, 100.0]
-            .into_iter()
-            .find(|&limit| limit >= 1.1 * largest)
-            .unwrap_or(200.0);
-        let middle = 0.5 * (STRIP.0 + STRIP.1);
-        let at =
-            |percent: f64| middle - 0.5 * (STRIP.1 - STRIP.0) * (percent / limit).clamp(-9.0, 9.0);
-        write!(
-            svg,
-            "<g clip-path=\"url(#{}-b)\"><path d=\"M{LEFT} {middle}H{RIGHT}\" stroke=\"{fitted}\" \
-             stroke-width=\"1.4\"/>",
-            self.id
-        )?;
-        for (x, lo, mid, hi) in residuals {
-            write!(
-                svg,
-                "<path d=\"M{x:.1} {:.1}V{:.1}\" stroke=\"{measured}\" stroke-opacity=\"0.45\"/>\
-                 <circle cx=\"{x:.1}\" cy=\"{:.1}\" r=\"2\" fill=\"{measured}\"/>",
-                at(lo),
-                at(hi),
-                at(mid)
-            )?;
-        }
-        write!(svg, "</g>")?;
-        for (value, dy) in [(limit, 8.0), (0.0, 4.0), (-limit, 0.0)] {
-            let sign = if value > 0.0 {
-                "+"
-            } else if value < 0.0 {
-                "\u{2212}"
-            } else {
-                ""
-            };
-            write!(
-                svg,
-                "<text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\" fill=\"{faint}\">{sign}{}</text>",
-                LEFT - 7.0,
-                at(value) + dy,
-                value.abs()
-            )?;
-        }
-        write!(
-            svg,
-            "<text x=\"{}\" y=\"{}\" text-anchor=\"end\" fill=\"{ink}\">measured over weighted fit, \
-             percent</text>",
-            RIGHT - 8.0,
-            STRIP.0 + 15.0
         )
     }
 }

@@ -4,7 +4,7 @@ use std::fmt::{Result, Write};
 
 use super::allan_plot::{self, HEIGHT, WIDTH};
 use super::number::{duration, grouped, plain, significant};
-use super::svg::{PAGE, escape};
+use super::svg::{PAGE, escape, typeset};
 use super::verdict::{self, Trust};
 use crate::analyse::{Analysis, AxisAnalysis, PublishedValue, SourceSummary, WeightedValue};
 use crate::model::Coefficient;
@@ -36,7 +36,7 @@ fn write_page(page: &mut String, analysis: &Analysis) -> Result {
     for (index, axis) in analysis.axes.iter().enumerate() {
         self::axis(page, index, axis)?;
     }
-    write!(page, "{FOOTER}</main></body></html>\n")
+    writeln!(page, "{FOOTER}</main></body></html>")
 }
 
 const FOOTER: &str = "<footer><p>Intervals are 95 %: chi-squared with the equivalent degrees of \
@@ -132,7 +132,7 @@ fn axis(page: &mut String, index: usize, axis: &AxisAnalysis) -> Result {
         page,
         "<section><h2>Axis {}</h2><p class=\"lead\">mean {mean} {}{}</p>",
         escape(&axis.name),
-        escape(axis.unit.symbol()),
+        escape(&typeset(axis.unit.symbol())),
         match axis.invalid_samples {
             0 => String::new(),
             count => format!(", {} unusable samples left out", grouped(count)),
@@ -148,6 +148,9 @@ fn axis(page: &mut String, index: usize, axis: &AxisAnalysis) -> Result {
         "<svg viewBox=\"0 0 {WIDTH} {HEIGHT}\" font-size=\"12\" role=\"img\" \
          aria-label=\"Allan deviation\">{plot}</svg>"
     )?;
+    if let Some(warning) = verdict::misfit(axis) {
+        write!(page, "<p class=\"warning\">{}</p>", escape(&warning))?;
+    }
     coefficients(page, axis)?;
     points(page, axis)?;
     write!(page, "</section>")
@@ -177,7 +180,7 @@ fn coefficients(page: &mut String, axis: &AxisAnalysis) -> Result {
                 .value
                 .map_or("\u{2013}".into(), |value| significant(value, 4)),
             interval(value),
-            escape(&coefficient.unit(axis.unit)),
+            escape(&typeset(&coefficient.unit(axis.unit))),
             class(verdict::trust(value)),
             escape(&verdict::sentence(value)),
             published.map_or("\u{2013}".into(), |published| published_value(

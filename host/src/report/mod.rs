@@ -6,6 +6,7 @@ pub mod html;
 pub mod json;
 pub mod number;
 pub mod png;
+mod residual_strip;
 pub mod svg;
 pub mod text;
 pub mod verdict;

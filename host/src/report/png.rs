@@ -7,7 +7,7 @@ use std::sync::Arc;
 use resvg::{tiny_skia, usvg};
 
 use super::allan_plot::{self, HEIGHT, WIDTH};
-use super::svg::LIGHT;
+use super::svg::{LIGHT, escape};
 use crate::analyse::Analysis;
 
 /// Pixels of the bitmap for one of the drawing.
@@ -75,7 +75,12 @@ fn drawing(analysis: &Analysis) -> String {
             (index / columns) as f64 * HEIGHT,
         );
         let panel = allan_plot::panel(axis, &format!("p{index}"), decades, &LIGHT);
-        format!("<g transform=\"translate({x} {y})\">{panel}</g>")
+        format!(
+            "<g transform=\"translate({x} {y})\">{panel}<text x=\"64\" y=\"23\" font-size=\"15\" \
+             font-weight=\"bold\" fill=\"{}\">Axis {}</text></g>",
+            LIGHT.ink,
+            escape(&axis.name)
+        )
     });
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \

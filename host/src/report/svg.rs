@@ -55,6 +55,14 @@ pub fn escape(text: &str) -> String {
     escaped
 }
 
+/// A unit as it is typeset: `m/s^2/sqrt(s)` becomes `m/s\u{b2}/\u{221a}s`.
+pub fn typeset(unit: &str) -> String {
+    unit.replace("^2", "\u{b2}")
+        .replace("^3", "\u{b3}")
+        .replace("sqrt(s)", "\u{221a}s")
+        .replace('*', "\u{b7}")
+}
+
 /// Maps decades onto a stretch of pixels.
 #[derive(Debug, Clone, Copy)]
 pub struct LogScale {
@@ -115,6 +123,7 @@ mod tests {
         };
         assert_eq!(scale.at(1.0), 200.0);
         assert_eq!(scale.powers().collect::<Vec<_>>(), [-2, -1, 0, 1, 2]);
+        assert_eq!(typeset("m/s^2/sqrt(s)"), "m/s\u{b2}/\u{221a}s");
         assert_eq!(escape("<a&'b'>"), "&lt;a&amp;&#39;b&#39;&gt;");
         assert_eq!(path([(0.0, 1.0), (2.0, 3.04)]), "M0.0 1.0L2.0 3.0");
     }

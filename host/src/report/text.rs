@@ -48,8 +48,13 @@ fn head(text: &mut String, source: &SourceSummary) -> std::fmt::Result {
     }
     writeln!(
         text,
-        "{} gaps, {} samples known to be missing; no difference spans a gap.",
+        "{} {}, {} samples known to be missing; no difference spans a gap.",
         source.gaps.len(),
+        if source.gaps.len() == 1 {
+            "gap"
+        } else {
+            "gaps"
+        },
         grouped(source.lost_samples)
     )?;
     for gap in source.gaps.iter().take(MOST_GAPS) {
@@ -119,6 +124,9 @@ fn coefficients(text: &mut String, axis: &AxisAnalysis) -> std::fmt::Result {
             verdict::sentence(value),
             remark.map_or(String::new(), |remark| format!(" ({remark})")),
         )?;
+    }
+    if let Some(warning) = verdict::misfit(axis) {
+        writeln!(text, "  {warning}")?;
     }
     Ok(())
 }

@@ -1,12 +1,53 @@
 //! In plain words: how far a coefficient can be trusted.
 
 use super::number::significant;
-use crate::analyse::{PublishedValue, WeightedValue};
+use crate::analyse::{AxisAnalysis, PublishedValue, WeightedValue};
 
 /// Half widths of the interval, relative to the value, up to which a coefficient counts as
 /// well known and as roughly known.
 const WELL: f64 = 0.1;
 const ROUGHLY: f64 = 0.5;
+
+/// Share of points outside of their intervals from which the five terms do not describe a curve.
+/// One in twenty lies outside by chance, but neighbours err together.
+const MISFIT: f64 = 0.25;
+
+/// Degrees of freedom from which a point counts in that.
+const MISFIT_EDF: f64 = 10.0;
+
+/// A warning where the weighted fit runs past more points than chance explains.
+pub fn misfit(axis: &AxisAnalysis) -> Option<String> {
+    let compared: Vec<_> = axis
+        .allan
+        .iter()
+        .zip(&axis.curves)
+        .filter(|(point, _)| point.edf >= MISFIT_EDF)
+        .filter_map(|(point, model)| model.weighted.map(|expected| (point, expected)))
+        .collect();
+    let outside: Vec<_> = compared
+        .iter()
+        .filter(|(point, expected)| !(point.lo..=point.hi).contains(expected))
+        .collect();
+    let (point, expected) = outside
+        .iter()
+        .max_by(|a, b| off(a).abs().total_cmp(&off(b).abs()))?;
+    if (outside.len() as f64) < MISFIT * compared.len() as f64 {
+        return None;
+    }
+    Some(format!(
+        "The five terms do not describe this record: {} of {} points lie outside of their \
+         intervals, worst at {} s by {} %. The coefficients above hold only as far as the terms do.",
+        outside.len(),
+        compared.len(),
+        significant(point.tau_s, 3),
+        significant(100.0 * off(&(point, *expected)), 2),
+    ))
+}
+
+/// Measured over expected, minus one.
+fn off((point, expected): &(&crate::analyse::CurvePoint, f64)) -> f64 {
+    point.adev / expected - 1.0
+}
 
 /// How far a coefficient is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -13,6 +13,7 @@ pub mod npy;
 pub mod npy_header;
 pub mod open;
 pub mod options;
+pub mod part;
 pub mod stamps;
 pub mod table;
 pub mod text;

@@ -9,6 +9,7 @@ use super::capture::CaptureSource;
 use super::npy::NpyTable;
 use super::npy_header::MAGIC;
 use super::options::ArrayOptions;
+use super::part::Part;
 use super::text::TextTable;
 use super::{Source, SourceError};
 
@@ -51,7 +52,7 @@ pub fn open(path: &str, options: &ArrayOptions) -> Result<Box<dyn Source>, Sourc
         .read_to_end(&mut start)
         .map_err(io)?;
     if start.starts_with(CAPTURE_START) {
-        return Ok(Box::new(CaptureSource::open(Path::new(path))?));
+        return capture(path, options);
     }
     if start.starts_with(MAGIC) {
         let table = NpyTable::open(Path::new(path))?;
@@ -63,6 +64,39 @@ pub fn open(path: &str, options: &ArrayOptions) -> Result<Box<dyn Source>, Sourc
         Box::new(BufReader::new(File::open(path).map_err(io)?)),
         options,
     )
+}
+
+/// A capture, which says itself what an array file does not.
+fn capture(path: &str, options: &ArrayOptions) -> Result<Box<dyn Source>, SourceError> {
+    let ArrayOptions {
+        rate_hz,
+        time,
+        columns,
+        unit,
+        scales,
+        from_s,
+        to_s,
+        chain,
+    } = options;
+    let told = [
+        ("--rate", rate_hz.is_some()),
+        ("--time", time.is_some()),
+        ("--unit", unit.is_some()),
+        ("--scale", !scales.is_empty()),
+        ("--chain", chain.is_some()),
+    ];
+    if let Some((option, _)) = told.iter().find(|(_, given)| *given) {
+        return Err(SourceError {
+            place: path.to_owned(),
+            message: format!(
+                "a capture carries its own rate, scale, unit and chain; {option} \
+                              cannot change them"
+            ),
+            remedy: format!("leave out {option}"),
+        });
+    }
+    let source = CaptureSource::open(Path::new(path))?;
+    Ok(Box::new(Part::new(source, columns, *from_s, *to_s)?))
 }
 
 fn stream(

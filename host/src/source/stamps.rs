@@ -88,7 +88,7 @@ pub fn period_s(times_s: &[f64]) -> Result<f64, String> {
     let regular = |step: &&f64| (**step - median).abs() <= TOLERANCE * median;
     let count = steps.iter().filter(regular).count();
     let irregular = 1.0 - count as f64 / steps.len() as f64;
-    if !(median > 0.0) || irregular > MOST_IRREGULAR {
+    if median.is_nan() || median <= 0.0 || irregular > MOST_IRREGULAR {
         return Err(format!(
             "the time stamps give no sampling rate: {:.0} % of the steps differ by more than \
              half from the median step of {median} s",
