@@ -1,15 +1,17 @@
 //! Which noise rules at an averaging time: by the local slope of the curve.
 //!
 //! The slope of `log variance` over `log tau` is -2 for quantisation (-3 in the modified
-//! variance), -1 for white, 0 for flicker and +1 for walk noise. It is taken by least squares
-//! over the points within an octave on either side. A ramp, steeper still, counts as walk noise.
+//! variance), -1 for white, 0 for flicker and +1 for walk noise. It is taken by least squares over
+//! the points from two octaves below to one above, weighted by how many averaging times their
+//! differences cover. Its standard error is added, since noise of a larger slope has fewer degrees
+//! of freedom. A ramp, steeper still, counts as walk noise.
 //!
 //! Where two types mix, the slope of their sum is the mean of their slopes, weighted by the share
 //! of the variance that each makes up. So a slope between two types gives the share of each, and
 //! the degrees of freedom follow without a jump from one type to the next.
 
-use inm_allan::Statistic;
 use inm_allan::edf::Noise;
+use inm_allan::{Estimate, Statistic};
 
 /// A type of noise and the next one, as the slope tells them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,45 +80,66 @@ fn slope_of(statistic: Statistic, noise: Noise) -> f64 {
     }
 }
 
-/// Noise at each of `points`, given as averaging factor and variance, ascending.
-pub fn identify(statistic: Statistic, points: &[(u64, f64)]) -> Vec<Mixture> {
-    (0..points.len())
-        .map(|at| Mixture::of(statistic, slope(points, at)))
+/// Noise at each of `estimates`, ascending in `m`.
+pub fn identify(statistic: Statistic, estimates: &[Estimate]) -> Vec<Mixture> {
+    (0..estimates.len())
+        .map(|at| {
+            let error = SLOPE_ERROR / spans(&estimates[at]).sqrt();
+            Mixture::of(statistic, slope(estimates, at) + error)
+        })
         .collect()
 }
 
-/// Local slope of `log variance` over `log m` around point `at`.
-fn slope(points: &[(u64, f64)], at: usize) -> f64 {
-    let centre = points[at].0 as f64;
-    let near = |&&(m, variance): &&(u64, f64)| {
-        let ratio = m as f64 / centre;
-        (0.499..=2.001).contains(&ratio) && variance > 0.0
-    };
-    let mut near: Vec<_> = points.iter().filter(near).collect();
+/// How many averaging times the differences of an estimate cover.
+fn spans(estimate: &Estimate) -> f64 {
+    estimate.terms as f64 * estimate.stride as f64 / estimate.m as f64
+}
+
+/// Standard error of a slope over one averaging time, falling with the root of their number. With
+/// it added, simulated intervals hold the truth in at least 93 % of records for each type of
+/// noise (`cargo xtask study intervals`); without it, where few averaging times fit in a record,
+/// white noise passes for quantisation noise and 74 % are left.
+const SLOPE_ERROR: f64 = 1.0;
+
+/// Shortest and longest averaging times that a slope is taken over, as multiples of the one in
+/// question.
+const NEAR: std::ops::RangeInclusive<f64> = 0.249..=2.001;
+
+/// Local slope of `log variance` over `log m` around estimate `at`.
+fn slope(estimates: &[Estimate], at: usize) -> f64 {
+    let centre = estimates[at].m as f64;
+    let near = |one: &&Estimate| NEAR.contains(&(one.m as f64 / centre)) && one.variance > 0.0;
+    let mut near: Vec<_> = estimates.iter().filter(near).collect();
     if near.len() < 2 {
         // Coarse averaging times: the neighbours, however far.
-        near = points[at.saturating_sub(1)..(at + 2).min(points.len())]
+        near = estimates[at.saturating_sub(1)..(at + 2).min(estimates.len())]
             .iter()
-            .filter(|point| point.1 > 0.0)
+            .filter(|one| one.variance > 0.0)
             .collect();
     }
-    let logs = near
-        .iter()
-        .map(|(m, variance)| ((*m as f64).ln(), variance.ln()));
-    let n = near.len() as f64;
-    let (sx, sy) = logs
-        .clone()
-        .fold((0.0, 0.0), |(sx, sy), (x, y)| (sx + x, sy + y));
-    let (mx, my) = (sx / n, sy / n);
-    let (sxx, sxy) = logs.fold((0.0, 0.0), |(sxx, sxy), (x, y)| {
-        (sxx + (x - mx) * (x - mx), sxy + (x - mx) * (y - my))
-    });
-    sxy / sxx
+    let sum = |f: &dyn Fn(f64, f64) -> f64| -> f64 {
+        near.iter()
+            .map(|one| spans(one) * f((one.m as f64 / centre).ln(), one.variance.ln()))
+            .sum()
+    };
+    let weight = sum(&|_, _| 1.0);
+    let (mx, my) = (sum(&|x, _| x) / weight, sum(&|_, y| y) / weight);
+    sum(&|x, y| (x - mx) * (y - my)) / sum(&|x, _| (x - mx) * (x - mx))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// An estimate from a record so long that its slope is sure.
+    fn long(m: u64, variance: f64) -> Estimate {
+        Estimate {
+            m,
+            variance,
+            terms: 1 << 60,
+            stride: 1,
+        }
+    }
 
     fn assert_is(mixture: Mixture, noise: Noise, context: &str) {
         let Mixture {
@@ -126,7 +149,7 @@ mod tests {
         } = mixture;
         let of_noise =
             f64::from(first == noise) * (1.0 - share) + f64::from(second == noise) * share;
-        assert!(of_noise > 1.0 - 1e-9, "{context}: {mixture:?}");
+        assert!(of_noise > 1.0 - 1e-4, "{context}: {mixture:?}");
     }
 
     #[test]
@@ -143,7 +166,7 @@ mod tests {
                 for spacing in [2_u64, 10] {
                     let points: Vec<_> = (0..8)
                         .map(|k| spacing.pow(k))
-                        .map(|m| (m, 3.0 * (m as f64).powf(exponent)))
+                        .map(|m| long(m, 3.0 * (m as f64).powf(exponent)))
                         .collect();
                     for mixture in identify(statistic, &points) {
                         assert_is(
@@ -154,10 +177,10 @@ mod tests {
                     }
                 }
             }
-            let flat = identify(statistic, &[(1, 0.0), (2, 0.0)]);
+            let flat = identify(statistic, &[long(1, 0.0), long(2, 0.0)]);
             assert_eq!(flat, [Mixture::pure(Noise::White); 2]);
             assert_eq!(
-                identify(statistic, &[(1, 2.0)]),
+                identify(statistic, &[long(1, 2.0)]),
                 [Mixture::pure(Noise::White)]
             );
         }

@@ -51,14 +51,15 @@ pub fn points(
     rate_hz: f64,
     scale: f64,
 ) -> Vec<Point> {
-    let whole = |&estimate: &Estimate| BlockEstimate {
-        estimate,
-        white_bias: 1.0,
+    let whole = |(&estimate, noise)| {
+        let one = BlockEstimate {
+            estimate,
+            white_bias: 1.0,
+        };
+        point(statistic, &one, noise, rate_hz, scale)
     };
-    let estimates: Vec<_> = estimates.iter().map(whole).collect();
-    let noise = identify(statistic, &curve(&estimates));
-    let point = |(one, noise)| point(statistic, one, noise, rate_hz, scale);
-    estimates.iter().zip(noise).map(point).collect()
+    let noise = identify(statistic, estimates);
+    estimates.iter().zip(noise).map(whole).collect()
 }
 
 /// Points of an Allan curve whose averaging times from `bridged` on are block means.
@@ -72,26 +73,21 @@ pub fn allan_points(
     scale: f64,
 ) -> Vec<Point> {
     let mut points = points(Statistic::Allan, estimates, rate_hz, scale);
-    let whole: Vec<_> = estimates.iter().map(|one| (one.m, one.variance)).collect();
     let cancels = |noise: &Mixture| noise.first == Noise::Quantisation && noise.share < 0.5;
-    if identify(Statistic::Allan, &whole)
+    if identify(Statistic::Allan, estimates)
         .last()
         .is_some_and(cancels)
     {
         return points;
     }
-    let noise = identify(Statistic::Allan, &curve(bridged));
+    let means: Vec<Estimate> = bridged.iter().map(|one| one.estimate).collect();
+    let noise = identify(Statistic::Allan, &means);
     let bridged = bridged.iter().zip(noise).map(|(one, noise)| Point {
         bridged: true,
         ..point(Statistic::Allan, one, noise, rate_hz, scale)
     });
     points.extend(bridged);
     points
-}
-
-fn curve(estimates: &[BlockEstimate]) -> Vec<(u64, f64)> {
-    let point = |one: &BlockEstimate| (one.estimate.m, one.estimate.variance);
-    estimates.iter().map(point).collect()
 }
 
 fn point(
