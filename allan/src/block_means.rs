@@ -14,12 +14,14 @@
 //! too large by about the number of runs in a block, and is not to be used.
 
 use crate::engine::LAST_INDEX;
+use crate::fixed_point::CODE_LIMIT;
 use crate::statistic::{Estimate, Statistic};
 use crate::wide::Wide;
 
 /// Shortest block, in samples.
 const SHORTEST: u64 = 64;
-/// Fraction bits of a block's mean, which is rounded once: to 2^-21 of a count.
+/// Fraction bits of a block's mean, which is rounded once: to 2^-21 of a count. Codes are below
+/// 2^42 ([`CODE_LIMIT`]), so means stay below 2^62 and their differences below 2^63.
 const FRACTION_BITS: u32 = 20;
 
 /// Allan variance from block means, to be marked as such.
@@ -86,8 +88,8 @@ impl Octave {
     fn push(&mut self, m: u64, block: Block) {
         let recent = block.mean(m).map(|mean| (mean, block.samples));
         if let (Some((before, before_samples)), Some((mean, samples))) = (self.previous, recent) {
-            // Means are below 2^51, differences below 2^52.
-            self.squares.add_square(i128::from(mean - before));
+            self.squares
+                .add_square(i128::from(mean) - i128::from(before));
             self.terms += 1;
             let inverse = |samples: u64| m as f64 / samples as f64;
             self.inverse_fractions += 0.5 * (inverse(before_samples) + inverse(samples));
@@ -110,17 +112,38 @@ impl<const OCTAVES: usize> BlockMeans<OCTAVES> {
     }
 
     /// Accepts a run of codes.
-    pub fn push_slice(&mut self, mut codes: &[i32]) {
-        while !codes.is_empty() {
+    pub fn push_slice(&mut self, codes: &[i32]) {
+        self.push_run(codes, |&code| i64::from(code));
+    }
+
+    /// Accepts a run of [`fixed_point`](crate::fixed_point) codes; a larger one than those is
+    /// taken as the largest.
+    pub fn push_wide(&mut self, codes: &[i64]) {
+        self.push_run(codes, |&code| code.clamp(-CODE_LIMIT, CODE_LIMIT));
+    }
+
+    fn push_run<T>(&mut self, mut run: &[T], code: impl Fn(&T) -> i64) {
+        while !run.is_empty() {
             let room = (SHORTEST - self.next % SHORTEST) as usize;
-            let (now, rest) = codes.split_at(room.min(codes.len()));
-            // At most 64 codes of 32 bits.
-            let sum: i64 = now.iter().map(|&code| i64::from(code)).sum();
+            let (now, rest) = run.split_at(room.min(run.len()));
+            // At most 64 codes of 43 bits.
+            let sum: i64 = now.iter().map(&code).sum();
             self.current.sum += i128::from(sum);
             self.current.samples += now.len() as u64;
             self.pass(now.len() as u64);
-            codes = rest;
+            run = rest;
         }
+    }
+
+    /// Begins anew after a gap of unknown length: what follows is not paired with what was.
+    /// Differences that are complete stand. The next sample has index 0.
+    pub fn restart(&mut self) {
+        for octave in &mut self.octaves {
+            octave.half = Block::EMPTY;
+            octave.previous = None;
+        }
+        self.current = Block::EMPTY;
+        (self.first, self.next) = (0, 0);
     }
 
     /// Passes over `missing` samples: a gap.
@@ -280,6 +303,19 @@ mod tests {
             tested += 1;
         }
         assert!(tested >= 6, "{tested}");
+    }
+
+    #[test]
+    fn a_gap_of_unknown_length_separates() {
+        let codes = noise(64 * 8);
+        let mut means = BlockMeans::<3>::starting_at(64);
+        means.push_slice(&codes);
+        means.restart();
+        let wide: Vec<i64> = codes.iter().map(|&code| i64::from(code)).collect();
+        means.push_wide(&wide);
+        let terms: Vec<_> = means.points().map(|point| point.estimate.terms).collect();
+        // From 64 on, an octave's first block is incomplete.
+        assert_eq!(terms, [7 + 7, 2 + 3, 1]);
     }
 
     #[test]

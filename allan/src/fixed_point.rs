@@ -23,7 +23,10 @@ pub const CODE_LIMIT: i64 = 1 << 42;
 #[serde(try_from = "(f64, f64)", into = "(f64, f64)")]
 pub struct FixedPoint {
     offset: f64,
+    /// A power of two.
     resolution: f64,
+    /// `1 / resolution`, exactly.
+    inverse: f64,
 }
 
 impl FixedPoint {
@@ -36,10 +39,16 @@ impl FixedPoint {
     #[must_use]
     pub fn covering(samples: impl IntoIterator<Item = f64>, headroom: f64) -> Self {
         let mut finite = samples.into_iter().filter(|sample| sample.is_finite());
-        let offset = finite.next().unwrap_or(0.0);
-        let spread = finite.fold(0.0_f64, |spread, sample| {
-            spread.max((sample - offset).abs())
+        let first = finite.next().unwrap_or(0.0);
+        let (spread, size) = finite.fold((0.0_f64, first.abs()), |(spread, size), sample| {
+            (spread.max((sample - first).abs()), size.max(sample.abs()))
         });
+        // Distances may overflow where the samples themselves do not.
+        let (offset, spread) = if spread.is_finite() {
+            (first, spread)
+        } else {
+            (0.0, size)
+        };
         let reach = if spread > 0.0 {
             spread * headroom.max(1.0)
         } else if offset == 0.0 {
@@ -49,8 +58,12 @@ impl FixedPoint {
         };
         // reach < 2^exponent, so every code is below 2^41 and rounding cannot reach the limit.
         let (_, exponent) = libm::frexp(reach.min(f64::MAX));
-        let resolution = libm::ldexp(1.0, (exponent - 41).max(-1022));
-        Self { offset, resolution }
+        let exponent = (exponent - 41).max(-1022);
+        Self {
+            offset,
+            resolution: libm::ldexp(1.0, exponent),
+            inverse: libm::ldexp(1.0, -exponent),
+        }
     }
 
     /// The size of one code in the samples' unit.
@@ -63,13 +76,20 @@ impl FixedPoint {
     #[must_use]
     #[inline]
     pub fn code(&self, sample: f64) -> Option<i64> {
-        let code = libm::rint((sample - self.offset) / self.resolution);
-        // Written so that NaN fails too.
-        if code.abs() < CODE_LIMIT as f64 {
-            Some(code as i64)
-        } else {
-            None
-        }
+        let (code, fits) = self.round(sample);
+        fits.then_some(code)
+    }
+
+    /// The nearest code and whether there is one; without a branch, so that loops vectorise.
+    #[inline(always)]
+    pub(crate) fn round(&self, sample: f64) -> (i64, bool) {
+        // Sums near 3 * 2^51 are whole, rounded to even like every sum, and their lowest bits are
+        // those of the integer.
+        const WHOLE: f64 = 6_755_399_441_055_744.0;
+        let shifted = (sample - self.offset) * self.inverse + WHOLE;
+        let code = (shifted.to_bits() as i64).wrapping_sub(WHOLE.to_bits() as i64);
+        // Comparisons with NaN fail, as they should.
+        (code, (shifted - WHOLE).abs() < CODE_LIMIT as f64)
     }
 
     /// Turns a variance in squared codes into one in squared units of the samples.
@@ -89,10 +109,16 @@ impl TryFrom<(f64, f64)> for FixedPoint {
     type Error = &'static str;
 
     fn try_from((offset, resolution): (f64, f64)) -> Result<Self, Self::Error> {
-        if offset.is_finite() && resolution.is_normal() && resolution > 0.0 {
-            Ok(Self { offset, resolution })
+        let inverse = resolution.recip();
+        let is_power_of_two = libm::frexp(resolution).0 == 0.5;
+        if offset.is_finite() && resolution.is_normal() && inverse.is_normal() && is_power_of_two {
+            Ok(Self {
+                offset,
+                resolution,
+                inverse,
+            })
         } else {
-            Err("a grid needs a finite offset and a positive resolution")
+            Err("a grid needs a finite offset and a power of two as resolution")
         }
     }
 }
@@ -118,6 +144,13 @@ mod tests {
         for sample in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e3, -1e3] {
             assert_eq!(grid.code(sample), None, "{sample}");
         }
+    }
+
+    #[test]
+    fn the_largest_numbers_have_codes() {
+        let samples = [f64::MAX, -f64::MAX, 0.0];
+        let grid = FixedPoint::covering(samples, 4.0);
+        assert!(samples.iter().all(|&sample| grid.code(sample).is_some()));
     }
 
     #[test]

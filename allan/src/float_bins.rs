@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::block::{BLOCK, Scratch};
 use crate::fixed_point::{CODE_LIMIT, FixedPoint};
+use crate::kernels::with_vectors;
 use crate::{Bins, Estimate, NotAdjacent, Statistic};
 
 /// A sample that has no code on the grid of the bins.
@@ -105,6 +106,14 @@ impl<const LEVELS: usize> FloatBins<LEVELS> {
         let mut scratch = Scratch::EMPTY;
         let mut codes = [0; BLOCK];
         for block in samples.chunks(BLOCK) {
+            if self.round_all(block, &mut codes[..block.len()]) {
+                self.bins.push_block(
+                    &mut scratch,
+                    codes[..block.len()].iter().copied(),
+                    2 * CODE_LIMIT as u64,
+                );
+                continue;
+            }
             let mut rest = block;
             while let Some(&sample) = rest.first() {
                 let mut run = 0;
@@ -135,6 +144,23 @@ impl<const LEVELS: usize> FloatBins<LEVELS> {
             }
         }
         Ok(())
+    }
+
+    /// Rounds samples to codes; false if one of them has none.
+    fn round_all(&self, samples: &[f64], codes: &mut [i64]) -> bool {
+        let grid = self.grid;
+        with_vectors(
+            #[inline(always)]
+            || {
+                let mut all_fit = true;
+                for (code, &sample) in codes.iter_mut().zip(samples) {
+                    let (rounded, fits) = grid.round(sample);
+                    *code = rounded;
+                    all_fit &= fits;
+                }
+                all_fit
+            },
+        )
     }
 
     /// Passes over `missing` samples: a gap. Zero is no gap.

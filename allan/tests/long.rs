@@ -1,10 +1,12 @@
 //! Long records: the upper levels against the direct evaluation, and degrees of freedom against
 //! simulation.
 
+mod normal;
 mod support;
 
 use inm_allan::edf::{Noise, edf};
 use inm_allan::{Bins, Statistic, full};
+use normal::Normal;
 use support::{ALL, Runs, adversarial, direct, grid, normalisation};
 
 #[test]
@@ -47,30 +49,6 @@ fn upper_levels_equal_the_direct_evaluation() {
             compared += 1;
         }
         assert!(compared > 30, "{compared}");
-    }
-}
-
-/// Normal deviates by the polar method from a fixed seed.
-struct Normal {
-    state: u64,
-}
-
-impl Normal {
-    fn uniform(&mut self) -> f64 {
-        self.state ^= self.state >> 12;
-        self.state ^= self.state << 25;
-        self.state ^= self.state >> 27;
-        (self.state.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn next(&mut self) -> f64 {
-        loop {
-            let (x, y) = (2.0 * self.uniform() - 1.0, 2.0 * self.uniform() - 1.0);
-            let square = x * x + y * y;
-            if square > 0.0 && square < 1.0 {
-                return x * (-2.0 * square.ln() / square).sqrt();
-            }
-        }
     }
 }
 

@@ -135,6 +135,10 @@ pub struct CurvePoint {
     pub hi: f64,
     /// Equivalent degrees of freedom.
     pub edf: f64,
+    /// Whether it is made from block means across gaps, for want of whole differences.
+    pub bridged: bool,
+    /// How many times too large the square of `adev` comes out for white noise; 1 unless bridged.
+    pub white_bias: f64,
 }
 
 /// The fits of one axis; `None` where the record is too short for one.
@@ -245,7 +249,12 @@ fn analyse_axis(
             axis.scale,
         )
     };
-    let allan = points(Statistic::Allan);
+    let allan = point::allan_points(
+        &record.estimates(Statistic::Allan, &factors),
+        &record.bridged(factors.last().copied().unwrap_or(0)),
+        rate_hz,
+        axis.scale,
+    );
     let modified = points(Statistic::Modified);
     let design = Design::new(rate_hz, axis.chain.as_ref());
     let published_points: Vec<(f64, f64)> = record
@@ -291,6 +300,8 @@ fn curve(points: &[Point]) -> Vec<CurvePoint> {
         lo: point.lo,
         hi: point.hi,
         edf: point.edf,
+        bridged: point.bridged,
+        white_bias: point.white_bias,
     };
     points.iter().map(point).collect()
 }

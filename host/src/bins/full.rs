@@ -49,6 +49,17 @@ impl Segments {
         }
     }
 
+    /// Samples of the longest segment.
+    pub fn longest(&self) -> u64 {
+        fn longest<T>(segments: &[Vec<T>]) -> usize {
+            segments.iter().map(Vec::len).max().unwrap_or(0)
+        }
+        match &self.samples {
+            Samples::Codes(segments) => longest(segments) as u64,
+            Samples::Floats(segments) => longest(segments) as u64,
+        }
+    }
+
     /// The estimates at those of `factors` that a segment is long enough for.
     pub fn estimates(&self, statistic: Statistic, factors: &[u64]) -> Vec<Estimate> {
         match &self.samples {

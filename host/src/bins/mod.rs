@@ -1,6 +1,7 @@
 //! Allan, modified Allan and Hadamard deviation of a record: averaging times, estimates, and
 //! their 95 % intervals.
 
+pub mod bridge;
 pub mod full;
 pub mod identify;
 pub mod point;

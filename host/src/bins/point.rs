@@ -1,10 +1,10 @@
 //! One point of an Allan curve with its uncertainty.
 
-use inm_allan::edf::{self, Noise};
-use inm_allan::{Estimate, Statistic};
+use inm_allan::edf::Noise;
+use inm_allan::{BlockEstimate, Estimate, Statistic, edf};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use super::identify::identify;
+use super::identify::{Mixture, identify};
 
 /// Probability that the interval leaves out on each side.
 const TAIL: f64 = 0.025;
@@ -22,14 +22,16 @@ pub struct Point {
     pub terms: u64,
     /// Distance between neighbouring differences, data periods.
     pub stride: u64,
-    /// Noise type taken for the interval, from the local slope of the curve.
-    pub noise: Noise,
-    /// Equivalent degrees of freedom for that noise.
+    /// Equivalent degrees of freedom for the noise that the local slope of the curve tells.
     pub edf: f64,
     /// Lower end of the 95 % interval of the deviation.
     pub lo: f64,
     /// Upper end of the 95 % interval of the deviation.
     pub hi: f64,
+    /// Whether it is made from block means across gaps, for want of whole differences.
+    pub bridged: bool,
+    /// How many times too large the variance comes out for white noise; 1 unless bridged.
+    pub white_bias: f64,
 }
 
 impl Point {
@@ -39,56 +41,91 @@ impl Point {
     }
 }
 
-/// Averages in a record below which the slope of the curve is chance.
-const FEW_AVERAGES: u64 = 16;
-
 /// Points of a curve from the estimates of `statistic`, ascending in `m`, in counts.
 ///
-/// The interval is that of a chi-squared variable with the equivalent degrees of freedom of
-/// the locally identified noise type. Where the record holds only few averages the slope itself
-/// is uncertain, and the type found at the last sound point stands. (Greenhall and Riley 2003; NIST SP 1065, section 5.4.)
+/// The interval is that of a chi-squared variable with the equivalent degrees of freedom of the
+/// locally identified noise. (Greenhall and Riley 2003; NIST SP 1065, section 5.4.)
 pub fn points(
     statistic: Statistic,
     estimates: &[Estimate],
     rate_hz: f64,
     scale: f64,
 ) -> Vec<Point> {
-    let curve: Vec<_> = estimates.iter().map(|one| (one.m, one.variance)).collect();
-    let mut sound = None;
-    let mut point = |(estimate, noise): (&Estimate, Noise)| {
-        let &Estimate {
-            m,
-            terms,
-            stride,
-            variance,
-        } = estimate;
-        let few = terms.saturating_mul(stride) / m < FEW_AVERAGES;
-        let noise = if few { sound.unwrap_or(noise) } else { noise };
-        sound = Some(noise);
-        let variance = variance * scale * scale;
-        let edf = edf::edf(statistic, noise, m, stride, terms);
-        let (lo, hi) = interval(variance, edf);
-        Point {
-            m,
-            tau_s: m as f64 / rate_hz,
-            variance,
-            terms,
-            stride,
-            noise,
-            edf,
-            lo,
-            hi,
-        }
+    let whole = |(&estimate, noise)| {
+        let one = BlockEstimate {
+            estimate,
+            white_bias: 1.0,
+        };
+        point(statistic, &one, noise, rate_hz, scale)
     };
-    estimates
-        .iter()
-        .zip(identify(&curve))
-        .map(&mut point)
-        .collect()
+    let noise = identify(statistic, estimates);
+    estimates.iter().zip(noise).map(whole).collect()
+}
+
+/// Points of an Allan curve whose averaging times from `bridged` on are block means.
+///
+/// Block means are left out where quantisation noise rules before them: it no longer cancels at
+/// the edges of gaps, and they would be too large by an unknown factor.
+pub fn allan_points(
+    estimates: &[Estimate],
+    bridged: &[BlockEstimate],
+    rate_hz: f64,
+    scale: f64,
+) -> Vec<Point> {
+    let mut points = points(Statistic::Allan, estimates, rate_hz, scale);
+    let cancels = |noise: &Mixture| noise.first == Noise::Quantisation && noise.share < 0.5;
+    if identify(Statistic::Allan, estimates)
+        .last()
+        .is_some_and(cancels)
+    {
+        return points;
+    }
+    let means: Vec<Estimate> = bridged.iter().map(|one| one.estimate).collect();
+    let noise = identify(Statistic::Allan, &means);
+    let bridged = bridged.iter().zip(noise).map(|(one, noise)| Point {
+        bridged: true,
+        ..point(Statistic::Allan, one, noise, rate_hz, scale)
+    });
+    points.extend(bridged);
+    points
+}
+
+fn point(
+    statistic: Statistic,
+    &BlockEstimate {
+        estimate,
+        white_bias,
+    }: &BlockEstimate,
+    noise: Mixture,
+    rate_hz: f64,
+    scale: f64,
+) -> Point {
+    let Estimate {
+        m,
+        terms,
+        stride,
+        variance,
+    } = estimate;
+    let variance = variance * scale * scale;
+    let edf = noise.edf(|noise| edf::edf(statistic, noise, m, stride, terms));
+    let (lo, hi) = interval(variance, edf);
+    Point {
+        m,
+        tau_s: m as f64 / rate_hz,
+        variance,
+        terms,
+        stride,
+        edf,
+        // What the bias may have added, the interval takes back.
+        lo: lo / white_bias.sqrt(),
+        hi,
+        bridged: false,
+        white_bias,
+    }
 }
 
 /// 95 % interval of the deviation whose square was estimated with `edf` degrees of freedom.
-fn interval(variance: f64, edf: f64) -> (f64, f64) {
+pub fn interval(variance: f64, edf: f64) -> (f64, f64) {
     let Ok(chi) = ChiSquared::new(edf) else {
         return (0.0, f64::INFINITY);
     };
