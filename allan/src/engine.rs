@@ -45,6 +45,20 @@ impl<S: Sums, const LEVELS: usize> Engine<S, LEVELS> {
         }
     }
 
+    /// Forgets everything and begins with `first`, in place. What the history's slots hold is not
+    /// cleared: no run reads what another has left.
+    pub(crate) fn restart(&mut self, first: u64) {
+        let first = first.min(LAST_INDEX);
+        self.first = first;
+        self.next = first;
+        self.start = first;
+        self.samples = 0;
+        self.running = Running::ORIGIN;
+        self.history.put(first, self.running.knot());
+        self.ground.fill(S::ZERO);
+        self.levels.as_flattened_mut().fill(S::ZERO);
+    }
+
     /// Accepts one sample. Returns the level whose turn it was and the knot it took over, if any.
     #[inline]
     pub(crate) fn push(&mut self, code: i64) -> Option<(u32, u64, S::Knot)> {
@@ -101,7 +115,8 @@ impl<S: Sums, const LEVELS: usize> Engine<S, LEVELS> {
             let settled = self.settled(level);
             self.levels[level as usize - 1] = settled;
         }
-        let next = self.next.saturating_add(missing).min(LAST_INDEX);
+        let next = self.next.saturating_add(missing);
+        let next = next.min(LAST_INDEX).max(self.next);
         self.running = self.running.coast(next - self.next);
         self.next = next;
         self.start = next;

@@ -28,6 +28,7 @@ use core::sync::atomic::{AtomicBool, Ordering};
 use cortex_m::peripheral::NVIC;
 use embedded_hal::digital::{ErrorType, InputPin};
 use inm_firmware::ads1281::{Ads1281, DataReady};
+use inm_firmware::proof::ProofBins;
 use inm_protocol::Restart;
 use stm32f4xx_hal::gpio::{Edge, ErasedPin, ExtiPin, GpioExt, Input, Output, PB0, PB10};
 use stm32f4xx_hal::pac::{self, EXTI, Interrupt, interrupt};
@@ -76,7 +77,7 @@ pub struct DrdyPin {
 type Axis = Ads1281<Bus, DrdyPin, Delay>;
 
 /// Brings the board up.
-pub fn start() -> (Machine<Attached>, [Axis; 3], PB0<Output>) {
+pub fn start(bins: &'static mut ProofBins) -> (Machine<Attached>, [Axis; 3], PB0<Output>) {
     let mut core = once(cortex_m::Peripherals::take());
     let chip = once(pac::Peripherals::take());
     // First, so that a start that hangs is tried again.
@@ -156,6 +157,7 @@ pub fn start() -> (Machine<Attached>, [Axis; 3], PB0<Output>) {
         board: describe("stm32f405", serial_number(), timer_hz, reason),
         sensors: Attached { self_test, analog },
         link,
+        bins,
         watchdog,
     };
     let [drdy_x, drdy_y, drdy_z] = drdy;

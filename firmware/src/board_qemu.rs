@@ -17,6 +17,7 @@ use inm_emulator::channel::{Channel, published};
 use inm_emulator::filter::DECIMATION;
 use inm_emulator::{Bench, Converter, Delay, Drdy, Signal, Spi, SyncPin};
 use inm_firmware::ads1281::Ads1281;
+use inm_firmware::proof::ProofBins;
 use stm32f4xx_hal::gpio::GpioExt;
 use stm32f4xx_hal::pac::{self, Interrupt, TIM3, interrupt};
 use stm32f4xx_hal::rcc::{Enable, RccExt};
@@ -92,7 +93,9 @@ pub struct Emulated {
 type Axis = Ads1281<Spi<'static, Record>, Drdy<'static, Record>, Delay<'static, Record>>;
 
 /// Brings the machine up.
-pub fn start() -> (Machine<Emulated>, [Axis; 3], SyncPin<'static, Record>) {
+pub fn start(
+    bins: &'static mut ProofBins,
+) -> (Machine<Emulated>, [Axis; 3], SyncPin<'static, Record>) {
     let mut core = once(cortex_m::Peripherals::take());
     let chip = once(pac::Peripherals::take());
     let watchdog = start_watchdog(chip.IWDG);
@@ -118,6 +121,7 @@ pub fn start() -> (Machine<Emulated>, [Axis; 3], SyncPin<'static, Record>) {
             stamped_ps: None,
         },
         link,
+        bins,
         watchdog,
     };
     let axes = [0, 1, 2].map(|axis| Ads1281::new(bench.spi(axis), bench.drdy(axis), bench.delay()));

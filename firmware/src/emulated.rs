@@ -18,6 +18,7 @@ use inm_protocol::{AXES, Restart, SensorRange};
 use crate::acquire::Converter;
 use crate::ads1281::{Ads1281, DataReady};
 use crate::platform::Stack;
+use crate::proof::ProofBins;
 use crate::{Board, Instrument, Platform};
 
 /// Ticks of the virtual board's timer in a second.
@@ -90,6 +91,7 @@ pub struct VirtualBoard<'b, S, E> {
     board: Board,
     /// Latest edge of X that was stamped, picoseconds.
     stamped_ps: Option<u64>,
+    bins: ProofBins,
 }
 
 impl<'b, S: Signal, E: Environment> VirtualBoard<'b, S, E> {
@@ -104,6 +106,7 @@ impl<'b, S: Signal, E: Environment> VirtualBoard<'b, S, E> {
             environment,
             board,
             stamped_ps: None,
+            bins: ProofBins::new(),
         }
     }
 
@@ -207,6 +210,10 @@ impl<'b, S: Signal, E: Environment> Platform for VirtualBoard<'b, S, E> {
 
     fn stack(&self) -> Stack {
         self.environment.stack()
+    }
+
+    fn bins(&mut self) -> &mut ProofBins {
+        &mut self.bins
     }
 
     fn feed_watchdog(&mut self) {

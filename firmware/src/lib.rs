@@ -5,6 +5,7 @@
 //!   acquire   the instrument: three converters to batches, health and events; commands to replies
 //!   platform  what the instrument needs of the machine it runs on
 //!   mma7331l  from codes to volts and m/s^2
+//!   proof     the bins that board and host compare
 //!   ticks     a 32-bit timer made 64 bits wide
 //!   emulated  a platform on the emulator's bench (feature `emulator`)
 //! ```
@@ -21,6 +22,7 @@ pub mod ads1281;
 pub mod emulated;
 pub mod mma7331l;
 pub mod platform;
+pub mod proof;
 pub mod ticks;
 
 pub use acquire::Instrument;

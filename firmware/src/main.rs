@@ -20,7 +20,9 @@ mod image;
 #[cfg(target_os = "none")]
 #[cortex_m_rt::entry]
 fn main() -> ! {
-    let (machine, converters, sync) = board::start();
+    // All zeros: in .bss, no image of it in flash.
+    static mut BINS: inm_firmware::proof::ProofBins = inm_firmware::proof::ProofBins::new();
+    let (machine, converters, sync) = board::start(BINS);
     defmt::info!("start, {}", defmt::Debug2Format(machine.restart()));
     let mut instrument = inm_firmware::Instrument::new(machine, converters, sync);
     loop {

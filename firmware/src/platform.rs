@@ -11,6 +11,7 @@ use embedded_hal::spi::SpiBus;
 use inm_protocol::{Restart, SensorRange};
 
 use crate::ads1281::DataReady;
+use crate::proof::ProofBins;
 
 /// Machine under the instrument.
 pub trait Platform {
@@ -74,6 +75,10 @@ pub trait Platform {
     fn stack(&self) -> Stack {
         Stack::default()
     }
+
+    /// Memory for the board's bins. It is the platform's because 47 KiB have to lie where no
+    /// stack has to hold them, be it for a moment; what it held before does not matter.
+    fn bins(&mut self) -> &mut ProofBins;
 
     /// Restarts the watchdog's count; called in every step.
     fn feed_watchdog(&mut self);

@@ -246,19 +246,26 @@ fn a_host_that_does_not_listen_loses_batches_and_is_told() {
         .map(|pair| pair[1].seq - pair[0].seq - 1)
         .sum();
     assert!(missing > 30, "{missing} batches");
-    let told: Vec<_> = rig.events.iter().map(|event| event.trouble).collect();
-    assert_eq!(told, [Trouble::LinkFull { batches: missing }]);
+    // The short batch ahead of a health record may find room where a full one does not.
+    let told = rig.events.iter().map(|event| match event.trouble {
+        Trouble::LinkFull { batches } => batches,
+        other => panic!("{other:?}"),
+    });
+    assert_eq!(told.sum::<u32>(), missing);
     let health = rig.fresh_health();
     // At most one health record fell into the silence, too.
     assert!((missing..=missing + 1).contains(&health.link.frames_dropped));
     assert_eq!(health.lost_conversions, 0, "no conversion was lost");
-    let gap = rig
-        .batches
-        .windows(2)
-        .find(|pair| pair[1].seq != pair[0].seq + 1)
-        .expect("a gap");
-    assert_eq!(gap[1].first - gap[0].end(), 32 * u64::from(missing));
-    assert_eq!(rig.events[0].index, gap[0].end());
+    let pairs = rig.batches.windows(2);
+    let gaps: Vec<_> = pairs
+        .filter(|pair| pair[1].seq != pair[0].seq + 1)
+        .collect();
+    let lost: u64 = gaps.iter().map(|gap| gap[1].first - gap[0].end()).sum();
+    // All full but for one ahead of each health record.
+    let full = 32 * u64::from(missing);
+    assert!((full - 63..=full).contains(&lost), "{lost} of {full}");
+    let told = rig.events.iter().map(|event| event.index);
+    assert!(told.eq(gaps.iter().map(|gap| gap[0].end())));
 }
 
 #[test]

@@ -56,6 +56,8 @@ pub struct SourceSummary {
     pub lost_samples: u64,
     /// Gaps in all axes.
     pub gaps: Vec<GapSummary>,
+    /// What else was noticed while reading, in words, oldest first.
+    pub news: Vec<String>,
     /// Signal chain of the first axis.
     pub chain: Option<String>,
 }
@@ -216,6 +218,7 @@ pub fn summarise(signal: &Signal, record: &Record, options: &AnalysisOptions) ->
                     }
                 })
                 .collect(),
+            news: account.news.clone(),
             chain: signal
                 .axes
                 .first()

@@ -22,3 +22,4 @@ pub mod report;
 pub mod signal;
 pub mod simulate;
 pub mod source;
+pub mod spectrum;

@@ -38,6 +38,9 @@ pub enum Request {
     ReadRegisters,
     /// Restart the microcontroller, after the reply has left.
     Reset,
+    /// Begin the board's bins anew at a conversion to come, so that a host that has lost a
+    /// batch can compare again. Answered by [`Answer::BinsEpoch`].
+    RestartBins,
 }
 
 /// Answer to the [`Command`] with the same number.
@@ -64,6 +67,12 @@ pub enum Answer {
     Calibration([i32; AXES]),
     /// To [`Request::SelfTest`].
     SelfTest([SelfTestStep; AXES]),
+    /// To [`Request::RestartBins`].
+    BinsEpoch {
+        /// Conversion with which the bins begin, about a second ahead; 0 when not streaming,
+        /// since the bins of every stream begin with it.
+        index: u64,
+    },
 }
 
 /// Mean code of one axis with the self-test pin low and high.

@@ -30,6 +30,22 @@ pub struct Health {
     pub stack_used: u32,
     /// Stack there is, bytes.
     pub stack_size: u32,
+    /// The board's own bins; `None` when not streaming, or while they wait for their beginning.
+    pub bins: Option<BinsMark>,
+}
+
+/// What the board has accumulated of its stream, in short. A host that has received the same
+/// words, flags and gaps has the same digests; `WIRE.md` says how they are made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(target_os = "none", derive(defmt::Format))]
+pub struct BinsMark {
+    /// Conversion with which the bins began.
+    pub epoch: u64,
+    /// The conversion after the last one in them, which is the end of the last batch handed to
+    /// the link.
+    pub index: u64,
+    /// Digest of the bins of X, Y, Z.
+    pub digests: [u64; AXES],
 }
 
 /// Words flagged, and what was done about them.

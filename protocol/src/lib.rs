@@ -30,7 +30,7 @@ pub use budget::{Load, link_bytes_per_s, samples_load};
 pub use command::{Answer, Command, Identity, Refusal, Reply, Request, Restart, SelfTestStep};
 pub use decoder::{Counts, Decoder, Fault};
 pub use frame::{EncodeError, MAX_FRAME, MAX_PAYLOAD, encode};
-pub use health::{AxisCounters, Health, LinkCounters};
+pub use health::{AxisCounters, BinsMark, Health, LinkCounters};
 pub use message::{Event, Note, ToBoard, ToHost, Trouble};
 pub use sample::{Batch, Code, Flag, Flags};
 pub use settings::{Filter, Phase, Rate, SensorRange, Settings};

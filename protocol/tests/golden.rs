@@ -1,9 +1,9 @@
 //! The bytes of WIRE.md. A change here is a new protocol version.
 
 use inm_protocol::{
-    Batch, Code, Command, Decoder, Event, Fault, Filter, Flag, Flags, Identity, MAX_FRAME, Phase,
-    Rate, Refusal, Reply, Request, Restart, SensorRange, Settings, ToBoard, ToHost, Trouble,
-    VERSION, encode,
+    Batch, BinsMark, Code, Command, Decoder, Event, Fault, Filter, Flag, Flags, Health, Identity,
+    MAX_FRAME, Phase, Rate, Refusal, Reply, Request, Restart, SensorRange, Settings, ToBoard,
+    ToHost, Trouble, VERSION, encode,
 };
 use serde::Serialize;
 
@@ -126,6 +126,44 @@ fn samples() {
         .collect(),
     };
     assert_documented("Samples", &ToHost::Samples(batch));
+}
+
+#[test]
+fn health() {
+    let health = Health {
+        stamp: 84_000_000,
+        index: 2000,
+        streaming: true,
+        mcu_centi_celsius: Some(3125),
+        supply_mv: Some(2800),
+        registers: [[0x10, 0x5a, 0x08, 0x32, 0x03, 0, 0, 0, 0, 0, 0x40]; 3],
+        stack_used: 1500,
+        stack_size: 65_536,
+        bins: Some(BinsMark {
+            epoch: 0,
+            index: 2000,
+            digests: [1, 300, u64::MAX],
+        }),
+        ..Health::default()
+    };
+    assert_documented("Health", &ToHost::Health(health));
+}
+
+#[test]
+fn bins_begin_anew() {
+    let command = Command {
+        id: 2,
+        request: Request::RestartBins,
+    };
+    assert_documented("Begin the bins anew", &ToBoard::Command(command));
+    let answer = inm_protocol::Answer::BinsEpoch { index: 62_500 };
+    assert_documented(
+        "Where the bins begin",
+        &ToHost::Reply(Reply {
+            id: 2,
+            result: Ok(answer),
+        }),
+    );
 }
 
 #[test]

@@ -1,9 +1,9 @@
 //! Any message, any split, any damage: what the decoder owes its callers.
 
 use inm_protocol::{
-    AXES, Answer, BATCH_LEN, Batch, Code, Command, Counts, Decoder, Event, Fault, Flag, Flags,
-    Health, MAX_FRAME, Rate, Refusal, Reply, Request, Settings, ToBoard, ToHost, Trouble, encode,
-    samples_load,
+    AXES, Answer, BATCH_LEN, Batch, BinsMark, Code, Command, Counts, Decoder, Event, Fault, Flag,
+    Flags, Health, MAX_FRAME, Rate, Refusal, Reply, Request, Settings, ToBoard, ToHost, Trouble,
+    encode, samples_load,
 };
 use proptest::prelude::*;
 
@@ -151,7 +151,12 @@ fn any_message() -> impl Strategy<Value = ToHost> {
     prop_oneof![
         4 => any_batch().prop_map(ToHost::Samples),
         1 => (any::<u64>(), any::<u32>()).prop_map(|(stamp, stack_used)| {
-            ToHost::Health(Health { stamp, stack_used, ..Health::default() })
+            let digests = [stamp, !stamp, stamp.rotate_left(7)];
+            let bins = Some(BinsMark { epoch: stamp, index: !stamp, digests });
+            ToHost::Health(Health { stamp, stack_used, bins, ..Health::default() })
+        }),
+        1 => (any::<u16>(), any::<u64>()).prop_map(|(id, index)| {
+            ToHost::Reply(Reply { id, result: Ok(Answer::BinsEpoch { index }) })
         }),
         1 => any::<u16>().prop_map(|id| ToHost::Reply(Reply { id, result: Ok(Answer::Done) })),
         1 => any::<u16>().prop_map(move |id| ToHost::Reply(Reply { id, result: Err(refusal) })),
@@ -222,7 +227,7 @@ proptest! {
     }
 
     #[test]
-    fn every_command_comes_back(id in any::<u16>(), which in 0usize..9) {
+    fn every_command_comes_back(id in any::<u16>(), which in 0usize..10) {
         let request = [
             Request::Identify,
             Request::Start,
@@ -233,6 +238,7 @@ proptest! {
             Request::SelfTest,
             Request::ReadRegisters,
             Request::Reset,
+            Request::RestartBins,
         ][which];
         let command = ToBoard::Command(Command { id, request });
         let mut out = [0; 64];

@@ -6,6 +6,7 @@ use super::Instrument;
 use crate::Platform;
 
 impl<P: Platform> Instrument<P> {
+    /// Sends the record that is due now.
     pub(super) fn report_health(&mut self, now: u64) {
         let second = u64::from(self.board.timer_hz);
         self.next_health += second;
@@ -13,15 +14,23 @@ impl<P: Platform> Instrument<P> {
             // The board was held up for more than a second.
             self.next_health = now + second;
         }
+        self.send_health(now);
+    }
+
+    /// Sends a health record, behind all conversions that were read: what it says of the bins
+    /// can be compared as soon as it arrives.
+    pub(super) fn send_health(&mut self, now: u64) {
+        self.flush_batch();
         let streaming = self.is_streaming();
         let stack = self.platform.stack();
+        let index = if streaming {
+            self.position.next_index()
+        } else {
+            0
+        };
         let health = Health {
             stamp: now,
-            index: if streaming {
-                self.position.next_index()
-            } else {
-                0
-            },
+            index,
             streaming,
             mcu_centi_celsius: self.platform.temperature_centi_celsius(),
             supply_mv: self.platform.supply_mv(),
@@ -31,6 +40,7 @@ impl<P: Platform> Instrument<P> {
             lost_conversions: self.lost_conversions,
             stack_used: stack.used,
             stack_size: stack.size,
+            bins: self.platform.bins().mark(index).filter(|_| streaming),
         };
         self.outbox.health(&mut self.platform, health);
     }

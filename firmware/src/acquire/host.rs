@@ -44,18 +44,19 @@ impl<P: Platform> Instrument<P> {
         let result = match request {
             Request::Identify => Ok(Answer::Identity(self.identity())),
             Request::Stop => {
-                if streaming {
-                    self.end_stream();
-                }
+                self.end_stream(now);
                 Ok(Answer::Done)
             }
             Request::Reset => {
-                self.end_stream();
+                self.end_stream(now);
                 self.stage = Stage::Restart {
                     until: now + self.clock.micros(RESTART_US),
                 };
                 Ok(Answer::Done)
             }
+            Request::RestartBins => Ok(Answer::BinsEpoch {
+                index: if streaming { self.restart_bins() } else { 0 },
+            }),
             Request::Start
             | Request::Configure(_)
             | Request::CalibrateOffset
@@ -76,6 +77,15 @@ impl<P: Platform> Instrument<P> {
             Request::ReadRegisters => self.read_registers().map(Answer::Registers),
         };
         self.outbox.reply(Reply { id, result });
+    }
+
+    /// Begins the bins anew about a second ahead. A reply that a full link holds up for longer
+    /// comes too late, which its reader sees.
+    fn restart_bins(&mut self) -> u64 {
+        let ahead = u64::from(conversions_hz(self.settings));
+        let epoch = self.position.next_index() + ahead;
+        self.platform.bins().begin(epoch);
+        epoch
     }
 
     fn identity(&self) -> Identity {

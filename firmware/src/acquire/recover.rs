@@ -119,9 +119,12 @@ impl<P: Platform> Instrument<P> {
         }
     }
 
-    /// Stops streaming. What was gathered is sent.
-    pub(super) fn end_stream(&mut self) {
-        self.flush_batch();
-        self.stage = Stage::Idle;
+    /// Stops streaming, if it does. What was gathered is sent, and a last health record, so that
+    /// the host can prove the stream to its end.
+    pub(super) fn end_stream(&mut self, now: u64) {
+        if self.is_streaming() {
+            self.send_health(now);
+            self.stage = Stage::Idle;
+        }
     }
 }

@@ -29,6 +29,7 @@ impl<P: Platform> Instrument<P> {
         self.position = Position::default();
         self.rounds = Rounds::default();
         self.batcher.restart();
+        self.platform.bins().begin(0);
         self.lost_conversions = 0;
         self.recovering = [false; AXES];
         for axis in &mut self.axes {
@@ -62,6 +63,8 @@ impl<P: Platform> Instrument<P> {
 
         let mut troubles = [None; AXES];
         let conversion = self.read_axes(index, stamp, &mut troubles);
+        let Conversion { codes, flags, .. } = &conversion;
+        self.platform.bins().conversion(index, codes, flags);
         if let Some(batch) = self.batcher.push(&conversion) {
             self.outbox.batch(&mut self.platform, batch);
         }

@@ -5,6 +5,7 @@ use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::SpiBus;
 use inm_firmware::ads1281::DataReady;
 use inm_firmware::platform::Stack;
+use inm_firmware::proof::ProofBins;
 use inm_firmware::{Board, Platform};
 use inm_protocol::Restart;
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
@@ -52,6 +53,8 @@ pub struct Machine<S> {
     pub sensors: S,
     /// The host.
     pub link: Link,
+    /// The board's bins, in a static.
+    pub bins: &'static mut ProofBins,
     /// Resets the board when the loop hangs.
     pub watchdog: IndependentWatchdog,
 }
@@ -123,6 +126,10 @@ impl<S: Sensors> Platform for Machine<S> {
 
     fn stack(&self) -> Stack {
         stack::measure()
+    }
+
+    fn bins(&mut self) -> &mut ProofBins {
+        self.bins
     }
 
     fn feed_watchdog(&mut self) {

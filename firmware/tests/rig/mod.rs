@@ -7,12 +7,13 @@ use std::cell::Cell;
 use std::collections::HashMap;
 use std::rc::Rc;
 
+use inm_allan::BoardBins;
 use inm_emulator::{Bench, Converter, Fault, Signal};
 use inm_firmware::Instrument;
 use inm_firmware::emulated::{VirtualBoard, VirtualLink, describe};
 use inm_protocol::{
-    Answer, Batch, Code, Command, Decoder, Event, Flags, Health, MAX_FRAME, Phase, Rate, Refusal,
-    Request, Settings, ToBoard, ToHost, Trouble, encode,
+    Answer, Batch, BinsMark, Code, Command, Decoder, Event, Flags, Health, MAX_FRAME, Phase, Rate,
+    Refusal, Request, Settings, ToBoard, ToHost, Trouble, encode,
 };
 
 /// An input with an offset and uniform noise, in steps of the 31-bit value.
@@ -303,6 +304,40 @@ impl<'b, S: Signal> Rig<'b, S> {
             }
         }
         received
+    }
+
+    /// Asserts that every mark of the bins in the health records is what the converters' own
+    /// words make, with a gap for each flag and each missing conversion. Returns the marks.
+    #[track_caller]
+    pub fn marks_proven(&self) -> Vec<BinsMark> {
+        let received = self.received();
+        let marks: Vec<BinsMark> = self
+            .health
+            .iter()
+            .filter_map(|health| health.bins)
+            .collect();
+        for mark in &marks {
+            let within = received
+                .iter()
+                .filter(|conversion| (mark.epoch..mark.index).contains(&conversion.index));
+            let mut bins = [0, 1, 2].map(|_| BoardBins::starting_at(mark.epoch));
+            for conversion in within {
+                let made = self.made[&conversion.stamp];
+                for axis in 0..3 {
+                    let bins = &mut bins[axis];
+                    bins.skip(conversion.index - bins.next_index());
+                    if conversion.flags[axis].is_none() {
+                        bins.push(made[axis] as i32);
+                    } else {
+                        bins.skip(1);
+                    }
+                }
+            }
+            let digests = bins.each_ref().map(BoardBins::digest);
+            assert_eq!(digests, mark.digests, "to conversion {}", mark.index);
+            assert!(bins.iter().all(|bins| bins.next_index() == mark.index));
+        }
+        marks
     }
 
     /// Troubles told about `axis`, in order.

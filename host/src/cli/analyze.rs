@@ -59,6 +59,7 @@ impl Analyze {
         };
         let mut source = open(&self.file, &self.input.into())?;
         let analysis = analyse::analyse(&mut *source, &options, |_| {})?;
-        self.results.write(&analysis)
+        self.results.write(&analysis)?;
+        self.results.write_proof(source.proof())
     }
 }

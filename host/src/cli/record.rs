@@ -7,6 +7,7 @@ use clap::Args;
 use super::board::BoardOptions;
 use super::interrupt;
 use crate::live::{Screen, watch};
+use crate::source::Source;
 use crate::source::board::BoardSource;
 
 /// Arguments of `inm record`.
@@ -37,6 +38,9 @@ impl RecordCommand {
             source.losses().lost_samples,
             source.captured_bytes()
         );
+        if let Some(proof) = source.proof() {
+            println!("{proof}");
+        }
         Ok(ended?)
     }
 }

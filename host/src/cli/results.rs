@@ -7,6 +7,7 @@ use clap::Args;
 use super::output::write_to;
 use crate::analyse::Analysis;
 use crate::report;
+use crate::source::audit::Proof;
 
 /// Files for the result; the table on the terminal comes in any case.
 #[derive(Debug, Clone, Default, Args)]
@@ -47,6 +48,17 @@ impl ResultOptions {
             let mut output = std::io::stdout().lock();
             output.write_all(report::text::render(analysis).as_bytes())?;
             output.flush()?;
+        }
+        Ok(())
+    }
+
+    /// Says how far the board's own bins agree with those of the host, under the table.
+    ///
+    /// # Errors
+    /// If standard output cannot be written.
+    pub fn write_proof(&self, proof: Option<Proof>) -> anyhow::Result<()> {
+        if let Some(proof) = proof.filter(|_| self.json.as_deref() != Some("-")) {
+            writeln!(std::io::stdout().lock(), "{proof}")?;
         }
         Ok(())
     }

@@ -79,9 +79,7 @@ impl Client {
     ) -> Result<Answer, E> {
         let mut buf = [0; 4096];
         for _ in 0..self.patience.tries {
-            let id = self.next_id;
-            self.next_id = self.next_id.wrapping_add(1);
-            self.send(Command { id, request })?;
+            let id = self.send(request)?;
             let deadline = Instant::now() + self.patience.wait;
             while Instant::now() < deadline {
                 let len = self.read(&mut buf)?;
@@ -110,7 +108,19 @@ impl Client {
         .into())
     }
 
-    fn send(&mut self, command: Command) -> Result<(), LinkError> {
+    /// Sends a request whose answer the caller finds among what arrives.
+    ///
+    /// # Errors
+    /// [`LinkError::Gone`] if the port went away.
+    pub fn tell(&mut self, request: Request) -> Result<(), LinkError> {
+        self.send(request).map(|_| ())
+    }
+
+    /// Sends a request; the number of its command.
+    fn send(&mut self, request: Request) -> Result<u16, LinkError> {
+        let id = self.next_id;
+        self.next_id = self.next_id.wrapping_add(1);
+        let command = Command { id, request };
         // A zero first ends whatever noise the board believes to be a frame.
         let mut frame = [0; MAX_FRAME + 1];
         let gone = |source| LinkError::Gone {
@@ -122,7 +132,8 @@ impl Client {
         self.port
             .write_all(&frame[..=len])
             .and_then(|()| self.port.flush())
-            .map_err(gone)
+            .map_err(gone)?;
+        Ok(id)
     }
 
     /// The error for a board of another protocol version.

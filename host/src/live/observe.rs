@@ -24,6 +24,7 @@ impl Observed for BoardSource {
             losses: self.losses(),
             damaged: self.damaged().0,
             health: self.status().health,
+            proof: self.proof(),
             ..Snapshot::default()
         }
     }
@@ -39,6 +40,7 @@ impl Observed for CaptureSource {
             losses: self.losses(),
             damaged: self.damaged().0,
             health: self.status().health,
+            proof: self.proof(),
             ..Snapshot::default()
         }
     }

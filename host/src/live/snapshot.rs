@@ -5,6 +5,7 @@ use std::fmt::Write;
 use inm_protocol::{AxisCounters, Health};
 
 use crate::source::assemble::Losses;
+use crate::source::audit::Proof;
 
 /// What the view shows.
 #[derive(Debug, Clone, Default)]
@@ -27,6 +28,8 @@ pub struct Snapshot {
     pub damaged: u64,
     /// The board's last health record.
     pub health: Option<Health>,
+    /// What the board's own bins prove.
+    pub proof: Option<Proof>,
     /// Names of the axes with their unit.
     pub axes: Vec<String>,
     /// The Allan table, shortest averaging time first.
@@ -120,6 +123,10 @@ impl Snapshot {
             }
         }
         writeln!(out)?;
+
+        if let Some(proof) = &self.proof {
+            writeln!(out, "{proof}")?;
+        }
 
         if !self.table.is_empty() {
             writeln!(out)?;

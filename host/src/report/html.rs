@@ -11,7 +11,7 @@ use crate::model::Coefficient;
 
 const STYLE: &str = include_str!("page.css");
 
-/// Gaps listed at most.
+/// Gaps, and notes, listed at most.
 const MOST_GAPS: usize = 100;
 
 /// The page.
@@ -54,6 +54,7 @@ fn source(page: &mut String, analysis: &Analysis) -> Result {
         rate_hz,
         lost_samples,
         gaps,
+        news,
         chain,
         ..
     } = &analysis.source;
@@ -102,6 +103,17 @@ fn source(page: &mut String, analysis: &Analysis) -> Result {
             write!(page, "<p>and {} more</p>", gaps.len() - MOST_GAPS)?;
         }
         write!(page, "</details>")?;
+    }
+    if !news.is_empty() {
+        write!(
+            page,
+            "<details><summary>Notes ({})</summary><ul>",
+            news.len()
+        )?;
+        for note in news.iter().take(MOST_GAPS) {
+            write!(page, "<li>{}</li>", escape(note))?;
+        }
+        write!(page, "</ul></details>")?;
     }
     write!(page, "</section>")
 }

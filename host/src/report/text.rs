@@ -13,6 +13,9 @@ const MOST_ROWS: usize = 24;
 /// Gaps listed at most.
 const MOST_GAPS: usize = 5;
 
+/// Notes printed at most.
+const MOST_NEWS: usize = 10;
+
 /// The whole text, with a newline at the end.
 pub fn render(analysis: &Analysis) -> String {
     let mut text = String::new();
@@ -37,12 +40,17 @@ fn head(text: &mut String, source: &SourceSummary) -> std::fmt::Result {
         plain(source.rate_hz),
         duration(source.duration_s),
     )?;
-    if let Some(chain) = &source.chain {
-        writeln!(
-            text,
-            "Signal chain {chain}: its effect on every term is part of the weighted fit."
-        )?;
+    gaps(text, source)?;
+    for news in source.news.iter().take(MOST_NEWS) {
+        writeln!(text, "Note: {news}")?;
     }
+    if source.news.len() > MOST_NEWS {
+        writeln!(text, "and {} more notes", source.news.len() - MOST_NEWS)?;
+    }
+    Ok(())
+}
+
+fn gaps(text: &mut String, source: &SourceSummary) -> std::fmt::Result {
     if source.gaps.is_empty() {
         return writeln!(text, "No gaps.");
     }
@@ -82,6 +90,9 @@ fn coefficients(text: &mut String, axis: &AxisAnalysis) -> std::fmt::Result {
             ", {} unusable samples left out",
             grouped(axis.invalid_samples)
         )?;
+    }
+    if let Some(chain) = &axis.chain {
+        write!(text, "; the fit knows its chain {chain}")?;
     }
     writeln!(text)?;
     let Some(weighted) = &axis.fits.weighted else {

@@ -13,6 +13,10 @@ const GUARD_BEFORE: u64 = 31;
 /// Samples after a clipped word until the converter is clean again (SBAS378D, page 12).
 const GUARD_AFTER: u64 = 62;
 
+/// Samples that are held until it is known that nothing further will be said about them: a
+/// slipped bit under much noise is noticed up to 530 conversions late (docs/board.md).
+pub const HELD: usize = 640;
+
 /// Samples an axis after which a block is handed on.
 const BLOCK: usize = 4096;
 
@@ -33,8 +37,9 @@ pub struct Losses {
 
 /// Puts batches together into long blocks and reports every hole between them.
 ///
-/// Words near a clipped one are marked too, [`GUARD_BEFORE`] and [`GUARD_AFTER`]; to be able
-/// to mark backwards, that many samples are held until the next batch has come.
+/// Words near a clipped one are marked too, [`GUARD_BEFORE`] and [`GUARD_AFTER`], and those ahead
+/// of the notice of a fault. To be able to mark backwards, [`HELD`] samples wait for what is
+/// still to be said about them.
 #[derive(Debug, Default)]
 pub struct Assembler {
     /// Block under construction.
@@ -46,6 +51,8 @@ pub struct Assembler {
     next: Option<u64>,
     /// By axis: samples before this index follow a clipped word.
     ringing_until: [u64; AXES],
+    /// By axis: samples that a fault was noticed to have spoilt.
+    suspect: [Range<u64>; AXES],
     losses: Losses,
     done: VecDeque<Chunk>,
 }
@@ -94,20 +101,33 @@ impl Assembler {
         if self
             .block
             .as_ref()
-            .is_some_and(|block| block.len() >= BLOCK + GUARD_BEFORE as usize)
+            .is_some_and(|block| block.len() >= BLOCK + HELD)
         {
-            self.hand_on(GUARD_BEFORE as usize);
+            self.hand_on(HELD);
         }
     }
 
     /// Hands on what is complete, without waiting for a long block.
     pub fn flush(&mut self) {
-        self.hand_on(GUARD_BEFORE as usize);
+        self.hand_on(HELD);
     }
 
     /// Hands on everything: nothing more will come.
     pub fn finish(&mut self) {
         self.hand_on(0);
+    }
+
+    /// A fault of `axis` was noticed at the board's conversion `index`: the `words` before it
+    /// must not be used.
+    pub fn spoil(&mut self, axis: u8, index: u64, words: u64) {
+        let Some(suspect) = self.suspect.get_mut(usize::from(axis)) else {
+            return;
+        };
+        let index = index.wrapping_add(self.offset);
+        *suspect = index.saturating_sub(words)..index;
+        if let Some(block) = &mut self.block {
+            block.mark_suspect(usize::from(axis), suspect);
+        }
     }
 
     /// The next finished chunk.
@@ -123,6 +143,11 @@ impl Assembler {
     /// What was lost so far.
     pub fn losses(&self) -> Losses {
         self.losses
+    }
+
+    /// What leads from the board's index to that of the record.
+    pub(super) fn offset(&self) -> u64 {
+        self.offset
     }
 
     /// Index that the next sample should have: the number of samples, lost ones included.
@@ -154,6 +179,9 @@ impl Assembler {
                 invalid,
                 start..end.min(until.saturating_sub(block.first) as usize),
             );
+        }
+        for (axis, suspect) in self.suspect.iter().enumerate() {
+            block.mark_suspect(axis, suspect);
         }
         for flag in &batch.flags {
             let axis = usize::from(flag.axis);
@@ -209,6 +237,16 @@ impl Assembler {
 impl Building {
     fn len(&self) -> usize {
         self.codes[0].len()
+    }
+
+    /// Marks what of `suspect` (in samples of the record) lies in this block.
+    fn mark_suspect(&mut self, axis: usize, suspect: &Range<u64>) {
+        let len = self.len() as u64;
+        let place = |index: u64| index.saturating_sub(self.first).min(len) as usize;
+        mark(
+            &mut self.invalid[axis],
+            place(suspect.start)..place(suspect.end),
+        );
     }
 }
 
@@ -337,7 +375,7 @@ mod tests {
             flags: Flags::OVER_RANGE,
         };
         clipped.flags.push(flag).expect("room");
-        let (chunks, losses) = run(&[batch(0, 0, 32), clipped, batch(2, 64, 64)]);
+        let (chunks, losses) = run(&[batch(0, 0, 32), clipped, batch(2, 64, 32), batch(3, 96, 32)]);
         let mut marked: Vec<u64> = Vec::new();
         for chunk in &chunks {
             if let Chunk::Samples(block) = chunk {
@@ -348,6 +386,27 @@ mod tests {
         }
         assert_eq!(marked, (34 - 31..=34 + 62).collect::<Vec<u64>>());
         assert_eq!(losses.flagged, [0, 1, 0]);
+    }
+
+    #[test]
+    fn a_fault_spoils_what_came_before_its_notice() {
+        let mut assembler = Assembler::default();
+        for seq in 0..40 {
+            assembler.push(&batch(seq, 32 * u64::from(seq), 32));
+            assembler.flush();
+            if seq == 30 {
+                // The notice overtakes the batch that holds its conversion.
+                assembler.spoil(2, 1000, 500);
+            }
+        }
+        assembler.finish();
+        let mut spoilt = Vec::new();
+        while let Some(Chunk::Samples(block)) = assembler.pop() {
+            assert_eq!(block.columns[0].invalid, []);
+            let ranges = block.columns[2].invalid.iter().cloned().flatten();
+            spoilt.extend(ranges.map(|i| block.first + i as u64));
+        }
+        assert_eq!(spoilt, (500..1000).collect::<Vec<u64>>());
     }
 
     #[test]

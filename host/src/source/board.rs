@@ -9,6 +9,7 @@ use inm_protocol::{AXES, Identity, Note, REGISTERS, Reply, Request, Settings};
 use jiff::Timestamp;
 
 use super::assemble::Losses;
+use super::audit::Proof;
 use super::frames::{Frames, Status};
 use super::{Chunk, Source, SourceError};
 use crate::capture::{Header, Writer};
@@ -56,12 +57,17 @@ pub struct BoardSource {
     plan: Plan,
     stop: Stop,
     ended: bool,
+    /// When the board was last asked to begin its bins anew.
+    asked: Option<Instant>,
     /// Why it ended, where it was not on purpose.
     failure: Option<SourceError>,
 }
 
 /// Between two attempts to open a port that went away.
 const RETRY: Duration = Duration::from_millis(300);
+
+/// Between two requests to begin the bins anew: the answer to the first is that far ahead.
+const ASK_AGAIN: Duration = Duration::from_secs(1);
 
 /// A board that streams sends a batch at least this often (32 conversions at 250/s and slack).
 const SILENCE: Duration = Duration::from_millis(800);
@@ -121,6 +127,7 @@ impl BoardSource {
             plan,
             stop,
             ended: false,
+            asked: None,
             failure: None,
         })
     }
@@ -167,8 +174,22 @@ impl BoardSource {
                 let mut talk = self.talk();
                 talk.arrived(&buf[..len])?;
                 self.frames.flush();
-                Ok(())
+                self.restore_proof()
             }
+            Err(gone) => self.reconnect(gone),
+        }
+    }
+
+    /// Asks the board to begin its bins anew where a loss has made them incomparable. The
+    /// samples do not wait for the answer, which is found among them.
+    fn restore_proof(&mut self) -> Result<(), SourceError> {
+        let early = self.asked.is_some_and(|asked| asked.elapsed() < ASK_AGAIN);
+        if early || !self.frames.wants_new_beginning() {
+            return Ok(());
+        }
+        self.asked = Some(Instant::now());
+        match self.client.tell(Request::RestartBins) {
+            Ok(()) => Ok(()),
             Err(gone) => self.reconnect(gone),
         }
     }
@@ -269,6 +290,10 @@ impl Source for BoardSource {
 
     fn expected_len(&self) -> Option<u64> {
         self.plan.samples
+    }
+
+    fn proof(&self) -> Option<Proof> {
+        Some(self.frames.proof())
     }
 
     /// The next chunk. What arrived before an error is delivered before the error is.

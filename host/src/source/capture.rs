@@ -5,6 +5,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 use super::assemble::Losses;
+use super::audit::Proof;
 use super::frames::{Frames, Status};
 use super::{Chunk, Source, SourceError};
 use crate::capture::{CaptureError, Header, Reader};
@@ -109,6 +110,10 @@ impl CaptureSource {
 impl Source for CaptureSource {
     fn signal(&self) -> &Signal {
         &self.signal
+    }
+
+    fn proof(&self) -> Option<Proof> {
+        Some(self.frames.proof())
     }
 
     fn next_chunk(&mut self) -> Result<Option<Chunk>, SourceError> {

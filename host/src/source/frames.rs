@@ -1,16 +1,22 @@
 //! The one path from bytes to samples: live, from a capture, from the virtual board.
 
-use inm_protocol::{Decoder, Fault, Health, Note, Reply, ToHost};
+use inm_protocol::{Answer, Decoder, Fault, Health, Note, Reply, ToHost, Trouble};
 
 use super::Chunk;
 use super::assemble::{Assembler, Losses};
+use super::audit::{Audit, Proof, State};
 use crate::link::{axis_name, describe};
+
+/// Conversions that may pass between a slipped bit and its notice: blocks of 32 words are
+/// compared, and at the latest the registers come out shifted (firmware/src/ads1281/slip.rs).
+const SLIP_NOTICE: u64 = 540;
 
 /// Decodes frames and puts their samples together.
 #[derive(Debug, Default)]
 pub struct Frames {
     decoder: Decoder,
     assembler: Assembler,
+    audit: Audit,
     status: Status,
 }
 
@@ -78,6 +84,16 @@ impl Frames {
         self.assembler.losses()
     }
 
+    /// What the board's own bins prove so far.
+    pub fn proof(&self) -> Proof {
+        self.audit.proof()
+    }
+
+    /// Whether the board has to begin its bins anew before anything more can be proven.
+    pub fn wants_new_beginning(&self) -> bool {
+        self.audit.wants_new_beginning()
+    }
+
     /// Frames that arrived damaged, and their bytes.
     pub fn damaged(&self) -> (u64, u64) {
         let counts = self.decoder.counts();
@@ -91,10 +107,29 @@ impl Frames {
 
     fn message(&mut self, message: ToHost) {
         match message {
-            ToHost::Samples(batch) => self.assembler.push(&batch),
-            ToHost::Health(health) => self.status.health = Some(health),
+            ToHost::Samples(batch) => {
+                self.assembler.push(&batch);
+                let told = self.audit.batch(&batch, self.assembler.offset());
+                self.tell(told);
+            }
+            ToHost::Health(health) => {
+                let told = self.audit.health(&health);
+                self.tell(told);
+                self.status.health = Some(health);
+            }
+            // Nobody waits for this one: see `BoardSource`.
+            ToHost::Reply(Reply {
+                result: Ok(Answer::BinsEpoch { index }),
+                ..
+            }) => {
+                let told = self.audit.begins_anew(index);
+                self.tell(told);
+            }
             ToHost::Reply(reply) => self.status.replies.push(reply),
             ToHost::Event(event) => {
+                if let (Trouble::Slipped { .. }, Some(axis)) = (event.trouble, event.axis) {
+                    self.assembler.spoil(axis, event.index, SLIP_NOTICE);
+                }
                 let axis = event
                     .axis
                     .map_or(String::new(), |a| format!("{}: ", axis_name(a)));
@@ -103,6 +138,12 @@ impl Frames {
                     .news(format!("sample {}: {axis}{what}", event.index));
             }
             ToHost::Note(note) => self.note(note),
+        }
+    }
+
+    fn tell(&mut self, state: Option<State>) {
+        if let Some(state) = state {
+            self.assembler.news(state.to_string());
         }
     }
 

@@ -6,6 +6,7 @@
 
 pub mod array;
 pub mod assemble;
+pub mod audit;
 pub mod board;
 pub mod capture;
 pub mod frames;
@@ -111,6 +112,12 @@ pub trait Source {
 
     /// Samples an axis in the whole record, where that is known ahead.
     fn expected_len(&self) -> Option<u64> {
+        None
+    }
+
+    /// What the board's own bins prove of the samples so far; `None` where no board is behind
+    /// them.
+    fn proof(&self) -> Option<audit::Proof> {
         None
     }
 

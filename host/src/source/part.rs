@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::audit::Proof;
 use super::options::Selector;
 use super::{Block, Chunk, Column, Gap, Source, SourceError, Values};
 use crate::signal::Signal;
@@ -106,6 +107,10 @@ impl<S: Source> Part<S> {
 impl<S: Source> Source for Part<S> {
     fn signal(&self) -> &Signal {
         &self.signal
+    }
+
+    fn proof(&self) -> Option<Proof> {
+        self.inner.proof()
     }
 
     fn next_chunk(&mut self) -> Result<Option<Chunk>, SourceError> {

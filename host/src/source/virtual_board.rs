@@ -48,7 +48,8 @@ pub struct VirtualConnect {
     pub speed: f64,
     /// Speed of the link in virtual time, bit/s.
     pub baud: u32,
-    /// Faults to come: axis, number of the converter's word, what happens.
+    /// Faults to come: axis, number of the converter's word since the first stream began, what
+    /// happens; at most eight an axis. The time before it depends on the host.
     pub faults: Vec<(usize, u64, Fault)>,
     /// Where the converters' words are noted down, if anywhere.
     pub witness: Option<Witness>,
@@ -91,9 +92,6 @@ fn power_on(plan: &VirtualConnect, to_host: &SyncSender<Vec<u8>>, from_host: &Re
     let mut restart = Restart::Power;
     loop {
         let bench = Bench::new(plan.channels.clone().map(Converter::new));
-        for &(axis, word, fault) in &plan.faults {
-            bench.inject_at(axis, word, fault);
-        }
         let board = Board {
             restart,
             ..describe("virtual")
@@ -119,10 +117,16 @@ fn run(
     let mut parcel = Vec::with_capacity(PARCEL);
     let mut steps = 0;
     let mut words = 0;
+    let mut faults = &plan.faults[..];
     loop {
         instrument.step();
         steps += 1;
         let bench = instrument.platform().bench();
+        if !faults.is_empty() && instrument.is_streaming() {
+            for &(axis, word, fault) in std::mem::take(&mut faults) {
+                bench.inject_at(axis, bench.sent(axis).words() + word, fault);
+            }
+        }
         if let Some(witness) = &plan.witness {
             note_words(bench, &mut words, witness);
         }

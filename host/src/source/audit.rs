@@ -1,0 +1,523 @@
+//! Proof, not hope, that the chain lost nothing: the board's digests against our own.
+//!
+//! ```text
+//!   batches --> bins of our own --+
+//!                                 +--> Proof
+//!   health  --> the board's mark -+
+//! ```
+//!
+//! [`Audit`] is fed by [`Frames`](super::frames::Frames) with what arrived intact, in order, and
+//! keeps the bins that the board keeps ([`ProofBins`]). When a batch was lost on the link there
+//! is nothing to compare until the board has begun its bins anew at a conversion that its answer
+//! names; the answer stands in the stream, so a capture is proven the way it was proven live.
+
+use std::fmt;
+
+use inm_firmware::proof::{ProofBins, good_runs};
+use inm_protocol::{AXES, Batch, Health};
+
+/// Words an axis that are gathered before they enter the bins.
+const RUN: usize = 4096;
+
+/// What is proven of a stream.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Proof {
+    /// Where the comparison stands.
+    pub state: State,
+    /// Times that a loss on the link broke the comparison.
+    pub breaks: u32,
+    /// Times that the board's bins did not agree with ours.
+    pub disagreements: u32,
+    /// Conversions of the whole record that are proven, those included of which board and host
+    /// agree that they are missing.
+    pub proven: u64,
+}
+
+/// Where the comparison stands. Indices count the samples of the record.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum State {
+    /// Nothing has been compared.
+    #[default]
+    Unheard,
+    /// Both sides begin with this sample.
+    Waiting {
+        /// First sample that will be compared.
+        epoch: u64,
+    },
+    /// The bins agree.
+    Proven {
+        /// First sample in them.
+        epoch: u64,
+        /// The sample after the last one in them.
+        index: u64,
+    },
+    /// The link lost a batch.
+    Lost {
+        /// The first sample that did not arrive.
+        index: u64,
+    },
+    /// Nothing was lost, and yet the bins differ: a fault in the chain or in the programs.
+    Disagrees {
+        /// The sample at which it was noticed.
+        index: u64,
+    },
+}
+
+impl fmt::Display for State {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Unheard => write!(f, "not compared with the board's own bins"),
+            Self::Waiting { epoch } => write!(
+                f,
+                "the comparison with the board's own bins begins at sample {epoch}"
+            ),
+            Self::Proven { epoch: 0, index } => {
+                write!(f, "proven to sample {index} (the board's own bins agree)")
+            }
+            Self::Proven { epoch, index } => write!(
+                f,
+                "proven from sample {epoch} to {index} (the board's own bins agree)"
+            ),
+            Self::Lost { index } => write!(
+                f,
+                "not proven since sample {index}, where the link lost samples"
+            ),
+            Self::Disagrees { index } => write!(
+                f,
+                "THE BOARD'S OWN BINS DISAGREE at sample {index}: a fault in the chain that no \
+                 check sum saw"
+            ),
+        }
+    }
+}
+
+impl fmt::Display for Proof {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.state.fmt(f)?;
+        if self.breaks > 0 || self.disagreements > 0 {
+            write!(f, "; {} samples proven in all", self.proven)?;
+        }
+        if self.breaks > 0 {
+            write!(f, ", {} times broken by the link", self.breaks)?;
+        }
+        if self.disagreements > 0 {
+            write!(f, ", {} DISAGREEMENTS", self.disagreements)?;
+        }
+        Ok(())
+    }
+}
+
+/// Compares a stream with what the board says of it.
+#[derive(Debug, Default)]
+pub struct Audit {
+    bins: Box<ProofBins>,
+    /// Good words by axis that are still to enter the bins.
+    runs: [Run; AXES],
+    /// Sequence number and end of the last batch.
+    last: Option<(u32, u64)>,
+    /// Whether the bins hold everything since their beginning.
+    complete: bool,
+    /// Where the board will begin anew.
+    pending: Option<u64>,
+    /// From the board's count to that of the record.
+    offset: u64,
+    /// Conversions proven before the bins began.
+    proven_before: u64,
+    /// Where the comparison broke, in the count of the record.
+    unproven_since: u64,
+    proof: Proof,
+}
+
+/// Consecutive good words of one axis.
+#[derive(Debug, Clone, Default)]
+struct Run {
+    first: u64,
+    codes: Vec<i32>,
+}
+
+impl Run {
+    fn end(&self) -> u64 {
+        self.first.wrapping_add(self.codes.len() as u64)
+    }
+}
+
+impl Audit {
+    /// Takes the next batch that arrived intact. `offset` leads from its index to that of the
+    /// record. Returns the state if it became one worth telling.
+    pub fn batch(&mut self, batch: &Batch, offset: u64) -> Option<State> {
+        let before = self.last.replace((batch.seq, batch.end()));
+        let follows =
+            before.is_some_and(|(seq, end)| batch.seq == seq.wrapping_add(1) && batch.first >= end);
+        self.offset = offset;
+        let mut told = None;
+        if !follows && batch.seq == 0 {
+            self.begin(0);
+        } else if !follows {
+            told = self.lose(before.map_or(0, |(_, end)| end));
+        }
+        if let Some(epoch) = self.pending.filter(|&epoch| batch.end() > epoch) {
+            self.pending = None;
+            // The board's bins begin there in any case; were ours there in time?
+            if follows || batch.first <= epoch {
+                self.begin(epoch);
+            } else {
+                told = self.lose(epoch).or(told);
+            }
+        }
+        if self.complete {
+            self.gather(batch);
+        }
+        told
+    }
+
+    /// Takes a health record. Returns the state if it became one worth telling.
+    pub fn health(&mut self, health: &Health) -> Option<State> {
+        let mark = health.bins.filter(|_| self.complete)?;
+        let (_, end) = self.last?;
+        if mark.epoch != self.bins.epoch() || mark.index != end {
+            return self.lose(end);
+        }
+        self.enter_all();
+        let was = self.proof.state;
+        let index = self.in_record(mark.index);
+        if self.bins.mark(mark.index) == Some(mark) {
+            let epoch = self.in_record(mark.epoch);
+            self.proof.state = State::Proven { epoch, index };
+            self.proof.proven = self.proven_before + mark.index.saturating_sub(mark.epoch);
+            let again = mark.epoch > 0 && !matches!(was, State::Proven { .. });
+            again.then_some(self.proof.state)
+        } else {
+            self.complete = false;
+            self.proof.disagreements += 1;
+            self.unproven_since = index;
+            self.proof.state = State::Disagrees { index };
+            Some(self.proof.state)
+        }
+    }
+
+    /// Takes the board's answer to a request to begin anew: with conversion `epoch`. Returns the
+    /// state if it became one worth telling.
+    pub fn begins_anew(&mut self, epoch: u64) -> Option<State> {
+        let (_, end) = self.last?;
+        if epoch < end {
+            // The answer was late, the board has begun without us.
+            return self.lose(end);
+        }
+        self.pending = Some(epoch);
+        if self.complete {
+            return None;
+        }
+        self.proof.state = State::Waiting {
+            epoch: self.in_record(epoch),
+        };
+        Some(self.proof.state)
+    }
+
+    /// Whether nothing can be compared until the board begins anew, and it has not said where.
+    pub fn wants_new_beginning(&self) -> bool {
+        self.last.is_some() && !self.complete && self.pending.is_none()
+    }
+
+    /// What is proven so far.
+    pub fn proof(&self) -> Proof {
+        self.proof
+    }
+
+    /// From the board's count to that of the record. Indices are numbers from the wire: whatever
+    /// they are, nothing panics.
+    fn in_record(&self, index: u64) -> u64 {
+        index.wrapping_add(self.offset)
+    }
+
+    fn begin(&mut self, epoch: u64) {
+        self.bins.begin(epoch);
+        for run in &mut self.runs {
+            run.codes.clear();
+        }
+        self.complete = true;
+        self.pending = None;
+        self.proven_before = self.proof.proven;
+        self.proof.state = State::Waiting {
+            epoch: self.in_record(epoch),
+        };
+    }
+
+    /// The bins lack what the link lost from `index` on.
+    fn lose(&mut self, index: u64) -> Option<State> {
+        let breaks = self.complete || self.proof.state == State::Unheard;
+        if breaks {
+            self.proof.breaks += 1;
+            self.unproven_since = self.in_record(index);
+        }
+        self.complete = false;
+        self.proof.state = match self.pending {
+            Some(epoch) => State::Waiting {
+                epoch: self.in_record(epoch),
+            },
+            None => State::Lost {
+                index: self.unproven_since,
+            },
+        };
+        breaks.then_some(self.proof.state)
+    }
+
+    /// Gathers the good words of a batch.
+    fn gather(&mut self, batch: &Batch) {
+        for axis in 0..AXES {
+            for range in good_runs(batch, axis as u8) {
+                let first = batch.first.wrapping_add(range.start as u64);
+                let run = &self.runs[axis];
+                if run.end() != first || run.codes.len() >= RUN {
+                    self.enter(axis);
+                    self.runs[axis].first = first;
+                }
+                let codes = batch.codes[range].iter().map(|codes| codes[axis].0);
+                self.runs[axis].codes.extend(codes);
+            }
+        }
+    }
+
+    /// Puts the words gathered of one axis into its bins.
+    fn enter(&mut self, axis: usize) {
+        let run = &mut self.runs[axis];
+        self.bins.run(axis, run.first, &run.codes);
+        run.first = run.end();
+        run.codes.clear();
+    }
+
+    fn enter_all(&mut self) {
+        for axis in 0..AXES {
+            self.enter(axis);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use inm_protocol::{BATCH_LEN, BinsMark, Code, Flag, Flags};
+
+    use super::*;
+
+    /// A board that fills batches, and its bins.
+    struct Board {
+        bins: ProofBins,
+        seq: u32,
+        next: u64,
+    }
+
+    impl Board {
+        fn new() -> Self {
+            Self {
+                bins: ProofBins::new(),
+                seq: 0,
+                next: 0,
+            }
+        }
+
+        fn batch(&mut self, flagged: Option<u8>) -> Batch {
+            let mut batch = Batch {
+                seq: self.seq,
+                first: self.next,
+                ..Batch::default()
+            };
+            for conversion in 0..BATCH_LEN as u8 {
+                let codes = [3, 5, 7].map(|k| Code((self.next as i32 + 1).wrapping_mul(k << 20)));
+                let mut flags = [Flags::NONE; AXES];
+                if flagged == Some(conversion) {
+                    flags[1] = Flags::TORN;
+                    let flags = flags[1];
+                    let flag = Flag {
+                        conversion,
+                        axis: 1,
+                        flags,
+                    };
+                    batch.flags.push(flag).expect("room");
+                }
+                self.bins.conversion(self.next, &codes, &flags);
+                batch.codes.push(codes).expect("room");
+                self.next += 1;
+            }
+            self.seq += 1;
+            batch
+        }
+
+        fn health(&mut self) -> Health {
+            Health {
+                bins: self.bins.mark(self.next),
+                ..Health::default()
+            }
+        }
+    }
+
+    /// Batches from the board to the audit; what was told.
+    fn pass(board: &mut Board, audit: &mut Audit, count: usize) -> Vec<State> {
+        let told = (0..count).filter_map(|_| audit.batch(&board.batch(None), 0));
+        told.collect()
+    }
+
+    #[test]
+    fn a_sound_stream_is_proven_and_nothing_is_told() {
+        let (mut board, mut audit) = (Board::new(), Audit::default());
+        assert_eq!(
+            audit.health(&board.health()),
+            None,
+            "nothing to compare yet"
+        );
+        for second in 1..40 {
+            assert_eq!(pass(&mut board, &mut audit, 10), []);
+            // A flagged word, and a gap that both sides see.
+            assert_eq!(audit.batch(&board.batch(Some(9)), 0), None);
+            board.next += 63;
+            assert_eq!(pass(&mut board, &mut audit, 1), []);
+            assert_eq!(audit.health(&board.health()), None);
+            let index = second * (12 * 32 + 63);
+            let state = State::Proven { epoch: 0, index };
+            let proven = index;
+            let proof = Proof {
+                state,
+                proven,
+                ..Proof::default()
+            };
+            assert_eq!(audit.proof(), proof);
+            assert!(!audit.wants_new_beginning());
+        }
+    }
+
+    #[test]
+    fn a_lost_batch_breaks_the_proof_until_the_board_begins_anew() {
+        let (mut board, mut audit) = (Board::new(), Audit::default());
+        pass(&mut board, &mut audit, 5);
+        audit.health(&board.health());
+        board.batch(None);
+        let lost = State::Lost { index: 160 };
+        assert_eq!(pass(&mut board, &mut audit, 3), [lost]);
+        assert!(audit.wants_new_beginning());
+        assert_eq!(audit.health(&board.health()), None);
+        assert_eq!(audit.proof().state, lost);
+
+        // In the middle of a batch.
+        let epoch = board.next + 70;
+        board.bins.begin(epoch);
+        let waiting = State::Waiting { epoch };
+        assert_eq!(audit.begins_anew(epoch), Some(waiting));
+        assert!(!audit.wants_new_beginning());
+        // A loss ahead of it does not matter.
+        board.batch(None);
+        assert_eq!(pass(&mut board, &mut audit, 4), []);
+        let proven = State::Proven {
+            epoch,
+            index: board.next,
+        };
+        assert_eq!(audit.health(&board.health()), Some(proven));
+        let proof = Proof {
+            state: proven,
+            breaks: 1,
+            disagreements: 0,
+            proven: 160 + board.next - epoch,
+        };
+        assert_eq!(audit.proof(), proof);
+    }
+
+    #[test]
+    fn a_lost_batch_ahead_of_a_health_record_shows_in_it() {
+        let (mut board, mut audit) = (Board::new(), Audit::default());
+        pass(&mut board, &mut audit, 5);
+        board.batch(None);
+        let lost = State::Lost { index: 160 };
+        assert_eq!(audit.health(&board.health()), Some(lost));
+        assert_eq!(pass(&mut board, &mut audit, 5), [], "told once");
+        assert_eq!(audit.proof().breaks, 1);
+    }
+
+    #[test]
+    fn a_beginning_that_was_missed_is_asked_for_again() {
+        for late in [false, true] {
+            let (mut board, mut audit) = (Board::new(), Audit::default());
+            pass(&mut board, &mut audit, 5);
+            board.batch(None);
+            pass(&mut board, &mut audit, 1);
+            let epoch = board.next + 10;
+            board.bins.begin(epoch);
+            if late {
+                pass(&mut board, &mut audit, 1);
+                audit.begins_anew(epoch);
+            } else {
+                audit.begins_anew(epoch);
+                board.batch(None);
+                pass(&mut board, &mut audit, 1);
+            }
+            assert_eq!(audit.health(&board.health()), None);
+            assert!(audit.wants_new_beginning(), "late: {late}");
+            assert_eq!(audit.proof().state, State::Lost { index: 160 });
+        }
+    }
+
+    #[test]
+    fn a_new_stream_begins_with_zero_and_counts_on() {
+        let (mut board, mut audit) = (Board::new(), Audit::default());
+        pass(&mut board, &mut audit, 5);
+        audit.health(&board.health());
+        let mut board = Board::new();
+        for _ in 0..3 {
+            assert_eq!(audit.batch(&board.batch(None), 161), None);
+        }
+        assert_eq!(audit.health(&board.health()), None);
+        let (epoch, index) = (161, 161 + 96);
+        assert_eq!(audit.proof().state, State::Proven { epoch, index });
+        assert_eq!(audit.proof().proven, 160 + 96);
+    }
+
+    #[test]
+    fn a_wrong_code_is_told_and_never_forgotten() {
+        for axis in 0..AXES {
+            let (mut board, mut audit) = (Board::new(), Audit::default());
+            pass(&mut board, &mut audit, 5);
+            let mut wrong = board.batch(None);
+            wrong.codes[7][axis].0 ^= 1 << 9;
+            audit.batch(&wrong, 0);
+            let index = board.next;
+            let disagrees = State::Disagrees { index };
+            assert_eq!(audit.health(&board.health()), Some(disagrees));
+            assert!(audit.wants_new_beginning());
+            let epoch = index + 3;
+            board.bins.begin(epoch);
+            audit.begins_anew(epoch);
+            pass(&mut board, &mut audit, 5);
+            assert!(matches!(
+                audit.health(&board.health()),
+                Some(State::Proven { .. })
+            ));
+            assert!(audit.proof().to_string().contains("1 DISAGREEMENTS"));
+        }
+    }
+
+    #[test]
+    fn numbers_from_the_wire_may_be_anything() {
+        let mut board = Board::new();
+        let batch = board.batch(Some(3));
+        for (seq, first) in [(0, u64::MAX), (9, u64::MAX - 3), (10, 0), (0, 1 << 63)] {
+            let mut audit = Audit::default();
+            let wild = Batch {
+                seq,
+                first,
+                ..batch.clone()
+            };
+            let digests = [0; AXES];
+            for epoch in [0, u64::MAX, 1 << 63] {
+                audit.batch(&wild, u64::MAX);
+                audit.begins_anew(epoch);
+                audit.batch(&batch, 5);
+                audit.batch(&wild, 7);
+                let bins = Some(BinsMark {
+                    epoch,
+                    index: wild.end(),
+                    digests,
+                });
+                audit.health(&Health {
+                    bins,
+                    ..Health::default()
+                });
+            }
+        }
+    }
+}

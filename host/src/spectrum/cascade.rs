@@ -1,0 +1,295 @@
+//! The cascade of one axis: each level sums the power of its segments and feeds the next through
+//! the decimator.
+//!
+//! Memory is a few tens of kilobytes a level, and there are as many levels as the record's length
+//! has factors of eight: it does not grow otherwise.
+
+use super::{
+    decimate::Decimator,
+    history::History,
+    segments::{Pair, PairSink, Plan, Power, Segments},
+};
+
+/// Samples handed to the levels at once: few enough to stay in the processor's first cache.
+const CHUNK: usize = 2048;
+
+/// Samples that come out of order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("sample {first} comes after sample {next} was due; indices must not go back")]
+pub struct OutOfOrder {
+    /// Index of the first sample of the block.
+    pub first: u64,
+    /// The lowest index that would have been right.
+    pub next: u64,
+}
+
+/// One level: segments, what feeds the next level, and the samples while they are few.
+#[derive(Debug, Clone)]
+pub(super) struct Level {
+    segments: Segments,
+    decimator: Decimator,
+    pub(super) history: History,
+    output: Vec<f64>,
+}
+
+impl Level {
+    fn new(level: usize, plan: &Plan) -> Self {
+        Self {
+            segments: Segments::new(level, plan),
+            decimator: Decimator::default(),
+            history: History::default(),
+            output: Vec::new(),
+        }
+    }
+
+    /// Power sums up to now.
+    pub(super) fn power(&self) -> Power {
+        self.segments.power()
+    }
+}
+
+/// Streaming spectrum of one axis.
+///
+/// Values are taken relative to the first good sample, so that a large offset (gravity) costs no
+/// accuracy. A jump of the index is a gap, and so is a value that is not finite.
+#[derive(Debug, Clone)]
+pub struct Cascade {
+    plan: Plan,
+    levels: Vec<Level>,
+    next: u64,
+    samples: u64,
+    running: bool,
+    reference: Option<f64>,
+    chunk: Vec<f64>,
+}
+
+impl Default for Cascade {
+    fn default() -> Self {
+        Self::new(&Plan::new())
+    }
+}
+
+impl Cascade {
+    /// An empty cascade; `plan` may be shared between axes.
+    pub fn new(plan: &Plan) -> Self {
+        Self {
+            plan: plan.clone(),
+            levels: vec![Level::new(0, plan)],
+            next: 0,
+            samples: 0,
+            running: false,
+            reference: None,
+            chunk: Vec::with_capacity(CHUNK),
+        }
+    }
+
+    /// Good samples taken.
+    pub fn samples(&self) -> u64 {
+        self.samples
+    }
+
+    /// Index that follows the last sample.
+    pub fn next_index(&self) -> u64 {
+        self.next
+    }
+
+    /// The first good sample, which all others were taken relative to.
+    pub fn reference(&self) -> Option<f64> {
+        self.reference
+    }
+
+    pub(super) fn levels(&self) -> &[Level] {
+        &self.levels
+    }
+
+    pub(super) fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// Takes consecutive codes; `first` is the absolute index of the first.
+    ///
+    /// # Errors
+    /// [`OutOfOrder`] if `first` lies before the end of an earlier block; nothing is taken.
+    pub fn push_codes(&mut self, first: u64, codes: &[i32]) -> Result<(), OutOfOrder> {
+        self.push_with(first, codes, f64::from, &mut ())
+    }
+
+    /// Takes consecutive values; `first` is the absolute index of the first. Values that are not
+    /// finite are gaps.
+    ///
+    /// # Errors
+    /// [`OutOfOrder`] if `first` lies before the end of an earlier block; nothing is taken.
+    pub fn push_values(&mut self, first: u64, values: &[f64]) -> Result<(), OutOfOrder> {
+        self.push_with(first, values, |value| value, &mut ())
+    }
+
+    /// As [`Self::push_values`], for any type of sample, handing every transform to `sink`.
+    ///
+    /// # Errors
+    /// [`OutOfOrder`] if `first` lies before the end of an earlier block; nothing is taken.
+    pub fn push_with<T: Copy>(
+        &mut self,
+        first: u64,
+        samples: &[T],
+        to_f64: impl Fn(T) -> f64,
+        sink: &mut impl PairSink,
+    ) -> Result<(), OutOfOrder> {
+        if first < self.next {
+            return Err(OutOfOrder {
+                first,
+                next: self.next,
+            });
+        }
+        let mut index = first;
+        for piece in samples.chunks(CHUNK) {
+            let mut chunk = std::mem::take(&mut self.chunk);
+            chunk.clear();
+            let reference = self.reference.unwrap_or_else(|| {
+                piece
+                    .iter()
+                    .map(|&x| to_f64(x))
+                    .find(|x| x.is_finite())
+                    .unwrap_or(0.0)
+            });
+            chunk.extend(piece.iter().map(|&x| to_f64(x) - reference));
+            // Counted rather than searched: without an early end the loop can be vectorised.
+            if chunk.iter().map(|x| u64::from(!x.is_finite())).sum::<u64>() == 0 {
+                self.run(index, &chunk, reference, sink);
+            } else {
+                let mut at = index;
+                for run in chunk.split_inclusive(|x| !x.is_finite()) {
+                    let good = run.len() - usize::from(run.last().is_some_and(|x| !x.is_finite()));
+                    self.run(at, &run[..good], reference, sink);
+                    at += run.len() as u64;
+                    if good < run.len() && self.running {
+                        self.finish(sink);
+                    }
+                }
+            }
+            self.chunk = chunk;
+            index += piece.len() as u64;
+        }
+        Ok(())
+    }
+
+    /// Tells that samples up to `next` are missing or that the record ends here: what waited for
+    /// them is concluded.
+    pub fn finish(&mut self, sink: &mut impl PairSink) {
+        for level in &mut self.levels {
+            level.segments.finish_run(sink);
+            level.decimator.reset();
+            level.history.finish_run();
+        }
+        self.running = false;
+    }
+
+    fn run(&mut self, first: u64, samples: &[f64], reference: f64, sink: &mut impl PairSink) {
+        if samples.is_empty() {
+            return;
+        }
+        if self.running && first != self.next {
+            self.finish(sink);
+        }
+        self.running = true;
+        self.reference = Some(reference);
+        self.next = first + samples.len() as u64;
+        self.samples += samples.len() as u64;
+        let mut input = std::mem::take(&mut self.levels[0].output);
+        input.clear();
+        input.extend_from_slice(samples);
+        let mut at = first;
+        let mut depth = 0;
+        loop {
+            let level = &mut self.levels[depth];
+            level.segments.push(at, &input, sink);
+            level.history.push(&input);
+            let mut output = std::mem::take(&mut level.output);
+            at = level
+                .decimator
+                .process(self.plan.arch(), at, &input, &mut output);
+            level.output = std::mem::replace(&mut input, output);
+            if input.is_empty() {
+                break;
+            }
+            depth += 1;
+            if depth == self.levels.len() {
+                self.levels.push(Level::new(depth, &self.plan));
+            }
+        }
+    }
+}
+
+/// A closure over pairs is a sink.
+impl<F: FnMut(Pair<'_>)> PairSink for F {
+    fn pair(&mut self, pair: Pair<'_>) {
+        self(pair);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::segments::LEN;
+    use super::*;
+    use rand_distr::{Distribution, StandardNormal};
+
+    fn white(seed: u64, len: usize) -> Vec<f64> {
+        let mut rng = rand_pcg::Pcg64::new(u128::from(seed), 1);
+        (0..len).map(|_| StandardNormal.sample(&mut rng)).collect()
+    }
+
+    #[test]
+    fn white_noise_has_the_same_density_at_every_level() {
+        let seed = 11;
+        let mut cascade = Cascade::default();
+        cascade.push_values(5, &white(seed, 1 << 20)).unwrap();
+        for (depth, level) in cascade.levels().iter().enumerate().take(3) {
+            let power = level.power();
+            let ks = LEN / 20..=LEN * 2 / 5;
+            let count = ks.clone().count() as f64;
+            let mean = ks.map(|k| power.at(k)).sum::<f64>()
+                / (count
+                    * power.segments as f64
+                    * 0.5
+                    * LEN as f64
+                    * 8.0_f64.powi(-(depth as i32)));
+            // Every sample of the level carries 0.7 of a degree of freedom in this band.
+            let sigma = (2.0 / (0.7 * LEN as f64 * 0.5 * power.segments as f64)).sqrt();
+            assert!(
+                (mean - 1.0).abs() < 4.0 * sigma,
+                "seed {seed}, level {depth}: {mean}"
+            );
+        }
+    }
+
+    #[test]
+    fn chunks_do_not_matter_and_a_gap_costs_only_what_it_breaks() {
+        let noise = white(3, 100_000);
+        let mut whole = Cascade::default();
+        whole.push_values(0, &noise).unwrap();
+        let mut pieces = Cascade::default();
+        let (mut at, mut len) = (0, 1);
+        while at < noise.len() {
+            let end = (at + len).min(noise.len());
+            pieces.push_values(at as u64, &noise[at..end]).unwrap();
+            at = end;
+            len = (len * 5 + 1) % 7919;
+        }
+        for (one, other) in whole.levels().iter().zip(pieces.levels()) {
+            assert_eq!(one.power().segments, other.power().segments);
+            for k in 1..=LEN / 2 {
+                let (one, other) = (one.power().at(k), other.power().at(k));
+                assert!((one - other).abs() <= 1e-9 * one, "bin {k}: {one} {other}");
+            }
+        }
+        let mut holed = noise.clone();
+        holed[50_000] = f64::NAN;
+        let mut gapped = Cascade::default();
+        gapped.push_values(0, &holed).unwrap();
+        let segments = |cascade: &Cascade, level: usize| cascade.levels()[level].power().segments;
+        // One sample lies in two segments of its level; with the filters' reach, in at most
+        // three of the levels below.
+        assert_eq!(segments(&gapped, 0), segments(&whole, 0) - 2);
+        assert!(segments(&gapped, 1) + 3 >= segments(&whole, 1));
+        assert!(gapped.push_values(1, &[0.0]).is_err());
+    }
+}

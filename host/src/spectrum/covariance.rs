@@ -1,0 +1,214 @@
+//! How the bins vary together.
+//!
+//! For a Gaussian process whose spectrum is flat over a window's width, two tapered transforms
+//! have a squared correlation that depends on their separation in time and frequency alone, and
+//! averages add these up (Welch 1967; Percival and Walden 1993, section 6.17; Isserlis' theorem).
+//! Within one level and among the ordinates of one run the sums are exact. Bins of different
+//! sources meet only at the seams; there the long-record form
+//! `cov = (1 / T) int G_a G_b df` over the normalised kernels serves, since one side has many
+//! segments. The figures are relative: multiply by the expectations of both bins.
+
+use super::{
+    estimate::{Group, weight},
+    expected::Operator,
+    multitaper::Run,
+    segments::{HOP, LEN, Power},
+    window::Window,
+};
+use std::ops::RangeInclusive;
+
+/// Separations beyond this many bins of a segment are uncorrelated (below 1e-6).
+const REACH: usize = 16;
+
+/// Bins of a short segment on which its window still has weight, for the seams.
+const SEAM: f64 = 3.0;
+
+/// Symmetric matrix of covariances relative to the expectations.
+#[derive(Debug, Clone, Default)]
+pub struct Covariance {
+    size: usize,
+    values: Vec<f64>,
+}
+
+impl Covariance {
+    /// Number of bins.
+    pub fn size(&self) -> usize {
+        self.size
+    }
+
+    /// Covariance of two bins over the product of their expectations; zero outside the matrix.
+    pub fn at(&self, one: usize, other: usize) -> f64 {
+        self.values
+            .get(one * self.size + other)
+            .copied()
+            .unwrap_or(0.0)
+    }
+
+    fn set(&mut self, one: usize, other: usize, value: f64) {
+        self.values[one * self.size + other] = value;
+        self.values[other * self.size + one] = value;
+    }
+}
+
+/// What the covariance follows from.
+pub(super) struct Input<'a> {
+    pub(super) groups: &'a [Group],
+    pub(super) powers: &'a [Power],
+    pub(super) window: &'a Window,
+    pub(super) operator: &'a Operator,
+    pub(super) rate_hz: f64,
+    pub(super) duration_s: f64,
+}
+
+/// Covariance of all bins.
+pub(super) fn of(input: &Input<'_>) -> Covariance {
+    let size = input.operator.rows().len();
+    let mut covariance = Covariance {
+        size,
+        values: vec![0.0; size * size],
+    };
+    let correlations = Correlations::new(input.window);
+    let mut first = 0;
+    for group in input.groups {
+        match group {
+            Group::Level { level, bins } => {
+                let power = &input.powers[*level];
+                for (i, one) in bins.iter().enumerate() {
+                    for (j, other) in bins.iter().enumerate().skip(i) {
+                        if other.start() > &(one.end() + REACH) {
+                            break;
+                        }
+                        let value = correlations.between(one, other, power);
+                        covariance.set(first + i, first + j, value);
+                    }
+                }
+                seam(input, &mut covariance, first, *level, bins);
+                first += bins.len();
+            }
+            Group::Record { runs, bins, .. } => {
+                for (i, one) in bins.iter().enumerate() {
+                    for (j, other) in bins.iter().enumerate().skip(i) {
+                        covariance.set(first + i, first + j, between_members(runs, one, other));
+                    }
+                }
+                first += bins.len();
+            }
+        }
+    }
+    covariance
+}
+
+/// Relative variances of all bins.
+pub(super) fn variances(groups: &[Group], powers: &[Power], window: &Window) -> Vec<f64> {
+    let correlations = Correlations::new(window);
+    let mut variances = Vec::new();
+    for group in groups {
+        match group {
+            Group::Level { level, bins } => {
+                let power = &powers[*level];
+                variances.extend(bins.iter().map(|ks| correlations.between(ks, ks, power)));
+            }
+            Group::Record { runs, bins, .. } => {
+                variances.extend(bins.iter().map(|bin| between_members(runs, bin, bin)));
+            }
+        }
+    }
+    variances
+}
+
+/// Squared correlations of the transforms of a segment, and of neighbours, by distance in bins.
+struct Correlations {
+    same: Vec<f64>,
+    neighbour: Vec<f64>,
+}
+
+impl Correlations {
+    fn new(window: &Window) -> Self {
+        let table = |lag| {
+            (0..=REACH)
+                .map(|bins| window.correlation(lag, bins as f64))
+                .collect()
+        };
+        Self {
+            same: table(0),
+            neighbour: table(HOP),
+        }
+    }
+
+    fn between(
+        &self,
+        one: &RangeInclusive<usize>,
+        other: &RangeInclusive<usize>,
+        power: &Power,
+    ) -> f64 {
+        let (mut same, mut neighbour) = (0.0, 0.0);
+        for k in one.clone() {
+            for l in other.clone() {
+                // A bin also meets the mirror image of the other at negative frequency.
+                for distance in [k.abs_diff(l), k + l] {
+                    if distance <= REACH {
+                        same += self.same[distance];
+                        neighbour += self.neighbour[distance];
+                    }
+                }
+            }
+        }
+        let (segments, neighbours) = (power.segments as f64, power.neighbours as f64);
+        let pairs = (one.clone().count() * other.clone().count()) as f64;
+        (segments * same + 2.0 * neighbours * neighbour) / (pairs * segments * segments)
+    }
+}
+
+fn between_members(runs: &[Run], one: &[(usize, usize)], other: &[(usize, usize)]) -> f64 {
+    let mut total = 0.0;
+    for &(run, a) in one {
+        for &(_, b) in other.iter().filter(|(of_run, _)| *of_run == run) {
+            let (first, second) = (&runs[run].ordinates[a], &runs[run].ordinates[b]);
+            total += weight(runs, one, run, a)
+                * weight(runs, other, run, b)
+                * runs[run].relative_covariance(first, second);
+        }
+    }
+    total
+}
+
+/// Covariances of a level's lowest bins with the bins below, which have another source: the
+/// level's window taken at the nodes of theirs, which lie closer.
+fn seam(
+    input: &Input<'_>,
+    covariance: &mut Covariance,
+    first: usize,
+    level: usize,
+    bins: &[RangeInclusive<usize>],
+) {
+    let Some(lowest) = bins.first() else { return };
+    let level_rate_hz = input.rate_hz / (super::decimate::FACTOR as f64).powi(level as i32);
+    let bin_hz = level_rate_hz / LEN as f64;
+    let start = *lowest.start() as f64;
+    let density = |ks: &RangeInclusive<usize>, f_hz: f64| -> f64 {
+        let near = ks
+            .clone()
+            .filter(|&k| (k as f64 - f_hz / bin_hz).abs() <= SEAM);
+        let total: f64 = near
+            .map(|k| input.window.transform(f_hz / bin_hz - k as f64).powi(2))
+            .sum();
+        total / (ks.clone().count() as f64 * input.window.sum_of_squares() * level_rate_hz)
+    };
+    let nodes_hz = input.operator.nodes_hz();
+    let rows = input.operator.rows();
+    for (i, ks) in bins.iter().enumerate() {
+        if *ks.start() as f64 > start + SEAM {
+            break;
+        }
+        for j in (0..first).rev() {
+            let heavy = rows[j].iter().filter(|(_, weight)| *weight > 1e-7);
+            let value: f64 = heavy
+                .map(|&(node, weight)| weight * density(ks, nodes_hz[node as usize]))
+                .sum();
+            if value == 0.0 {
+                break;
+            }
+            covariance.set(first + i, j, value / input.duration_s);
+        }
+    }
+}

@@ -1,0 +1,55 @@
+//! The samples of a level while they are few: what the lowest frequencies are estimated from.
+//!
+//! A level keeps up to [`CAPACITY`] samples in their gap-free runs; once there are more, the next
+//! level has an eighth of them and serves instead, and the level forgets its own.
+
+/// Most samples that a level keeps.
+pub const CAPACITY: usize = 8192;
+
+/// Runs shorter than this tell nothing about frequencies that the segments do not know better.
+pub const SHORTEST: usize = 32;
+
+/// Gap-free runs of a level from the record's start, as long as they fit.
+#[derive(Debug, Clone, Default)]
+pub struct History {
+    runs: Vec<Vec<f64>>,
+    /// Whether the last run may still grow.
+    open: bool,
+    total: usize,
+    overflown: bool,
+}
+
+impl History {
+    /// The runs, if the whole record is in them.
+    pub fn runs(&self) -> Option<&[Vec<f64>]> {
+        (!self.overflown).then_some(&self.runs[..])
+    }
+
+    /// Takes the next samples of the present run.
+    pub fn push(&mut self, samples: &[f64]) {
+        if self.overflown || samples.is_empty() {
+            return;
+        }
+        self.total += samples.len();
+        if self.total > CAPACITY {
+            *self = Self {
+                overflown: true,
+                ..Self::default()
+            };
+            return;
+        }
+        match self.runs.last_mut() {
+            Some(run) if self.open => run.extend_from_slice(samples),
+            _ => self.runs.push(samples.to_vec()),
+        }
+        self.open = true;
+    }
+
+    /// Ends the present run; one too short to be of use is dropped.
+    pub fn finish_run(&mut self) {
+        if self.open && self.runs.last().is_some_and(|run| run.len() < SHORTEST) {
+            self.runs.pop();
+        }
+        self.open = false;
+    }
+}
