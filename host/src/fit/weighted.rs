@@ -138,9 +138,9 @@ fn needed_allowance(
     for _ in 0..50 {
         let middle = 0.5 * (low + high);
         if misfit(middle) > 1.0 {
-            low = middle
+            low = middle;
         } else {
-            high = middle
+            high = middle;
         }
     }
     high

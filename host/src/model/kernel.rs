@@ -10,7 +10,7 @@
 //! ```
 //!
 //! which for the Allan variance is Pavlov and Petrov eq. 7 with the sum over samples in place of
-//! the integral over time. The kernel oscillates `m / 2` times; beyond [`CYCLES`] of them the
+//! the integral over time. The kernel oscillates `m / 2` times; beyond 32 of them the
 //! power of the sine is replaced by its mean, which leaves a relative error below 2e-6 for
 //! every spectrum that does not change within one oscillation there.
 
