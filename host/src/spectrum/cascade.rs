@@ -111,7 +111,7 @@ impl Cascade {
     /// # Errors
     /// [`OutOfOrder`] if `first` lies before the end of an earlier block; nothing is taken.
     pub fn push_codes(&mut self, first: u64, codes: &[i32]) -> Result<(), OutOfOrder> {
-        self.push_with(first, codes, f64::from, &mut ())
+        self.push_any(first, codes, f64::from, true, &mut ())
     }
 
     /// Takes consecutive values; `first` is the absolute index of the first. Values that are not
@@ -134,6 +134,18 @@ impl Cascade {
         to_f64: impl Fn(T) -> f64,
         sink: &mut impl PairSink,
     ) -> Result<(), OutOfOrder> {
+        self.push_any(first, samples, to_f64, false, sink)
+    }
+
+    /// `finite` promises that all samples are.
+    fn push_any<T: Copy>(
+        &mut self,
+        first: u64,
+        samples: &[T],
+        to_f64: impl Fn(T) -> f64,
+        finite: bool,
+        sink: &mut impl PairSink,
+    ) -> Result<(), OutOfOrder> {
         if first < self.next {
             return Err(OutOfOrder {
                 first,
@@ -153,7 +165,8 @@ impl Cascade {
             });
             chunk.extend(piece.iter().map(|&x| to_f64(x) - reference));
             // Counted rather than searched: without an early end the loop can be vectorised.
-            if chunk.iter().map(|x| u64::from(!x.is_finite())).sum::<u64>() == 0 {
+            let bad = |chunk: &[f64]| chunk.iter().map(|x| u64::from(!x.is_finite())).sum::<u64>();
+            if finite || bad(&chunk) == 0 {
                 self.run(index, &chunk, reference, sink);
             } else {
                 let mut at = index;

@@ -7,7 +7,7 @@
 //! same for every axis and after every gap. The response is real, known exactly and flat to
 //! 3e-5 dB up to [`PASS`] of the output rate; what folds onto that band is below -115 dB.
 
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 use std::f64::consts::PI;
 
 /// Input samples for each output sample.
@@ -101,12 +101,35 @@ impl HalfBand {
             let start = out.len();
             out.resize(start + count, 0.0);
             let (even, odd, taps) = (&self.even[reach..], &self.odd[..], &self.taps[..]);
-            arch.dispatch(|| convolve(even, odd, taps, &mut out[start..]));
+            arch.dispatch(Convolve {
+                even,
+                odd,
+                taps,
+                out: &mut out[start..],
+            });
             self.even.drain(..count);
             self.odd.drain(..count);
             self.base += count as u64;
         }
         first_out
+    }
+}
+
+/// A call of [`convolve`]. A type of its own rather than a closure: large closures are not
+/// inlined into the code that the vector instructions are enabled for.
+struct Convolve<'a> {
+    even: &'a [f64],
+    odd: &'a [f64],
+    taps: &'a [f64],
+    out: &'a mut [f64],
+}
+
+impl WithSimd for Convolve<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        convolve(self.even, self.odd, self.taps, self.out);
     }
 }
 

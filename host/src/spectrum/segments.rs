@@ -8,7 +8,7 @@
 //! constant and no ramp leaks.
 
 use super::window::Window;
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 use rustfft::{Fft, FftPlanner, num_complex::Complex64};
 use std::sync::Arc;
 
@@ -198,9 +198,12 @@ impl Segments {
         };
         let (first, second) = (segment(a, 0), segment(b, HOP as i64));
         let (window, out) = (&self.plan.window, &mut self.tapered);
-        self.plan
-            .arch
-            .dispatch(|| taper(window, first, second, out));
+        self.plan.arch.dispatch(Taper {
+            window,
+            first,
+            second,
+            out,
+        });
         self.plan
             .fft
             .process_outofplace_with_scratch(out, &mut self.transform, &mut self.scratch);
@@ -221,6 +224,23 @@ impl Segments {
             whole: [a, b],
             transform: &self.transform,
         });
+    }
+}
+
+/// A call of [`taper`], as a type so that it is inlined where vector instructions are enabled.
+struct Taper<'a> {
+    window: &'a Window,
+    first: Option<&'a [f64]>,
+    second: Option<&'a [f64]>,
+    out: &'a mut [Complex64],
+}
+
+impl WithSimd for Taper<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        taper(self.window, self.first, self.second, self.out);
     }
 }
 
