@@ -115,8 +115,8 @@ impl<S: Sums, const LEVELS: usize> Engine<S, LEVELS> {
             let settled = self.settled(level);
             self.levels[level as usize - 1] = settled;
         }
-        let next = self.next.saturating_add(missing);
-        let next = next.min(LAST_INDEX).max(self.next);
+        let next = self.next.saturating_add(missing).min(LAST_INDEX);
+        let next = next.max(self.next);
         self.running = self.running.coast(next - self.next);
         self.next = next;
         self.start = next;
