@@ -37,7 +37,7 @@ pub struct Losses {
 
 /// Puts batches together into long blocks and reports every hole between them.
 ///
-/// Words near a clipped one are marked too, [`GUARD_BEFORE`] and [`GUARD_AFTER`], and those ahead
+/// Words near a clipped one are marked too, `GUARD_BEFORE` and `GUARD_AFTER`, and those ahead
 /// of the notice of a fault. To be able to mark backwards, [`HELD`] samples wait for what is
 /// still to be said about them.
 #[derive(Debug, Default)]
