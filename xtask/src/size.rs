@@ -26,7 +26,7 @@ const BINS: u64 = 3 * 16 * 1024;
 const fn budget(image: Image) -> Budget {
     match image {
         Image::Board => Budget {
-            flash: 80 * 1024,
+            flash: 64 * 1024,
             ram: BINS + 16 * 1024,
         },
         // The emulator's filters and its tables come on top.
