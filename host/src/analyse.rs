@@ -26,6 +26,9 @@ pub struct AnalysisOptions {
     pub taus: Taus,
     /// Which overlap.
     pub overlap: Overlap,
+    /// Averaging times of the published fit, samples; `None` for the 17 of
+    /// [`published::factors`].
+    pub published_taus: Option<Vec<u64>>,
 }
 
 /// Everything that was found out about a record.
@@ -257,8 +260,10 @@ fn analyse_axis(
     );
     let modified = points(Statistic::Modified);
     let design = Design::new(rate_hz, axis.chain.as_ref());
+    let published_taus = options.published_taus.clone();
+    let published_taus = published_taus.unwrap_or_else(|| published::factors(samples));
     let published_points: Vec<(f64, f64)> = record
-        .nearest(Statistic::Allan, &published::factors(samples))
+        .nearest(Statistic::Allan, &published_taus)
         .iter()
         .map(|one| {
             (

@@ -199,3 +199,23 @@ fn a_capture_of_another_protocol_version_is_refused() {
     let output = inm(&["analyze", &capture.display().to_string()]);
     assert_refused(&output, &["version 9", "version 1", "run.inmcap"]);
 }
+
+#[test]
+fn the_published_fit_takes_the_averaging_times_it_is_given() {
+    let folder = Folder::new();
+    let capture = folder.path("run.inmcap");
+    assert!(record(&capture, "1").status.success());
+    let name = capture.display().to_string();
+    let published = |options: &[&str]| {
+        let output = inm(&[&["analyze", &name, "--json", "-"], options].concat());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        json["axes"][0]["fits"]["published"].clone()
+    };
+    let default = published(&[]);
+    let short = published(&["--published-taus", "1,2,4,8,16,32"]);
+    assert!(short["Q"]["squared"].is_number(), "{short}");
+    assert_ne!(short, default);
+    let few = inm(&["analyze", &name, "--published-taus", "1,2,4"]);
+    assert_refused(&few, &["--published-taus", "five averaging times"]);
+}

@@ -22,6 +22,15 @@ pub struct Analyze {
     /// strided, or full where the averaging times need it].
     #[arg(long)]
     overlap: Option<Overlap>,
+    /// Averaging times of the published fit in samples, five or more; the nearest of those that
+    /// the overlap has are taken [default: 17, log-spaced from 1 to 1/2.5 of the record].
+    #[arg(
+        long,
+        value_name = "M1,M2,...",
+        value_delimiter = ',',
+        value_parser = clap::value_parser!(u64).range(1..)
+    )]
+    published_taus: Option<Vec<u64>>,
     #[command(flatten)]
     results: ResultOptions,
 }
@@ -53,9 +62,17 @@ impl Analyze {
     /// # Errors
     /// If the record cannot be read or a result cannot be written.
     pub fn run(self) -> anyhow::Result<()> {
+        if self
+            .published_taus
+            .as_ref()
+            .is_some_and(|taus| taus.len() < 5)
+        {
+            anyhow::bail!("--published-taus: five coefficients need five averaging times or more");
+        }
         let options = AnalysisOptions {
             overlap: self.overlap()?,
             taus: self.taus,
+            published_taus: self.published_taus,
         };
         let mut source = open(&self.file, &self.input.into())?;
         let analysis = analyse::analyse(&mut *source, &options, |_| {})?;
