@@ -1,7 +1,7 @@
 //! The host's estimator: Allan, modified Allan and Hadamard variance from one pass.
 
 use crate::block::{BLOCK, Scratch};
-use crate::engine::Engine;
+use crate::engine::{Engine, LAST_INDEX};
 use crate::head::Head;
 use crate::knot::Running;
 use crate::sums::FamilySums;
@@ -97,6 +97,9 @@ impl<const LEVELS: usize> Bins<LEVELS> {
 
     /// Passes over `missing` samples that were lost or flagged: a gap. Zero is no gap.
     pub fn skip(&mut self, missing: u64) {
+        // At the last index there is nothing left to pass over, and a run that ends must be
+        // followed by a gap.
+        let missing = missing.min(LAST_INDEX.saturating_sub(self.engine.next));
         if missing > 0 {
             self.head.close(self.engine.next, &self.engine.history);
             self.engine.skip(missing);

@@ -27,6 +27,13 @@ fn nasty() -> impl Strategy<Value = u64> {
     ]
 }
 
+#[test]
+fn a_state_at_the_last_index_is_honest() {
+    // The run ends on the last index, and the gap after it has no room.
+    let words = words((1 << 63) - 100, &[(100, 1)]);
+    assert!(try_state(&postcard::to_stdvec(&words).unwrap()));
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
 
