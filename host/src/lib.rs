@@ -3,7 +3,7 @@
 //! Data flows one way:
 //!
 //! ```text
-//! source -> bins -> fit -> report
+//! source -> bins, spectrum -> fit -> report
 //! ```
 #![forbid(unsafe_code)]
 

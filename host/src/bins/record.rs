@@ -6,6 +6,7 @@ use super::bridge::Bridge;
 use super::full::Segments;
 use super::strided::Strided;
 use crate::source::{Block, Chunk, Column, Gap, Values};
+use crate::spectrum::{Cascade, Plan};
 
 /// Which differences enter an estimate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
@@ -43,6 +44,9 @@ pub struct Record {
 pub struct AxisRecord {
     bins: AxisBins,
     bridge: Bridge,
+    cascade: Cascade,
+    /// Samples and missing ones so far: the cascade's index.
+    position: u64,
     count: u64,
     invalid: u64,
     sum: Sum,
@@ -56,12 +60,15 @@ enum AxisBins {
 impl Record {
     /// An empty record of `axes` axes.
     pub fn new(axes: usize, overlap: Overlap) -> Self {
+        let plan = Plan::new();
         let axis = || AxisRecord {
             bins: match overlap {
                 Overlap::Strided => AxisBins::Strided(Strided::default()),
                 Overlap::Full => AxisBins::Full(Segments::default()),
             },
             bridge: Bridge::default(),
+            cascade: Cascade::new(&plan),
+            position: 0,
             count: 0,
             invalid: 0,
             sum: Sum::default(),
@@ -113,6 +120,7 @@ impl Record {
         for axis in &mut self.axes {
             axis.bins.skip(1);
             axis.bridge.restart();
+            axis.position += 1;
         }
     }
 
@@ -150,12 +158,15 @@ impl AxisRecord {
         if missing > 0 {
             self.bins.skip(missing);
             self.bridge.skip(missing);
+            self.position += missing;
         }
     }
 
     fn push_run(&mut self, values: &Values, run: std::ops::Range<usize>) {
+        let first = self.position;
+        self.position += run.len() as u64;
         self.count += run.len() as u64;
-        match values {
+        let in_order = match values {
             Values::Codes(codes) => {
                 let run = &codes[run];
                 self.sum.add_codes(run);
@@ -164,6 +175,7 @@ impl AxisRecord {
                     AxisBins::Strided(bins) => bins.push_codes(run),
                     AxisBins::Full(segments) => segments.push_codes(run),
                 }
+                self.cascade.push_codes(first, run)
             }
             Values::Floats(floats) => {
                 let run = &floats[run];
@@ -173,8 +185,16 @@ impl AxisRecord {
                     AxisBins::Strided(bins) => bins.push_floats(run),
                     AxisBins::Full(segments) => segments.push_floats(run),
                 }
+                self.cascade.push_values(first, run)
             }
-        }
+        };
+        // The position only grows.
+        debug_assert!(in_order.is_ok());
+    }
+
+    /// The spectrum so far, in squared counts.
+    pub fn cascade(&self) -> &Cascade {
+        &self.cascade
     }
 
     /// Samples that count.

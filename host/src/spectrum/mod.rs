@@ -55,6 +55,7 @@ pub use cascade::{Cascade, OutOfOrder};
 pub use cross::CrossCascade;
 pub use estimate::{Bin, Estimate, Origin, Settings};
 pub use lines::{Line, LineSearch};
+pub use segments::Plan;
 
 #[cfg(test)]
 mod expected_tests;
