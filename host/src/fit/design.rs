@@ -51,7 +51,7 @@ impl Design {
     }
 
     /// Two-sided spectral density for coefficient 1 ahead of the chain's power.
-    fn unit_spectrum(&self, coefficient: Coefficient, f_hz: f64) -> f64 {
+    pub fn unit_spectrum(&self, coefficient: Coefficient, f_hz: f64) -> f64 {
         let term = self.terms.get(coefficient);
         if self.band_limited {
             term.spectrum_ahead(f_hz, self.rate_hz)
