@@ -42,7 +42,7 @@ impl Design {
     }
 
     /// Power that the chain lets through at `f_hz`, at most half the rate.
-    fn power(&self, f_hz: f64) -> f64 {
+    pub fn power(&self, f_hz: f64) -> f64 {
         let Some(power) = &self.power else { return 1.0 };
         let place = f_hz / (0.5 * self.rate_hz) * STEPS as f64;
         let step = (place as usize).min(STEPS - 1);
