@@ -95,10 +95,7 @@ pub fn burst(powers: &Powers, level: f64) -> Option<Burst> {
         let reach = range.len().max(4);
         let starts = range.start.saturating_sub(reach)..range.end;
         range.start = starts
-            .max_by(|&a, &b| {
-                sums.gain(a..range.end)
-                    .total_cmp(&sums.gain(b..range.end))
-            })
+            .max_by(|&a, &b| sums.gain(a..range.end).total_cmp(&sums.gain(b..range.end)))
             .unwrap_or(range.start);
         let ends = range.start + 1..=(range.end + reach).min(blocks);
         range.end = ends
@@ -208,7 +205,10 @@ impl Sums {
     fn both(&self, range: Range<usize>) -> ((f64, f64), (f64, f64)) {
         let within = |sums: &[f64]| sums[range.end] - sums[range.start];
         let (square, count) = (within(&self.squares), within(&self.counts));
-        let all = (self.squares[self.squares.len() - 1], self.counts[self.counts.len() - 1]);
+        let all = (
+            self.squares[self.squares.len() - 1],
+            self.counts[self.counts.len() - 1],
+        );
         let rest = (all.0 - square, all.1 - count);
         (
             (square / count.max(1.0), count),

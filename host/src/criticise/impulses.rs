@@ -98,7 +98,11 @@ fn answer(whole: &Whole, density: &[f64]) -> Vec<f64> {
             let (step, mut before, mut now) = ((turn * lag as f64).cos(), 1.0, 0.0);
             let mut sum = 0.0;
             for (k, weight) in weights.iter().enumerate() {
-                let next = if k == 0 { step } else { 2.0 * step * now - before };
+                let next = if k == 0 {
+                    step
+                } else {
+                    2.0 * step * now - before
+                };
                 if k > 0 {
                     before = now;
                 }

@@ -2,10 +2,11 @@
 
 pub mod bursts;
 pub mod codes;
+pub mod frame;
 pub mod impulses;
 pub mod laws;
 pub mod levels;
 pub mod samples;
 pub mod tail;
-pub mod whittle;
+
 pub mod whole;

@@ -1,10 +1,16 @@
 //! The effects that a model can hold beyond the five terms: one line each.
 
 use super::effect::Effect;
-use super::{markov, sinusoid};
+use super::{markov, powerlaw, resonance, rolloff, sinusoid};
 
 /// All effects.
-pub static CATALOGUE: &[&dyn Effect] = &[&sinusoid::Kind, &markov::Kind];
+pub static CATALOGUE: &[&dyn Effect] = &[
+    &sinusoid::Kind,
+    &markov::Kind,
+    &resonance::Kind,
+    &powerlaw::Kind,
+    &rolloff::Kind,
+];
 
 /// The effect called `name`.
 pub fn find(name: &str) -> Option<&'static dyn Effect> {

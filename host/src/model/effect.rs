@@ -23,9 +23,42 @@ pub trait Effect: Send + Sync {
     /// `values`, and only at their number.
     fn parameters(&self, values: &[f64]) -> Vec<Parameter>;
 
+    /// What to look at on the bench to make sure, in a sentence.
+    fn check(&self, values: &[f64]) -> String;
+
+    /// Which parameter is the effect's size: all the effect does is proportional to it, or to its
+    /// square if it is in the unit of the signal. `None` for effects that have no such parameter.
+    fn size(&self) -> Option<usize> {
+        None
+    }
+
+    /// Values, with size 1, from which a search for this effect in the spectrum's shape should
+    /// begin; none for an effect that does not show there.
+    fn starts(&self, _band: &Band) -> Vec<Vec<f64>> {
+        Vec::new()
+    }
+
     /// The effect with these values, which are as many as [`Effect::parameters`] says and in
     /// range.
     fn part(&self, values: &[f64]) -> Part;
+}
+
+/// The frequencies that a spectrum covers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Band {
+    /// Lowest, hertz.
+    pub from_hz: f64,
+    /// Highest, hertz.
+    pub to_hz: f64,
+}
+
+impl Band {
+    /// Frequencies from the lowest to the highest, `per_octave` an octave.
+    pub fn steps(&self, per_octave: f64) -> impl Iterator<Item = f64> {
+        let (from_hz, to_hz) = (self.from_hz, self.to_hz);
+        let count = ((to_hz / from_hz).log2() * per_octave).max(0.0) as usize;
+        (0..=count).map(move |step| from_hz * (step as f64 / per_octave).exp2())
+    }
 }
 
 /// What an effect adds to a model.

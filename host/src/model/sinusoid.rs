@@ -110,6 +110,14 @@ impl Effect for Kind {
         ]
     }
 
+    fn check(&self, values: &[f64]) -> String {
+        format!(
+            "look for what turns or switches {:.6} times a second, or at a multiple of the data \
+             rate from it: change the data rate by a percent, an alias moves",
+            values[0]
+        )
+    }
+
     fn part(&self, values: &[f64]) -> Part {
         Part::Term(Box::new(Sinusoid {
             f_hz: values[0],
