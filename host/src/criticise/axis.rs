@@ -99,9 +99,12 @@ impl AxisState {
             .is_none_or(|range| index < range.start)
     }
 
-    /// Transform of the mended record.
-    pub fn whole(&self) -> Whole {
-        self.fast.transform(&self.filled, self.rate_hz)
+    /// Transform of the mended record, closed into a ring, and the densities that whiten it.
+    pub fn whole(&self) -> (Whole, Vec<f64>) {
+        let mut whole = self.fast.transform(&self.filled, self.rate_hz);
+        let density = self.whitening(&whole);
+        whole.close(&density);
+        (whole, density)
     }
 
     /// Two-sided density of the fitted model at `f_hz`, chain and filters included.
@@ -150,7 +153,7 @@ impl AxisState {
     /// Densities that whiten `whole`: the model's, drawn to the measured bins where these are sure,
     /// so that a test of moments does not suffer from a model that is still wrong in frequency.
     /// What a converter's filter shuts out does not count.
-    pub fn whitening(&self, whole: &Whole) -> Vec<f64> {
+    fn whitening(&self, whole: &Whole) -> Vec<f64> {
         self.tabulate(whole, |f_hz| self.density(f_hz) * self.ratio(f_hz))
     }
 
@@ -190,7 +193,7 @@ impl AxisState {
         let factor = self.slow_factor();
         let means = block_means(values, factor);
         let rate_hz = self.rate_hz / factor as f64;
-        let whole = Transformer::new(means.len()).transform(&means, rate_hz);
+        let mut whole = Transformer::new(means.len()).transform(&means, rate_hz);
         let density = self.tabulate(&whole, |f_hz| {
             // What folds back, through the mean's own response.
             (0..factor.div_ceil(2).min(8))
@@ -212,6 +215,7 @@ impl AxisState {
                 })
                 .sum()
         });
+        whole.close(&density);
         (whole, density)
     }
 }

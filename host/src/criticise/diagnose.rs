@@ -247,13 +247,19 @@ fn code_findings(
             / (increments.len() as f64).sqrt()
             * 0.5,
     ) / std::f64::consts::SQRT_2;
-    let stale = codes::stale(measured, grid, level);
     let coarse = grid.filter(|&step| {
         let coarser = declared.is_none_or(|declared| step > 1.5 * declared.abs());
         coarser && step > 0.25 * noise
     });
+    // On a coarse grid repeats are no news.
+    let stale = codes::stale(measured, grid, level).filter(|_| coarse.is_none());
+    let repeats = || {
+        (1..measured.len())
+            .filter(|&n| measured[n] == measured[n - 1])
+            .collect()
+    };
     CodeFindings {
-        stale,
+        stale: stale.map(|stale| (stale, repeats())),
         clipping: codes::clipping(measured, grid, level),
         coarse,
     }

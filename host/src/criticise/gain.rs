@@ -1,18 +1,22 @@
 //! What a finding is worth on data that the fit has not seen.
 //!
-//! The record is cut into blocks; every other one is held out, so that both halves see the same
-//! hours. The spectrum's model, with and without a finding, is fitted to the one half alone and
-//! judged by the likelihood of the other half's spectrum. Waveforms (lines, steps, settling,
-//! outliers) are the ones fitted to all of the record; for each number so fitted half a nat is
-//! taken off, which is what it gains on average in the held-out half by having seen it, and for
-//! each outlier the logarithm of the places it was chosen from.
+//! Three ways of holding data out, each of them so that both halves see the same hours:
+//!
+//! - What shows in the spectrum (laws, lines): the record is cut into blocks, every other one held
+//!   out. The model with and without a finding is fitted to the one half alone and judged by the
+//!   likelihood of the other half's spectrum. A line's frequency, size and phase are those of the
+//!   whole record; for each number so fitted half a nat is taken off, what it gains on average by
+//!   having seen the held-out half.
+//! - Waveforms in time (steps, settling, outliers, what follows a covariate): fitted to the even
+//!   ordinates of the record's transform and judged by the odd ones, which are independent.
+//! - A stretch of another variance: fitted to the even ones of short blocks, judged by the odd.
 
 use inm_allan::Statistic;
 
 use super::axis::AxisState;
 use super::frame::Frame;
 use super::laws;
-use super::mend::{Mended, Wave};
+use super::mend::Mended;
 use super::rounds::{Accepted, Snapshot, laws_of};
 use crate::bins::point::{self, Point};
 use crate::bins::strided::Strided;
@@ -81,29 +85,11 @@ impl Halves {
 
     /// Predictive gain of a finding, nats.
     pub fn nats(&mut self, one: &Accepted) -> Option<f64> {
-        if let Some(nats) = one.nats {
-            // A stretch of another variance: its share on the held-out half.
-            return Some(0.5 * nats - SEEN_COST * one.freedom);
+        if one.nats.is_some() {
+            return one.nats;
         }
         let gain = self.score(&one.with)? - self.score(&one.without)?;
-        let places = |snapshot: &Snapshot| -> f64 {
-            let outliers: usize = snapshot
-                .waves
-                .iter()
-                .map(|wave| match wave {
-                    Wave::Outliers(all) => all.len(),
-                    _ => 0,
-                })
-                .sum();
-            outliers as f64
-        };
-        let count = places(&one.with) - places(&one.without);
-        let chosen = if count > 0.0 {
-            0.5 * count * ((self.measured.len() as f64 / count).ln() + 1.0)
-        } else {
-            0.0
-        };
-        Some(gain - SEEN_COST * one.freedom * 0.5 - chosen)
+        Some(gain - SEEN_COST * one.freedom)
     }
 }
 

@@ -37,8 +37,11 @@ pub enum Wave {
         /// The covariate, about its mean.
         column: std::sync::Arc<Vec<f32>>,
     },
-    /// Single samples.
+    /// Single samples that do not belong.
     Outliers(Vec<Outlier>),
+    /// Single samples that were not measured (repeats of the one before), in place of which the
+    /// others' prediction stands.
+    Replaced(Vec<Outlier>),
 }
 
 impl Wave {
@@ -82,7 +85,7 @@ impl Wave {
                     *value -= gain * f64::from(*column);
                 }
             }
-            Self::Outliers(outliers) => {
+            Self::Outliers(outliers) | Self::Replaced(outliers) => {
                 for outlier in outliers {
                     if let Some(value) = values.get_mut(outlier.index) {
                         *value -= outlier.size;
@@ -153,11 +156,12 @@ impl Mended {
     }
 }
 
-/// Bridges what is not finite by straight lines between the means of a few samples on either side.
-/// Returns the ranges bridged.
+/// Bridges what is not finite by straight lines between means on either side, of more samples the
+/// longer the bridge: the ends' own noise must not become a slow wave. Returns the ranges bridged.
 pub fn bridge(values: &mut [f64]) -> Vec<Range<usize>> {
-    /// Samples on either side that a line rests on.
+    /// Samples on either side that a line rests on, at least and at most.
     const FEW: usize = 16;
+    const MANY: usize = 1 << 16;
     let mut gaps = Vec::new();
     let mut from = 0;
     while let Some(start) = (from..values.len()).find(|&index| !values[index].is_finite()) {
@@ -168,8 +172,9 @@ pub fn bridge(values: &mut [f64]) -> Vec<Range<usize>> {
             let good: Vec<f64> = part.iter().copied().filter(|v| v.is_finite()).collect();
             (!good.is_empty()).then(|| good.iter().sum::<f64>() / good.len() as f64)
         };
-        let before = mean(&values[start.saturating_sub(FEW)..start]);
-        let after = mean(&values[end..(end + FEW).min(values.len())]);
+        let count = (4 * (end - start)).clamp(FEW, MANY);
+        let before = mean(&values[start.saturating_sub(count)..start]);
+        let after = mean(&values[end..(end + count).min(values.len())]);
         let (a, b) = match (before, after) {
             (Some(a), Some(b)) => (a, b),
             (Some(a), None) | (None, Some(a)) => (a, a),

@@ -3,6 +3,7 @@
 pub mod axis;
 pub mod bursts;
 pub mod codes;
+pub mod coherence;
 pub mod diagnose;
 pub mod finding;
 pub mod frame;
@@ -16,5 +17,6 @@ pub mod rounds;
 pub mod samples;
 pub mod slow;
 pub mod tail;
+pub mod telegraph;
 
 pub mod whole;

@@ -15,9 +15,12 @@ use super::impulses;
 use super::laws::{self, Law};
 use super::levels::{self, Jump};
 use super::lines::{self, Group, Measured};
-use super::mend::Wave;
+use super::mend::{Wave, block_means};
 use super::slow;
+use super::telegraph::{self, Telegraph};
+use super::whole::{Transformer, held_out_gain};
 use crate::fit::likelihood::Fit;
+use crate::fit::likelihood::components::SEEN;
 use crate::model::catalogue::{self, CATALOGUE};
 use crate::model::effect::Part;
 
@@ -26,6 +29,9 @@ const TESTS: f64 = 14.0;
 
 /// Rounds, at most: far more than effects that one record can tell apart.
 const ROUNDS: usize = 24;
+
+/// Jumps from which up and down by turns is a switch rather than steps.
+const SWITCHING: usize = 6;
 
 /// What the diagnosis is told.
 #[derive(Debug, Clone)]
@@ -58,7 +64,7 @@ pub struct Accepted {
     pub freedom: f64,
     /// Fit without it.
     pub before: Fit,
-    /// Gain in log-likelihood where it does not show in the spectrum's.
+    /// Gain in log-likelihood on held-out data, where it was measured as the effect was found.
     pub nats: Option<f64>,
     /// What the record and the model were with it.
     pub with: Snapshot,
@@ -106,9 +112,10 @@ pub fn run(axis: &mut AxisState, options: &Options, values: &CodeFindings) -> Op
         options,
         accepted: Vec::new(),
         discrepancies: Vec::new(),
+        switching: false,
     };
     rounds.note_base();
-    rounds.take_codes(values);
+    rounds.take_codes(values)?;
     for _ in 0..ROUNDS {
         if !(rounds.outliers()?
             || rounds.lines()?
@@ -130,8 +137,8 @@ pub fn run(axis: &mut AxisState, options: &Options, values: &CodeFindings) -> Op
 /// What the values themselves say.
 #[derive(Debug, Clone, Default)]
 pub struct CodeFindings {
-    /// Repeats.
-    pub stale: Option<codes::Stale>,
+    /// Repeats, and where they are.
+    pub stale: Option<(codes::Stale, Vec<usize>)>,
     /// Pile-ups.
     pub clipping: Vec<codes::Clipping>,
     /// Step of the values that is coarser than declared, beside the short-term noise.
@@ -143,6 +150,8 @@ struct Rounds<'a> {
     options: &'a Options,
     accepted: Vec<Accepted>,
     discrepancies: Vec<Remark>,
+    /// Whether the level switches to and fro: no business of single steps.
+    switching: bool,
 }
 
 impl Rounds<'_> {
@@ -188,10 +197,16 @@ impl Rounds<'_> {
         }
     }
 
-    fn take_codes(&mut self, values: &CodeFindings) {
-        if let Some(stale) = values.stale {
+    fn take_codes(&mut self, values: &CodeFindings) -> Option<()> {
+        if let Some((stale, places)) = &values.stale {
             let share = Value::normal(stale.share, stale.share_sd);
-            self.plain("stale", [("share", share)], stale.p_value);
+            let (whole, density) = self.axis.whole();
+            let replaced = impulses::sizes_at(&whole, &density, places);
+            let parameters = named([("share", share)]);
+            self.accept("stale", parameters, stale.p_value, 1.0, None, |axis| {
+                axis.mended.waves.push(Wave::Replaced(replaced));
+                axis.refresh(false)
+            })?;
         }
         for clipping in &values.clipping {
             let parameters = [
@@ -203,6 +218,7 @@ impl Rounds<'_> {
         if let Some(step) = values.coarse {
             self.plain("quantisation", [("step", Value::exact(step))], 0.0);
         }
+        Some(())
     }
 
     /// An effect that changes neither record nor law.
@@ -217,8 +233,7 @@ impl Rounds<'_> {
     }
 
     fn outliers(&mut self) -> Option<bool> {
-        let whole = self.axis.whole();
-        let density = self.axis.whitening(&whole);
+        let (whole, density) = self.axis.whole();
         let axis = &*self.axis;
         let found = impulses::outliers(&whole, &density, self.level(), |n| axis.usable(n));
         if found.found.is_empty() || self.crowded(&found.found, whole.len()) {
@@ -254,6 +269,7 @@ impl Rounds<'_> {
             ),
             ("size", Value::log_normal(mean_square.sqrt(), size_log_sd)),
         ]);
+        let nats = found.nats;
         let change = |axis: &mut AxisState| {
             axis.mended.waves.push(Wave::Outliers(all));
             axis.refresh(false)
@@ -263,13 +279,15 @@ impl Rounds<'_> {
             let with = Snapshot::of(self.axis);
             let one = self.find("outliers")?;
             (one.parameters, one.with, one.freedom) = (parameters, with, 2.0 * count);
+            one.nats = one.nats.map(|before| before + nats);
         } else {
+            let p_value = found.p_value;
             self.accept(
                 "outliers",
                 parameters,
-                found.p_value,
+                p_value,
                 2.0 * count,
-                None,
+                Some(nats),
                 change,
             )?;
         }
@@ -393,7 +411,11 @@ impl Rounds<'_> {
         } else {
             slow::warm_up(self.axis, level)
         };
-        let jump = self.largest_jump();
+        let jump = if self.switching {
+            None
+        } else {
+            self.largest_jump()
+        };
         let size = |z: Option<f64>| z.map_or(0.0, f64::abs);
         let (t, w, j) = (
             size(thermal.as_ref().map(|(change, _)| change.z)),
@@ -415,10 +437,17 @@ impl Rounds<'_> {
                     },
                 ),
             ]);
-            self.accept("thermal", parameters, change.p_value, 2.0, None, |axis| {
-                axis.mended.waves.push(change.wave);
-                axis.refresh(false)
-            })?;
+            self.accept(
+                "thermal",
+                parameters,
+                change.p_value,
+                2.0,
+                Some(change.nats),
+                |axis| {
+                    axis.mended.waves.push(change.wave);
+                    axis.refresh(false)
+                },
+            )?;
             return Some(true);
         }
         if let Some(change) = warm_up.filter(|_| w > 0.0 && w >= j) {
@@ -432,10 +461,17 @@ impl Rounds<'_> {
                     Value::log_normal(samples / self.axis.rate_hz, change.time_log_sd),
                 ),
             ]);
-            self.accept("warmup", parameters, change.p_value, 2.0, None, |axis| {
-                axis.mended.waves.push(change.wave);
-                axis.refresh(false)
-            })?;
+            self.accept(
+                "warmup",
+                parameters,
+                change.p_value,
+                2.0,
+                Some(change.nats),
+                |axis| {
+                    axis.mended.waves.push(change.wave);
+                    axis.refresh(false)
+                },
+            )?;
             return Some(true);
         }
         let Some(jump) = jump else {
@@ -478,7 +514,14 @@ impl Rounds<'_> {
             None => jumps.push(first),
         }
         jumps.sort_by_key(|jump| jump.index);
+        if to_and_fro(&jumps) {
+            self.switching = true;
+            self.accepted.retain(|one| one.effect != "steps");
+            self.axis.refresh(false)?;
+            return Some(true);
+        }
         let parameters = self.step_parameters(&jumps);
+        let nats = self.step_gain(&jumps);
         let freedom = 2.0 * jumps.len() as f64;
         let change = |axis: &mut AxisState| {
             axis.mended.waves.push(Wave::Steps(jumps));
@@ -489,10 +532,39 @@ impl Rounds<'_> {
             let with = Snapshot::of(self.axis);
             let one = self.find("steps")?;
             (one.parameters, one.with, one.freedom) = (parameters, with, freedom);
+            one.nats = one.nats.map(|before| before + nats);
         } else {
-            self.accept("steps", parameters, first.p_value, freedom, None, change)?;
+            self.accept(
+                "steps",
+                parameters,
+                first.p_value,
+                freedom,
+                Some(nats),
+                change,
+            )?;
         }
         Some(true)
+    }
+
+    /// Gain of what the jumps add to those that are taken out already.
+    fn step_gain(&self, jumps: &[Jump]) -> f64 {
+        let mut waveform = vec![0.0; self.axis.filled.len()];
+        Wave::Steps(jumps.to_vec()).take_out(&mut waveform);
+        for wave in &self.axis.mended.waves {
+            if let Wave::Steps(before) = wave {
+                let back = before.iter().map(|jump| Jump {
+                    height: -jump.height,
+                    ..*jump
+                });
+                Wave::Steps(back.collect()).take_out(&mut waveform);
+            }
+        }
+        let (record, density) = self.axis.slow(&self.axis.filled);
+        let means = block_means(&waveform, self.axis.slow_factor());
+        let rate_hz = self.axis.rate_hz / self.axis.slow_factor() as f64;
+        let mut wave = Transformer::new(means.len()).transform(&means, rate_hz);
+        wave.close(&density);
+        held_out_gain(&record, &density, &wave)
     }
 
     fn step_parameters(&self, jumps: &[Jump]) -> BTreeMap<String, Value> {
@@ -513,8 +585,7 @@ impl Rounds<'_> {
     }
 
     fn bursts(&mut self) -> Option<bool> {
-        let whole = self.axis.whole();
-        let density = self.axis.whitening(&whole);
+        let (whole, density) = self.axis.whole();
         let axis = &*self.axis;
         let powers = bursts::powers(&whole, &density, |n| axis.usable(n));
         let Some(burst) = bursts::burst(&powers, self.level()) else {
@@ -549,7 +620,7 @@ impl Rounds<'_> {
             parameters,
             burst.p_value,
             3.0,
-            Some(burst.nats),
+            Some(burst.held_nats),
             |axis| {
                 axis.mended.masked.push(range);
                 axis.refresh(true)
@@ -574,7 +645,7 @@ impl Rounds<'_> {
             return Some(false);
         }
         let best = found.remove(0);
-        let rivals: Vec<Rival> = found
+        let mut rivals: Vec<Rival> = found
             .iter()
             .filter(|other| other.p_value < level)
             .map(|other| Rival {
@@ -584,8 +655,27 @@ impl Rounds<'_> {
             .collect();
         let (law, p_value) = (best.law, best.p_value);
         let freedom = law.values.len() as f64;
-        let effect = law.effect.name();
-        self.accept(effect, BTreeMap::new(), p_value, freedom, None, |axis| {
+        let mut effect = law.effect.name();
+        let mut parameters = BTreeMap::new();
+        if effect == "markov"
+            && let Some(two) = self.two_levels(&law, &best.fit)
+        {
+            let other = |name: &str, log_odds| Rival {
+                effect: name.to_owned(),
+                log_odds,
+            };
+            if two.log_odds > 0.0 {
+                effect = "telegraph";
+                parameters = named([
+                    ("height", Value::log_normal(two.height, two.height_log_sd)),
+                    ("dwell_s", Value::log_normal(two.dwell_s, two.dwell_log_sd)),
+                ]);
+                rivals.insert(0, other("markov", two.log_odds));
+            } else {
+                rivals.insert(0, other("telegraph", -two.log_odds));
+            }
+        }
+        self.accept(effect, parameters, p_value, freedom, None, |axis| {
             axis.laws.push(law);
             axis.refresh(false)
         })?;
@@ -593,6 +683,21 @@ impl Rounds<'_> {
             one.rivals = rivals;
         }
         Some(true)
+    }
+
+    /// Whether what looks like Markov noise in the spectrum switches between two levels.
+    fn two_levels(&self, law: &Law, fit: &Fit) -> Option<Telegraph> {
+        let axis = &*self.axis;
+        let squared = fit.squared[laws::component_of(&axis.laws, axis.laws.len())];
+        let place = law.effect.parameters(&law.values);
+        let time_s = law.values[place.iter().position(|one| one.name == "time_s")?];
+        let corner_hz = 1.0 / (std::f64::consts::TAU * time_s);
+        let rest: f64 = SEEN
+            .iter()
+            .zip(&fit.squared)
+            .map(|(one, squared)| squared * axis.frame.unit_density(*one, corner_hz))
+            .sum();
+        telegraph::compare(axis, &axis.filled, squared.sqrt(), time_s, rest)
     }
 
     /// What is significant still, and named by nothing.
@@ -631,8 +736,7 @@ impl Rounds<'_> {
                 });
             }
         }
-        let whole = self.axis.whole();
-        let density = self.axis.whitening(&whole);
+        let (whole, density) = self.axis.whole();
         let axis = &*self.axis;
         let powers = bursts::powers(&whole, &density, |n| axis.usable(n));
         if let Some(wander) = bursts::wander(&powers) {
@@ -708,6 +812,23 @@ pub fn laws_of(snapshot: &Snapshot) -> Vec<Law> {
             })
         })
         .collect()
+}
+
+/// Whether jumps go up and down by turns, by about as much: two levels.
+fn to_and_fro(jumps: &[Jump]) -> bool {
+    if jumps.len() < SWITCHING {
+        return false;
+    }
+    let turns = jumps
+        .windows(2)
+        .filter(|pair| pair[0].height * pair[1].height < 0.0)
+        .count();
+    let mean = jumps.iter().map(|jump| jump.height.abs()).sum::<f64>() / jumps.len() as f64;
+    let alike = jumps
+        .iter()
+        .filter(|jump| (0.6..1.6).contains(&(jump.height.abs() / mean)))
+        .count();
+    5 * turns >= 4 * (jumps.len() - 1) && 5 * alike >= 4 * jumps.len()
 }
 
 fn named<const N: usize>(values: [(&str, Value); N]) -> BTreeMap<String, Value> {

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::axis::AxisState;
 use super::mend::{Wave, block_means};
 use super::tail;
-use super::whole::{Transformer, Whole};
+use super::whole::{Half, Projection, Transformer, held_out_gain};
 
 /// A waveform that is in the record.
 pub struct SlowChange {
@@ -21,17 +21,8 @@ pub struct SlowChange {
     pub time_log_sd: f64,
     /// Probability of as large a statistic without it.
     pub p_value: f64,
-}
-
-/// Projections of a record on a waveform: `<x, g>` and `<g, g>`.
-fn project(record: &Whole, density: &[f64], wave: &Whole) -> (f64, f64) {
-    let (mut product, mut power) = (0.0, 0.0);
-    let pairs = record.ordinates().iter().zip(wave.ordinates());
-    for ((x, g), density) in pairs.zip(density).skip(1) {
-        product += (x * g.conj()).re / density;
-        power += g.norm_sqr() / density;
-    }
-    (product, power)
+    /// Gain in log-likelihood on ordinates that it was not fitted to.
+    pub nats: f64,
 }
 
 /// Exponential settling from the start.
@@ -43,15 +34,15 @@ pub fn warm_up(axis: &AxisState, level: f64) -> Option<SlowChange> {
     let length = record.len();
     let transformer = Transformer::new(length);
     let rate_hz = axis.rate_hz / factor as f64;
-    let norm = record.len() as f64 * rate_hz;
-    let at = |samples: f64| {
+    let wave = |samples: f64| {
         let wave: Vec<f64> = (0..length)
             .map(|n| (-(n as f64 + 0.5) / samples).exp())
             .collect();
-        let (product, power) = project(&record, &density, &transformer.transform(&wave, rate_hz));
-        // Both sums run over half of the ring.
-        (2.0 * product / norm, 2.0 * power / norm)
+        let mut wave = transformer.transform(&wave, rate_hz);
+        wave.close(&density);
+        wave
     };
+    let at = |samples: f64| Projection::new(&record, &density, &wave(samples), Half::Both);
     let shortest = (length as f64 / 512.0).max(8.0);
     let longest = length as f64 / 1.5;
     let octaves = (longest / shortest).log2();
@@ -59,16 +50,12 @@ pub fn warm_up(axis: &AxisState, level: f64) -> Option<SlowChange> {
     let mut best = (0.0, 0.0);
     for step in 0..=count {
         let samples = shortest * (step as f64 / PER_OCTAVE).exp2();
-        let (product, power) = at(samples);
-        let z = product / power.sqrt();
+        let z = at(samples).z();
         if z.abs() > f64::abs(best.0) {
             best = (z, samples);
         }
     }
-    let z_at = |samples: f64| {
-        let (product, power) = at(samples);
-        product / power.sqrt()
-    };
+    let z_at = |samples: f64| at(samples).z();
     // The top between the steps.
     let mut step = 0.15;
     while step > 1e-3 {
@@ -88,23 +75,19 @@ pub fn warm_up(axis: &AxisState, level: f64) -> Option<SlowChange> {
     if p_value >= level {
         return None;
     }
-    let (product, power) = at(samples);
+    let projection = at(samples);
     // The square of z falls as a parabola in the logarithm of the time constant.
     let bend = {
         let h = 0.05_f64;
         let side = z_at(samples * h.exp()).powi(2) + z_at(samples * (-h).exp()).powi(2);
         (2.0 * z * z - side) / (2.0 * h * h)
     };
-    let amplitude = product / power;
+    let amplitude = projection.size();
     let time_log_sd = bend.max(1e-9).recip().sqrt();
     // The size goes with the time constant.
     let slope = {
         let h = 0.05_f64;
-        let size = |samples: f64| {
-            let (product, power) = at(samples);
-            product / power
-        };
-        (size(samples * h.exp()) - size(samples * (-h).exp())) / (2.0 * h)
+        (at(samples * h.exp()).size() - at(samples * (-h).exp()).size()) / (2.0 * h)
     };
     Some(SlowChange {
         wave: Wave::WarmUp {
@@ -112,9 +95,10 @@ pub fn warm_up(axis: &AxisState, level: f64) -> Option<SlowChange> {
             samples: samples * factor as f64,
         },
         z,
-        size_sd: power.recip().sqrt().hypot(slope * time_log_sd),
+        size_sd: projection.size_sd().hypot(slope * time_log_sd),
         time_log_sd,
         p_value,
+        nats: held_out_gain(&record, &density, &wave(samples)),
     })
 }
 
@@ -124,7 +108,6 @@ pub fn follows(axis: &AxisState, column: &[f64], level: f64) -> Option<(SlowChan
     let (record, density) = axis.slow(&axis.filled);
     let transformer = Transformer::new(record.len());
     let rate_hz = axis.rate_hz / factor as f64;
-    let norm = record.len() as f64 * rate_hz;
     let means = block_means(column, factor);
     // First-order lags from none to an eighth of the record.
     let mut lags = vec![0.0];
@@ -144,20 +127,21 @@ pub fn follows(axis: &AxisState, column: &[f64], level: f64) -> Option<(SlowChan
             })
             .collect()
     };
-    let (z, gain, sd, lag) = lags
+    let wave = |lag: f64| {
+        let mut wave = transformer.transform(&lagged(lag), rate_hz);
+        wave.close(&density);
+        wave
+    };
+    let (projection, lag) = lags
         .iter()
         .map(|&lag| {
-            let wave = transformer.transform(&lagged(lag), rate_hz);
-            let (product, power) = project(&record, &density, &wave);
-            let (product, power) = (2.0 * product / norm, 2.0 * power / norm);
             (
-                product / power.sqrt(),
-                product / power,
-                power.recip().sqrt(),
+                Projection::new(&record, &density, &wave(lag), Half::Both),
                 lag,
             )
         })
-        .max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))?;
+        .max_by(|a, b| a.0.z().abs().total_cmp(&b.0.z().abs()))?;
+    let z = projection.z();
     let p_value = tail::searched(tail::two_sided(z), lags.len() as f64);
     if p_value >= level || !z.is_finite() {
         return None;
@@ -179,13 +163,14 @@ pub fn follows(axis: &AxisState, column: &[f64], level: f64) -> Option<(SlowChan
     Some((
         SlowChange {
             wave: Wave::Follows {
-                gain,
+                gain: projection.size(),
                 column: Arc::new(full),
             },
             z,
-            size_sd: sd,
+            size_sd: projection.size_sd(),
             time_log_sd: f64::INFINITY,
             p_value,
+            nats: held_out_gain(&record, &density, &wave(lag)),
         },
         lag * factor as f64 / axis.rate_hz,
     ))
