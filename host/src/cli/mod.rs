@@ -6,6 +6,7 @@ pub mod analyze;
 pub mod board;
 pub mod demo;
 pub mod diagnose;
+pub mod export;
 #[cfg(feature = "flash")]
 pub mod flash;
 pub mod input;
@@ -46,6 +47,8 @@ enum Command {
     Diagnose(diagnose::DiagnoseCommand),
     /// Data from a noise model.
     Simulate(simulate::Simulate),
+    /// A noise model in the format of another program.
+    Export(export::Export),
     /// Send a capture down the path that live data take.
     Replay(replay::ReplayCommand),
     /// Program the board through a debug probe.
@@ -62,6 +65,7 @@ pub fn main() -> ExitCode {
         Command::Analyze(command) => command.run(),
         Command::Diagnose(command) => return finish(command.run()),
         Command::Simulate(command) => command.run(),
+        Command::Export(command) => command.run(),
         Command::Replay(command) => command.run(),
         #[cfg(feature = "flash")]
         Command::Flash(command) => command.run(),
