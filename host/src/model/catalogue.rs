@@ -53,7 +53,7 @@ mod tests {
                 .map(|one| (one.name.to_string(), 1.0))
                 .collect();
             assert_eq!(named.len(), parameters.len(), "{}", effect.name());
-            let values = in_order(*effect, &named).expect(effect.name());
+            let values = in_order(*effect, &named).unwrap_or_else(|error| panic!("{error}"));
             assert_eq!(values.len(), parameters.len(), "{}", effect.name());
         }
     }

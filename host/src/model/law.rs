@@ -138,10 +138,14 @@ impl Law {
     /// rate; nothing acts on it any more.
     pub fn density_added(&self, f_hz: f64) -> f64 {
         let (true_hz, rate_hz) = (self.clock * f_hz, self.true_rate_hz());
-        let through = |below: f64, (one, floor): (&Box<dyn Distortion>, &f64)| {
-            (below + floor) * one.power(true_hz, rate_hz)
-        };
-        self.clock * self.distortions.iter().zip(&self.floors).fold(0.0, through)
+        let added = self
+            .distortions
+            .iter()
+            .zip(&self.floors)
+            .fold(0.0, |below, (one, floor)| {
+                (below + floor) * one.power(true_hz, rate_hz)
+            });
+        self.clock * added
     }
 
     /// Two-sided spectral density of the samples at `f_hz`, between zero and half the rate,
