@@ -13,9 +13,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use inm_host::analyse::{AnalysisOptions, Fits, Overlap, analyse};
 use inm_host::model::published::{DURATION_S, PublishedAxis, RATE_HZ};
+use inm_host::model::whole::Model;
 use inm_host::model::{Coefficient, PerCoefficient};
-use inm_host::signal::Unit;
-use inm_host::simulate::source::{SimulatedAxis, Simulation};
+use inm_host::simulate::source::Simulation;
 
 fn main() {
     let mut arguments = std::env::args().skip(1);
@@ -38,14 +38,13 @@ fn main() {
     println!("{records} records an axis of {DURATION_S} s at {RATE_HZ}/s, seeds from {first_seed}");
     for axis in PublishedAxis::ALL {
         let truth = axis.coefficients();
-        let fits = simulate_and_fit(axis, truth, first_seed..first_seed + records, &options);
+        let fits = simulate_and_fit(axis, first_seed..first_seed + records, &options);
         print_axis(axis, &truth, &fits);
     }
 }
 
 fn simulate_and_fit(
     axis: PublishedAxis,
-    coefficients: PerCoefficient<f64>,
     seeds: std::ops::Range<u64>,
     options: &AnalysisOptions,
 ) -> Vec<Fits> {
@@ -57,13 +56,9 @@ fn simulate_and_fit(
             if seed >= seeds.end {
                 return;
             }
-            let axis = SimulatedAxis {
-                name: axis.name().to_owned(),
-                unit: Unit::MetrePerSecondSquared,
-                coefficients,
-            };
             let length = (DURATION_S * RATE_HZ) as u64;
-            let mut simulation = Simulation::new(&[axis], RATE_HZ, length, seed);
+            let model = Model::published(Some(axis));
+            let mut simulation = Simulation::new(&model, length, seed).expect("a sound model");
             let analysis =
                 analyse(&mut simulation, options, |_| {}).expect("a simulation does not fail");
             let found = analysis.axes.into_iter().map(|axis| axis.fits);

@@ -13,6 +13,7 @@ pub mod capture;
 pub mod chain;
 pub mod cli;
 pub mod criticise;
+pub mod export;
 pub mod fit;
 #[cfg(feature = "flash")]
 pub mod flash;

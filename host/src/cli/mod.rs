@@ -5,6 +5,7 @@
 pub mod analyze;
 pub mod board;
 pub mod demo;
+pub mod export;
 #[cfg(feature = "flash")]
 pub mod flash;
 pub mod input;
@@ -43,6 +44,8 @@ enum Command {
     Analyze(analyze::Analyze),
     /// Data from a noise model.
     Simulate(simulate::Simulate),
+    /// A noise model in the format of another program.
+    Export(export::Export),
     /// Send a capture down the path that live data take.
     Replay(replay::ReplayCommand),
     /// Program the board through a debug probe.
@@ -58,6 +61,7 @@ pub fn main() -> ExitCode {
         Command::Live(command) => command.run(),
         Command::Analyze(command) => command.run(),
         Command::Simulate(command) => command.run(),
+        Command::Export(command) => command.run(),
         Command::Replay(command) => command.run(),
         #[cfg(feature = "flash")]
         Command::Flash(command) => command.run(),
