@@ -51,7 +51,7 @@ pub fn components(frame: &Frame, laws: &[Law]) -> Vec<Vec<f64>> {
         .iter()
         .filter_map(|part| match part {
             Part::Distortion(filter) => Some(filter),
-            Part::Term(_) => None,
+            Part::Term(_) | Part::Clock(_) | Part::Follows(_) => None,
         })
         .collect();
     let power = |f_hz: f64| -> f64 {
