@@ -2,10 +2,14 @@
 //!
 //! The result is what `--json` writes (schema 1). Absent knowledge is `None`, `null` in JSON.
 
+use std::panic::resume_unwind;
+use std::thread::{self, ScopedJoinHandle};
+
 use inm_allan::Statistic;
 use serde::Serialize;
 
 use crate::bins::point::{self, Point};
+use crate::bins::read::read;
 pub use crate::bins::record::Overlap;
 use crate::bins::record::{Account, AxisRecord, Record};
 use crate::bins::taus::Taus;
@@ -187,14 +191,10 @@ pub struct WeightedValue {
 pub fn analyse(
     source: &mut dyn Source,
     options: &AnalysisOptions,
-    mut progress: impl FnMut(u64),
+    progress: impl FnMut(u64),
 ) -> Result<Analysis, SourceError> {
     let signal = source.signal().clone();
-    let mut record = Record::new(signal.axes.len(), options.overlap);
-    while let Some(chunk) = source.next_chunk()? {
-        record.push(chunk);
-        progress(record.account().samples);
-    }
+    let record = read(source, options.overlap, progress)?;
     Ok(summarise(&signal, &record, options))
 }
 
@@ -203,10 +203,19 @@ pub fn summarise(signal: &Signal, record: &Record, options: &AnalysisOptions) ->
     let account = record.account();
     let axes = signal.axes.iter().zip(record.axes());
     let analyse = |(axis, record)| analyse_axis(signal.rate_hz, axis, record, options);
+    // Each axis on a thread of its own.
+    let axes = thread::scope(|scope| {
+        let started: Vec<_> = axes
+            .map(|axis| scope.spawn(move || analyse(axis)))
+            .collect();
+        let joined = started.into_iter().map(ScopedJoinHandle::join);
+        let axes = joined.map(|one| one.unwrap_or_else(|panic| resume_unwind(panic)));
+        axes.collect()
+    });
     Analysis {
         schema: SCHEMA,
         source: summary(signal, account),
-        axes: axes.map(analyse).collect(),
+        axes,
     }
 }
 
