@@ -9,9 +9,8 @@
 //! segments. The figures are relative: multiply by the expectations of both bins.
 
 use super::{
-    estimate::{Group, weight},
+    estimate::Group,
     expected::Operator,
-    multitaper::Run,
     segments::{HOP, LEN, Power},
     window::Window,
 };
@@ -85,11 +84,9 @@ pub(super) fn of(input: &Input<'_>) -> Covariance {
                 seam(input, &mut covariance, first, *level, bins);
                 first += bins.len();
             }
-            Group::Record { runs, bins, .. } => {
-                for (i, one) in bins.iter().enumerate() {
-                    for (j, other) in bins.iter().enumerate().skip(i) {
-                        covariance.set(first + i, first + j, between_members(runs, one, other));
-                    }
+            Group::Record { bins, .. } => {
+                for (i, members) in bins.iter().enumerate() {
+                    covariance.set(first + i, first + i, of_ordinates(members.len()));
                 }
                 first += bins.len();
             }
@@ -108,8 +105,8 @@ pub(super) fn variances(groups: &[Group], powers: &[Power], window: &Window) -> 
                 let power = &powers[*level];
                 variances.extend(bins.iter().map(|ks| correlations.between(ks, ks, power)));
             }
-            Group::Record { runs, bins, .. } => {
-                variances.extend(bins.iter().map(|bin| between_members(runs, bin, bin)));
+            Group::Record { bins, .. } => {
+                variances.extend(bins.iter().map(|members| of_ordinates(members.len())));
             }
         }
     }
@@ -159,17 +156,10 @@ impl Correlations {
     }
 }
 
-fn between_members(runs: &[Run], one: &[(usize, usize)], other: &[(usize, usize)]) -> f64 {
-    let mut total = 0.0;
-    for &(run, a) in one {
-        for &(_, b) in other.iter().filter(|(of_run, _)| *of_run == run) {
-            let (first, second) = (&runs[run].ordinates[a], &runs[run].ordinates[b]);
-            total += weight(runs, one, run, a)
-                * weight(runs, other, run, b)
-                * runs[run].relative_covariance(first, second);
-        }
-    }
-    total
+/// Relative variance of the mean of ordinates of the cosine transform, which are independent and
+/// have one degree of freedom each.
+fn of_ordinates(count: usize) -> f64 {
+    2.0 / count as f64
 }
 
 /// Covariances of a level's lowest bins with the bins below, which have another source: the
