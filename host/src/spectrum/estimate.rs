@@ -7,7 +7,7 @@
 use super::{
     cascade::Cascade,
     cosine::{LOWEST_CYCLES, Run},
-    covariance::{self, Covariance},
+    covariance::{self, Correlations, Covariance},
     decimate::{FACTOR, PASS},
     expected::{Operator, Path, SegmentWindows, level_kernels},
     history::SlowRun,
@@ -119,6 +119,7 @@ pub(super) struct Sources<'a> {
     cascade: &'a Cascade,
     rate_hz: f64,
     powers: Vec<Power>,
+    correlations: Correlations,
     /// Level and runs of the whole record.
     record: Option<(usize, &'a [SlowRun])>,
 }
@@ -150,6 +151,7 @@ impl<'a> Sources<'a> {
             cascade,
             rate_hz,
             powers,
+            correlations: Correlations::new(&cascade.plan().window),
             record,
         }
     }
@@ -285,7 +287,7 @@ impl<'a> Sources<'a> {
                 }
             }
         }
-        let variances = covariance::variances(groups, &self.powers, &self.cascade.plan().window);
+        let variances = covariance::variances(groups, &self.powers, &self.correlations);
         for (bin, variance) in bins.iter_mut().zip(variances) {
             bin.edf = 2.0 / variance;
         }
@@ -317,7 +319,7 @@ impl<'a> Sources<'a> {
         let covariance = covariance::of(&covariance::Input {
             groups: &groups,
             powers: &self.powers,
-            window: &self.cascade.plan().window,
+            correlations: &self.correlations,
             operator: &operator,
             rate_hz: self.rate_hz,
             duration_s: self.cascade.samples() as f64 / self.rate_hz,
