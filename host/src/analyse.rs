@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::bins::point::{self, Point};
 pub use crate::bins::record::Overlap;
-use crate::bins::record::{AxisRecord, Record};
+use crate::bins::record::{Account, AxisRecord, Record};
 use crate::bins::taus::Taus;
 use crate::fit::design::Design;
 pub use crate::fit::likelihood::terms::{LikelihoodFit, LikelihoodValue};
@@ -220,34 +220,39 @@ pub fn summarise(signal: &Signal, record: &Record, options: &AnalysisOptions) ->
     let analyse = |(axis, record)| analyse_axis(signal.rate_hz, axis, record, options);
     Analysis {
         schema: SCHEMA,
-        source: SourceSummary {
-            file: signal.name.clone(),
-            rate_hz: signal.rate_hz,
-            unit: signal.axes.first().map(|axis| axis.unit),
-            samples: account.samples,
-            duration_s: (account.samples + account.lost) as f64 / signal.rate_hz,
-            lost_samples: account.lost,
-            gaps: account
-                .gaps
-                .iter()
-                .map(|gap| {
-                    let samples = gap.to.map(|to| to.saturating_sub(gap.from));
-                    GapSummary {
-                        from_s: gap.from as f64 / signal.rate_hz,
-                        duration_s: samples.map(|samples| samples as f64 / signal.rate_hz),
-                        samples,
-                        cause: gap.cause.clone(),
-                    }
-                })
-                .collect(),
-            news: account.news.clone(),
-            chain: signal
-                .axes
-                .first()
-                .and_then(|axis| axis.chain.as_ref())
-                .map(ToString::to_string),
-        },
+        source: summary(signal, account),
         axes: axes.map(analyse).collect(),
+    }
+}
+
+/// What was read, for the head of a result.
+pub fn summary(signal: &Signal, account: &Account) -> SourceSummary {
+    SourceSummary {
+        file: signal.name.clone(),
+        rate_hz: signal.rate_hz,
+        unit: signal.axes.first().map(|axis| axis.unit),
+        samples: account.samples,
+        duration_s: (account.samples + account.lost) as f64 / signal.rate_hz,
+        lost_samples: account.lost,
+        gaps: account
+            .gaps
+            .iter()
+            .map(|gap| {
+                let samples = gap.to.map(|to| to.saturating_sub(gap.from));
+                GapSummary {
+                    from_s: gap.from as f64 / signal.rate_hz,
+                    duration_s: samples.map(|samples| samples as f64 / signal.rate_hz),
+                    samples,
+                    cause: gap.cause.clone(),
+                }
+            })
+            .collect(),
+        news: account.news.clone(),
+        chain: signal
+            .axes
+            .first()
+            .and_then(|axis| axis.chain.as_ref())
+            .map(ToString::to_string),
     }
 }
 

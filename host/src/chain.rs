@@ -9,7 +9,8 @@ use inm_emulator::response::Response;
 use inm_protocol::Phase;
 
 /// What the quantity passes on its way to the samples.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub struct Chain {
     /// Digital filter of an ADS1281 (sinc5 and FIR), if there is one.
     pub converter: Option<Phase>,
@@ -49,6 +50,20 @@ impl fmt::Display for Chain {
         let poles = self.poles_hz.iter().map(|pole| format!("{pole}hz"));
         let parts: Vec<String> = converter.into_iter().chain(poles).collect();
         f.write_str(&parts.join("+"))
+    }
+}
+
+impl From<Chain> for String {
+    fn from(chain: Chain) -> Self {
+        chain.to_string()
+    }
+}
+
+impl TryFrom<String> for Chain {
+    type Error = ChainError;
+
+    fn try_from(text: String) -> Result<Self, ChainError> {
+        text.parse()
     }
 }
 

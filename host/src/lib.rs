@@ -12,6 +12,7 @@ pub mod bins;
 pub mod capture;
 pub mod chain;
 pub mod cli;
+pub mod criticise;
 pub mod fit;
 #[cfg(feature = "flash")]
 pub mod flash;
