@@ -14,11 +14,13 @@ pub use crate::bins::record::Overlap;
 use crate::bins::record::{Account, AxisRecord, Record};
 use crate::bins::taus::Taus;
 use crate::fit::design::Design;
-use crate::fit::{published, weighted};
+pub use crate::fit::likelihood::terms::{LikelihoodFit, LikelihoodValue};
+use crate::fit::{likelihood, published, weighted};
 use crate::model::kernel::Kernel;
 use crate::model::{Coefficient, PerCoefficient};
 use crate::signal::{Axis, Signal, Unit};
 use crate::source::{Source, SourceError};
+use crate::spectrum::{Bin, Estimate, Settings};
 
 /// Version of the JSON schema.
 pub const SCHEMA: u32 = 1;
@@ -105,8 +107,8 @@ pub struct AxisAnalysis {
     pub modified: Vec<CurvePoint>,
     /// Hadamard deviation.
     pub hadamard: Vec<CurvePoint>,
-    /// Spectral density; `None` where it was not estimated.
-    pub spectrum: Option<Vec<()>>,
+    /// Spectral density, by ascending frequency.
+    pub spectrum: Vec<SpectrumPoint>,
     /// The fits.
     pub fits: Fits,
     /// Predicted growth of the integral's error; `None` where it was not computed.
@@ -148,6 +150,19 @@ pub struct CurvePoint {
     pub white_bias: f64,
 }
 
+/// One bin of the spectrum.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SpectrumPoint {
+    /// Mean frequency, hertz.
+    pub f_hz: f64,
+    /// Two-sided density, squared unit of the signal per hertz.
+    pub psd: f64,
+    /// Lower end of its 95 % interval.
+    pub lo: f64,
+    /// Upper end of its 95 % interval.
+    pub hi: f64,
+}
+
 /// The fits of one axis; `None` where the record is too short for one.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Fits {
@@ -158,8 +173,8 @@ pub struct Fits {
     /// Error of the model's deviation that the weighted fit had to allow for at every point,
     /// percent; zero where the record follows the five terms.
     pub weighted_allowance_percent: Option<f64>,
-    /// By likelihood; `None` where it was not computed.
-    pub likelihood: Option<()>,
+    /// By likelihood, from the spectrum.
+    pub likelihood: Option<LikelihoodFit>,
 }
 
 /// A coefficient of the published fit.
@@ -286,12 +301,13 @@ fn analyse_axis(
             )
         })
         .collect();
+    let estimate = Estimate::new(record.cascade(), rate_hz, &Settings::default());
     let weighted = weighted::fit(&modified, rate_hz, &design);
     let fits = Fits {
         published: published::fit(&published_points).map(published_values),
         weighted: weighted.map(|fit| fit.coefficients),
         weighted_allowance_percent: weighted.map(|fit| 50.0 * fit.allowance),
-        likelihood: None,
+        likelihood: likelihood::terms::fit(record.cascade(), &estimate, axis.scale, &design),
     };
     AxisAnalysis {
         name: axis.name.clone(),
@@ -306,9 +322,24 @@ fn analyse_axis(
         allan: curve(&allan),
         modified: curve(&modified),
         hadamard: curve(&points(Statistic::Hadamard)),
-        spectrum: None,
+        spectrum: spectrum(&estimate, axis.scale),
         velocity_error: None,
     }
+}
+
+fn spectrum(estimate: &Estimate, units_per_count: f64) -> Vec<SpectrumPoint> {
+    let squared = units_per_count * units_per_count;
+    let point = |bin: &Bin| {
+        let psd = squared * bin.psd;
+        let (lo, hi) = point::interval(psd, bin.edf);
+        SpectrumPoint {
+            f_hz: bin.f_hz,
+            psd,
+            lo: lo * lo,
+            hi: hi * hi,
+        }
+    };
+    estimate.bins.iter().map(point).collect()
 }
 
 fn curve(points: &[Point]) -> Vec<CurvePoint> {
