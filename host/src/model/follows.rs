@@ -24,6 +24,16 @@ pub enum Leader {
     Shared,
 }
 
+impl Leader {
+    /// What it is, for messages.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Temperature => "the temperature",
+            Self::Shared => "what the axes share",
+        }
+    }
+}
+
 impl Follows {
     /// Follows a leader at `rate_hz` samples a second. `reference` is the leader's value at which
     /// nothing is added; before the first sample it has been the same as there for long.

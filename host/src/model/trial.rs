@@ -3,6 +3,7 @@
 use super::effect::Part;
 use super::whole::{Model, ModelAxis};
 use super::{Coefficient, Seed};
+use crate::simulate::axis::AxisSimulation;
 
 /// An axis with `coefficients` and `effects`, as they are written in a model file.
 pub fn axis(coefficients: &str, effects: &str) -> ModelAxis {
@@ -65,7 +66,7 @@ pub fn assert_allan_variance(axis: &ModelAxis, rate_hz: f64, averaging: &[usize]
     const LENGTH: usize = 4096;
     let law = axis.law(rate_hz);
     let records: Vec<Vec<f64>> = (SEED..SEED + RECORDS)
-        .map(|seed| record(axis, rate_hz, LENGTH, seed, LENGTH))
+        .map(|seed| AxisSimulation::new(axis, 0, &[1.0], rate_hz, seed).next(LENGTH))
         .collect();
     for &m in averaging {
         let found: Vec<f64> = records.iter().map(|one| allan_variance(one, m)).collect();
