@@ -26,6 +26,7 @@ pub mod components;
 pub mod data;
 pub mod information;
 pub mod longer;
+pub mod misfit;
 pub mod non_negative;
 pub mod profile;
 pub mod ramp;
