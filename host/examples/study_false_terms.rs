@@ -12,9 +12,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use inm_host::analyse::LikelihoodFit;
 use inm_host::fit::design::Design;
 use inm_host::fit::likelihood::{components::SEEN, information, terms, whittle};
+use inm_host::model::whole::{Model, ModelAxis, SCHEMA};
 use inm_host::model::{Coefficient, PerCoefficient};
 use inm_host::signal::Unit;
-use inm_host::simulate::source::{SimulatedAxis, Simulation};
+use inm_host::simulate::source::Simulation;
 use inm_host::spectrum::{Cascade, Estimate, Plan, Settings};
 
 const RATE_HZ: f64 = 100.0;
@@ -141,12 +142,20 @@ fn simulate_and_fit(case: &Case, seeds: std::ops::Range<u64>) -> Vec<LikelihoodF
             if seed >= seeds.end {
                 return;
             }
-            let axis = SimulatedAxis {
-                name: "X".into(),
-                unit: Unit::MetrePerSecondSquared,
-                coefficients: case.truth,
+            let model = Model {
+                schema: SCHEMA,
+                rate_hz: RATE_HZ,
+                axes: vec![ModelAxis {
+                    name: "X".into(),
+                    unit: Unit::MetrePerSecondSquared,
+                    mean: 0.0,
+                    chain: None,
+                    coefficients: case.truth,
+                    effects: Vec::new(),
+                }],
+                correlation: None,
             };
-            let mut simulation = Simulation::new(&[axis], RATE_HZ, case.length, seed);
+            let mut simulation = Simulation::new(&model, case.length, seed).expect("a sound model");
             let mut cascade = Cascade::new(&plan);
             let samples = simulation.next_columns(case.length as usize).remove(0);
             cascade.push_values(0, &samples).expect("in order");
@@ -176,12 +185,7 @@ fn print_case(case: &Case, fits: &[LikelihoodFit]) {
         let truth = *case.truth.get(one);
         let text = percent(&|fit| {
             let value = fit.coefficients.get(one);
-            let most = if value.identified {
-                value.hi
-            } else {
-                value.upper
-            };
-            value.lo <= truth && truth <= most.unwrap_or(f64::INFINITY)
+            value.lo <= truth && truth <= value.hi.unwrap_or(f64::INFINITY)
         });
         format!("{text:>5.1}")
     });

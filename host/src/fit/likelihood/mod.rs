@@ -36,5 +36,8 @@ pub mod slope;
 pub mod terms;
 pub mod whittle;
 
+#[cfg(test)]
+mod measure;
+
 pub use data::Data;
 pub use scoring::{Fit, log_likelihood, maximise};
