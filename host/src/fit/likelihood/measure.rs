@@ -15,7 +15,8 @@ use crate::spectrum::{Cascade, Estimate, Settings};
 #[ignore = "a measurement"]
 fn speed() {
     let length = (DURATION_S * RATE_HZ) as u64;
-    let mut simulation = Simulation::new(&Model::published(Some(PublishedAxis::X)), length, 1).expect("a sound model");
+    let mut simulation = Simulation::new(&Model::published(Some(PublishedAxis::X)), length, 1)
+        .expect("a sound model");
     let mut cascade = Cascade::default();
     loop {
         let samples = simulation.next_columns(8192).remove(0);
