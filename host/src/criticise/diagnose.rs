@@ -1,8 +1,11 @@
 //! From a record in memory to what is wrong with its model and why.
 
+use std::collections::BTreeMap;
+
 use super::axis::AxisState;
 use super::codes;
-use super::finding::{AxisDiagnosis, Base, Coefficient, Final, Finding, Gain};
+use super::coherence::{self, Common};
+use super::finding::{AxisDiagnosis, Base, Coefficient, Final, Finding, Gain, Value};
 use super::gain::{self, Halves, HeldCurve};
 use super::impulses::middle_spread;
 use super::laws;
@@ -45,15 +48,62 @@ pub enum Refused {
     },
 }
 
-/// Diagnoses one axis.
+/// Diagnoses all axes, and what they have in common. `progress` is told each axis that is done.
+///
+/// # Errors
+/// [`Refused`] where an axis holds too little.
+pub fn diagnose(
+    samples: &Samples,
+    options: &Options,
+    mut progress: impl FnMut(usize),
+) -> Result<Vec<AxisDiagnosis>, Refused> {
+    let (mut axes, mut residuals) = (Vec::new(), Vec::new());
+    for number in 0..samples.axes.len() {
+        let (axis, residual) = diagnose_axis(samples, number, options)?;
+        axes.push(axis);
+        residuals.push(residual);
+        progress(number);
+    }
+    for common in coherence::common(&residuals, samples.signal.rate_hz, options.level()) {
+        axes[common.axis].findings.push(common_finding(&common));
+    }
+    Ok(axes)
+}
+
+fn common_finding(common: &Common) -> Finding {
+    let kind = catalogue::find("common_mode");
+    let gain = common.gain.unwrap_or(f64::NAN);
+    let mut parameters = BTreeMap::new();
+    if let Some(gain) = common.gain {
+        parameters.insert(
+            "gain".to_owned(),
+            Value::normal(gain, gain.abs() * common.gain_log_sd),
+        );
+    }
+    Finding {
+        effect: "common_mode".to_owned(),
+        cause: kind.map_or_else(String::new, |kind| kind.meaning().to_owned()),
+        check: kind.map_or_else(String::new, |kind| kind.check(&[gain])),
+        parameters,
+        p_value: common.p_value,
+        rivals: Vec::new(),
+        gain: Gain {
+            heldout_nats: None,
+            ..Gain::default()
+        },
+        without: PerCoefficient::default(),
+    }
+}
+
+/// Diagnoses one axis; also hands over what is left of it.
 ///
 /// # Errors
 /// [`Refused`] where the record holds too little.
-pub fn diagnose_axis(
+fn diagnose_axis(
     samples: &Samples,
     number: usize,
     options: &Options,
-) -> Result<AxisDiagnosis, Refused> {
+) -> Result<(AxisDiagnosis, Vec<f32>), Refused> {
     let signal = &samples.signal.axes[number];
     let record = &samples.axes[number];
     let rate_hz = samples.signal.rate_hz;
@@ -118,7 +168,8 @@ pub fn diagnose_axis(
         ));
     }
     let named = named_effects(&findings);
-    Ok(AxisDiagnosis {
+    let residual = axis.mended.values().iter().map(|&v| v as f32).collect();
+    let diagnosis = AxisDiagnosis {
         name: signal.name.clone(),
         unit: signal.unit,
         base: Base {
@@ -138,7 +189,8 @@ pub fn diagnose_axis(
             allan_error_sampling_percent: last_error.map(|error| error.1),
         },
         findings,
-    })
+    };
+    Ok((diagnosis, residual))
 }
 
 /// Effects as a model file has them, where the catalogue can make them.
