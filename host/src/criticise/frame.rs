@@ -12,6 +12,9 @@ use crate::model::{Coefficient, Term};
 use crate::spectrum::estimate::{self, Estimate};
 use crate::spectrum::{Cascade, Plan, Settings};
 
+/// Bins an octave.
+const BINS_PER_OCTAVE: f64 = 16.0;
+
 /// What the spectra of one axis have in common: bins, and what they are expected to be.
 pub struct Frame {
     settings: Settings,
@@ -30,14 +33,9 @@ pub struct Frame {
 impl Frame {
     /// For records like `values`, with missing samples where these are not finite. `None` where
     /// they are too few for a spectrum, or all the same.
-    pub fn new(
-        values: &[f64],
-        rate_hz: f64,
-        chain: Option<&Chain>,
-        bins_per_octave: f64,
-    ) -> Option<Self> {
+    pub fn new(values: &[f64], rate_hz: f64, chain: Option<&Chain>) -> Option<Self> {
         let settings = Settings {
-            bins_per_octave,
+            bins_per_octave: BINS_PER_OCTAVE,
             ..Settings::default()
         };
         let plan = Plan::new();
