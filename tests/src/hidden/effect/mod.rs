@@ -19,7 +19,7 @@ mod steps;
 mod telegraph;
 mod thermal;
 mod timebase;
-mod tone;
+pub mod tone;
 mod warmup;
 
 use super::draw::Draw;
