@@ -7,9 +7,11 @@ use std::str::FromStr;
 
 use inm_emulator::response::Response;
 use inm_protocol::Phase;
+use rustfft::num_complex::Complex;
 
 /// What the quantity passes on its way to the samples.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub struct Chain {
     /// Digital filter of an ADS1281 (sinc5 and FIR), if there is one.
     pub converter: Option<Phase>,
@@ -25,18 +27,34 @@ impl Chain {
             .iter()
             .map(|pole| 1.0 / (1.0 + (f_hz / pole).powi(2)))
             .product();
-        let Some(phase) = self.converter else {
+        let Some(filter) = self.filter(rate_hz) else {
             return poles;
         };
-        let phase = match phase {
+        poles * filter.gain(f_hz / rate_hz).powi(2)
+    }
+
+    /// Response at `f_hz`, phase included; its square is [`Chain::power`].
+    pub fn response(&self, f_hz: f64, rate_hz: f64) -> Complex<f64> {
+        let poles: Complex<f64> = self
+            .poles_hz
+            .iter()
+            .map(|pole| Complex::new(1.0, f_hz / pole).inv())
+            .product();
+        let Some(filter) = self.filter(rate_hz) else {
+            return poles;
+        };
+        let (re, im) = filter.value(f_hz / rate_hz);
+        poles * Complex::new(re, im)
+    }
+
+    /// The converter's filter for samples at `rate_hz`.
+    fn filter(&self, rate_hz: f64) -> Option<Response> {
+        let phase = match self.converter? {
             Phase::Linear => inm_emulator::Phase::Linear,
             Phase::Minimum => inm_emulator::Phase::Minimum,
         };
         // The rate itself matters to the converter's filter only beyond half of it.
-        poles
-            * Response::new(phase, rate_hz as u32)
-                .gain(f_hz / rate_hz)
-                .powi(2)
+        Some(Response::new(phase, rate_hz as u32))
     }
 }
 
@@ -49,6 +67,20 @@ impl fmt::Display for Chain {
         let poles = self.poles_hz.iter().map(|pole| format!("{pole}hz"));
         let parts: Vec<String> = converter.into_iter().chain(poles).collect();
         f.write_str(&parts.join("+"))
+    }
+}
+
+impl From<Chain> for String {
+    fn from(chain: Chain) -> Self {
+        chain.to_string()
+    }
+}
+
+impl TryFrom<String> for Chain {
+    type Error = ChainError;
+
+    fn try_from(text: String) -> Result<Self, ChainError> {
+        text.parse()
     }
 }
 

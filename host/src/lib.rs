@@ -12,6 +12,8 @@ pub mod bins;
 pub mod capture;
 pub mod chain;
 pub mod cli;
+pub mod criticise;
+pub mod export;
 pub mod fit;
 #[cfg(feature = "flash")]
 pub mod flash;

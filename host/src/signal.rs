@@ -78,6 +78,29 @@ impl Unit {
     }
 }
 
+/// What a unit is one of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Dimension {
+    /// Acceleration, in m/s^2.
+    Acceleration,
+    /// Rate of rotation, in rad/s.
+    Rotation,
+}
+
+impl Unit {
+    /// What it measures, and how many SI units it is; `None` for what is not converted to a
+    /// quantity of motion yet.
+    pub fn si(self) -> Option<(Dimension, f64)> {
+        match self {
+            Self::MetrePerSecondSquared => Some((Dimension::Acceleration, 1.0)),
+            Self::Gravity => Some((Dimension::Acceleration, 9.806_65)),
+            Self::RadianPerSecond => Some((Dimension::Rotation, 1.0)),
+            Self::DegreePerSecond => Some((Dimension::Rotation, std::f64::consts::PI / 180.0)),
+            Self::Volt | Self::Counts => None,
+        }
+    }
+}
+
 impl std::fmt::Display for Unit {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(self.symbol())

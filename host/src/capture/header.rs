@@ -65,7 +65,7 @@ pub struct AxisHeader {
     pub scale: f64,
     /// Word at zero signal.
     pub zero: f64,
-    /// What lies between acceleration and word, as for `--chain`.
+    /// What lies between acceleration and word, as for `--chain`; empty for nothing.
     pub chain: String,
 }
 
@@ -129,17 +129,24 @@ impl Header {
     /// [`CaptureError::Chain`] if an axis names a signal chain that is not known.
     pub fn signal(&self, path: &Path) -> Result<Signal, CaptureError> {
         let axes = self.axes.iter().map(|axis| {
-            let chain = axis.chain.parse().map_err(|source| CaptureError::Chain {
-                path: path.to_owned(),
-                axis: axis.name.clone(),
-                source,
-            })?;
+            let parse = |text: &str| {
+                text.parse().map_err(|source| CaptureError::Chain {
+                    path: path.to_owned(),
+                    axis: axis.name.clone(),
+                    source,
+                })
+            };
+            // A simulation may have none.
+            let chain = match axis.chain.as_str() {
+                "" => None,
+                text => Some(parse(text)?),
+            };
             Ok(Axis {
                 name: axis.name.clone(),
                 unit: axis.unit,
                 scale: axis.scale,
                 zero: axis.zero,
-                chain: Some(chain),
+                chain,
             })
         });
         Ok(Signal {

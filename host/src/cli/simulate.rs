@@ -1,20 +1,30 @@
-//! `inm simulate`: data from a noise model, as an array file.
+//! `inm simulate`: data from a noise model, as an array file or a capture.
 
+use std::path::Path;
+
+use anyhow::Context;
 use clap::Args;
 
 use super::output::write_to;
-use crate::model::published::{DURATION_S, PublishedAxis, RATE_HZ};
-use crate::signal::Unit;
+use crate::chain::Chain;
+use crate::model::published::DURATION_S;
+use crate::model::whole::Model;
+use crate::simulate::capture::write_capture;
 use crate::simulate::file::{write_csv, write_npy};
-use crate::simulate::source::{SimulatedAxis, Simulation};
+use crate::simulate::source::Simulation;
+
+/// Ending of a capture's name.
+const CAPTURE: &str = ".inmcap";
 
 /// Arguments of `inm simulate`.
 #[derive(Debug, Args)]
 pub struct Simulate {
-    /// Noise model: published:X, published:Y or published:Z, or published for all three axes.
-    #[arg(long, value_parser = model)]
-    model: Model,
-    /// File to write: .csv for text, anything else a NumPy array; - is standard output.
+    /// Noise model: published (three axes), published:X, published:Y, published:Z, or a model
+    /// file (docs/model.md).
+    #[arg(long)]
+    model: String,
+    /// File to write: .csv for text, .inmcap for a capture with integer codes, anything else a
+    /// NumPy array; - is standard output.
     #[arg(short, long, value_name = "FILE")]
     output: String,
     /// Seed of the random numbers; the same seed gives the same data.
@@ -23,54 +33,81 @@ pub struct Simulate {
     /// Length in seconds.
     #[arg(long, value_name = "S", allow_negative_numbers = true, default_value_t = DURATION_S)]
     duration: f64,
-    /// Samples a second.
-    #[arg(long, value_name = "HZ", allow_negative_numbers = true, default_value_t = RATE_HZ)]
-    rate: f64,
-}
-
-/// The axes to simulate.
-#[derive(Debug, Clone)]
-struct Model(Vec<SimulatedAxis>);
-
-fn model(text: &str) -> Result<Model, String> {
-    let axes: Vec<SimulatedAxis> = PublishedAxis::ALL
-        .into_iter()
-        .filter(|axis| text == "published" || text == format!("published:{}", axis.name()))
-        .map(|axis| SimulatedAxis {
-            name: axis.name().to_owned(),
-            unit: Unit::MetrePerSecondSquared,
-            coefficients: axis.coefficients(),
-        })
-        .collect();
-    if axes.is_empty() {
-        return Err("no such model; published, published:X, published:Y or published:Z".into());
-    }
-    Ok(Model(axes))
+    /// Samples a second [default: those of the model].
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    rate: Option<f64>,
+    /// Signal chain of all axes in place of the model's, such as ads1281:linear+400hz.
+    #[arg(long)]
+    chain: Option<Chain>,
+    /// Correlation of the axes' noise: the part above the diagonal, row by row (for X, Y, Z:
+    /// XY,XZ,YZ).
+    #[arg(
+        long,
+        value_name = "R,...",
+        value_delimiter = ',',
+        allow_negative_numbers = true
+    )]
+    correlation: Option<Vec<f64>>,
 }
 
 impl Simulate {
     /// Runs the subcommand.
     ///
     /// # Errors
-    /// If duration and rate give no samples, or the file cannot be written.
+    /// If there is no such model, duration and rate give no samples, or the file cannot be
+    /// written.
     pub fn run(self) -> anyhow::Result<()> {
-        let length = (self.duration * self.rate).round();
+        let mut model = Model::open(&self.model)?;
+        if let Some(rate_hz) = self.rate {
+            model.rate_hz = rate_hz;
+        }
+        if let Some(chain) = &self.chain {
+            for axis in &mut model.axes {
+                axis.chain = Some(chain.clone());
+            }
+        }
+        if let Some(upper) = &self.correlation {
+            model.correlation = Some(symmetric(upper, model.axes.len())?);
+        }
+        let length = (self.duration * model.rate_hz).round();
         // Written so that NaN is refused as well.
-        let sound = self.rate > 0.0 && length >= 1.0 && length < 2_f64.powi(53);
+        let sound = model.rate_hz > 0.0 && length >= 1.0 && length < 2_f64.powi(53);
         anyhow::ensure!(
             sound,
             "--duration {} at --rate {} gives no samples; both are numbers above zero",
             self.duration,
-            self.rate
+            model.rate_hz
         );
-        let mut simulation = Simulation::new(&self.model.0, self.rate, length as u64, self.seed);
-        let as_text = self.output.to_ascii_lowercase().ends_with(".csv");
+        let mut simulation = Simulation::new(&model, length as u64, self.seed)
+            .map_err(anyhow::Error::msg)
+            .with_context(|| format!("--model {}", self.model))?;
+        let ending = |end| self.output.to_ascii_lowercase().ends_with(end);
+        if ending(CAPTURE) {
+            return write_capture(&mut simulation, Path::new(&self.output));
+        }
         write_to(&self.output, |mut output| {
-            if as_text {
+            if ending(".csv") {
                 write_csv(&mut simulation, &mut output)
             } else {
                 write_npy(&mut simulation, &mut output)
             }
         })
     }
+}
+
+/// The matrix with `upper` above and below a diagonal of 1.
+fn symmetric(upper: &[f64], axes: usize) -> anyhow::Result<Vec<Vec<f64>>> {
+    let wanted = axes * (axes - 1) / 2;
+    anyhow::ensure!(
+        upper.len() == wanted,
+        "--correlation has {} numbers; {axes} axes have {wanted} pairs",
+        upper.len()
+    );
+    let mut matrix = vec![vec![1.0; axes]; axes];
+    let pairs = (0..axes).flat_map(|i| (i + 1..axes).map(move |j| (i, j)));
+    for ((i, j), &value) in pairs.zip(upper) {
+        matrix[i][j] = value;
+        matrix[j][i] = value;
+    }
+    Ok(matrix)
 }

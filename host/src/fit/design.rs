@@ -41,8 +41,13 @@ impl Design {
         }
     }
 
+    /// Samples a second.
+    pub fn rate_hz(&self) -> f64 {
+        self.rate_hz
+    }
+
     /// Power that the chain lets through at `f_hz`, at most half the rate.
-    fn power(&self, f_hz: f64) -> f64 {
+    pub fn power(&self, f_hz: f64) -> f64 {
         let Some(power) = &self.power else { return 1.0 };
         let place = f_hz / (0.5 * self.rate_hz) * STEPS as f64;
         let step = (place as usize).min(STEPS - 1);
@@ -51,7 +56,7 @@ impl Design {
     }
 
     /// Two-sided spectral density for coefficient 1 ahead of the chain's power.
-    fn unit_spectrum(&self, coefficient: Coefficient, f_hz: f64) -> f64 {
+    pub fn unit_spectrum(&self, coefficient: Coefficient, f_hz: f64) -> f64 {
         let term = self.terms.get(coefficient);
         if self.band_limited {
             term.spectrum_ahead(f_hz, self.rate_hz)

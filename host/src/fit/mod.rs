@@ -1,7 +1,9 @@
-//! Fits of the five coefficients to an Allan curve.
+//! Fits of a noise model: to the Allan curve as published and weighted, to the spectrum by
+//! likelihood.
 
 pub mod covariance;
 pub mod design;
 pub mod least_squares;
+pub mod likelihood;
 pub mod published;
 pub mod weighted;

@@ -28,6 +28,10 @@ const PANELS_PER_RATE: f64 = 200.0;
 /// Relative width of a panel where the integrand is smooth.
 const RELATIVE_PANEL: f64 = 0.2;
 
+/// First panel, as a part of those in the resolved band: from there on they double, so that a
+/// bend of the spectrum far below the first oscillation is resolved too.
+const FIRST_PANEL: f64 = 1e-6;
+
 /// Nodes and weights of Gauss-Legendre quadrature with eight points on (-1, 1), positive half.
 const GAUSS: [(f64, f64); 4] = [
     (0.183_434_642_495_649_8, 0.362_683_783_378_362),
@@ -81,7 +85,7 @@ pub fn variance(kernel: Kernel, m: u64, rate_hz: f64, spectrum: impl Fn(f64) -> 
     let near = panels(
         0.0,
         resolved,
-        |_| fine,
+        |f| f.max(FIRST_PANEL * fine).min(fine),
         |f| spectrum(f) * kernel.at(m, PI * f / rate_hz),
     );
     let far = panels(

@@ -4,14 +4,43 @@
 //! data that follow it, and what it is physically. The five terms of the published model
 //! (Pavlov and Petrov eq. 8) are each linear in one squared [`Coefficient`]; that is what the
 //! fits use. Spectra are two-sided, per hertz; averaging times are `m` data periods.
+//!
+//! What else a record can hold is an [`effect`], listed in the [`catalogue`]. A [`whole`] model is
+//! axes with coefficients, effects and a signal chain, as model files hold it; its [`law`] is what
+//! data of it should look like.
 
+pub mod burst;
+pub mod catalogue;
+pub mod clipping;
+pub mod common_mode;
+pub mod dropped;
+pub mod effect;
 pub mod flicker;
+pub mod follows;
+pub mod hum;
 pub mod kernel;
+pub mod law;
+pub mod markov;
+pub mod outliers;
+pub mod powerlaw;
 pub mod published;
 pub mod quantisation;
 pub mod ramp;
+pub mod resonance;
+pub mod rolloff;
+pub mod rounding;
+pub mod sinusoid;
+pub mod stale;
+pub mod steps;
+pub mod telegraph;
+pub mod thermal;
+pub mod timebase;
+#[cfg(test)]
+mod trial;
 pub mod walk;
+pub mod warmup;
 pub mod white;
+pub mod whole;
 
 use crate::signal::Unit;
 use crate::simulate::Generator;
@@ -31,8 +60,27 @@ pub trait Term: Send + Sync {
     /// Two-sided spectral density ahead of a signal chain that band-limits and samples it.
     fn spectrum_ahead(&self, f_hz: f64, rate_hz: f64) -> f64;
 
+    /// Its power at single frequencies, which is in no density.
+    fn lines(&self) -> Vec<Line> {
+        Vec::new()
+    }
+
+    /// Whether it is a slow course without a spectrum, that any chain lets through as it is.
+    fn is_drift(&self) -> bool {
+        false
+    }
+
     /// Makes data that follow the law; the same `seed` gives the same data.
     fn generator(&self, rate_hz: f64, seed: Seed) -> Box<dyn Generator>;
+}
+
+/// Power at one frequency.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Line {
+    /// The frequency, hertz.
+    pub f_hz: f64,
+    /// Mean square of the signal, unit of the signal squared: half the amplitude's square.
+    pub power: f64,
 }
 
 /// Names one stream of random numbers.
@@ -136,7 +184,8 @@ impl Coefficient {
 }
 
 /// One number for each coefficient.
-#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct PerCoefficient<T> {
     /// Rate ramp.
     #[serde(rename = "R")]

@@ -31,6 +31,10 @@ impl Term for Ramp {
         0.0
     }
 
+    fn is_drift(&self) -> bool {
+        true
+    }
+
     fn generator(&self, rate_hz: f64, _seed: Seed) -> Box<dyn Generator> {
         Box::new(Line {
             slope: self.per_s / rate_hz,

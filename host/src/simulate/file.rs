@@ -38,8 +38,8 @@ pub fn write_npy(simulation: &mut Simulation, output: &mut impl Write) -> std::i
     }
 }
 
-/// Header of an array of little-endian doubles, format version 1.0.
-fn npy_header(rows: u64, columns: usize) -> Vec<u8> {
+/// Header of an array of little-endian doubles, format version 1.0; one column is a vector.
+pub fn npy_header(rows: u64, columns: usize) -> Vec<u8> {
     let shape = if columns == 1 {
         format!("({rows},)")
     } else {

@@ -1,6 +1,14 @@
 //! Simulated records: seeded, streaming, in bounded memory for any length.
+//!
+//! ```text
+//! term -> generator ─┐
+//! term -> generator ─┴─> shaping (signal chain) ─> distorters ─> source, array file or capture
+//! ```
 
+pub mod axis;
+pub mod capture;
 pub mod file;
+pub mod shaping;
 pub mod source;
 
 use rand_distr::{Distribution, StandardNormal};
@@ -14,6 +22,13 @@ pub trait Generator: Send {
     fn add_to(&mut self, samples: &mut [f64]);
 }
 
+/// The random numbers of one stream.
+pub fn random(seed: Seed) -> Pcg64 {
+    // The generator is told apart by its stream constant; any seed is as good as another.
+    let state = 0x9e37_79b9_7f4a_7c15_u128 << 64 | u128::from(seed.seed);
+    Pcg64::new(state, u128::from(seed.stream))
+}
+
 /// A seeded stream of Gaussian numbers with mean zero.
 pub struct Gaussian {
     random: Pcg64,
@@ -23,10 +38,8 @@ pub struct Gaussian {
 impl Gaussian {
     /// A stream with the standard deviation `deviation`.
     pub fn new(seed: Seed, deviation: f64) -> Self {
-        // The generator is told apart by its stream constant; any seed is as good as another.
-        let state = 0x9e37_79b9_7f4a_7c15_u128 << 64 | u128::from(seed.seed);
         Self {
-            random: Pcg64::new(state, u128::from(seed.stream)),
+            random: random(seed),
             deviation,
         }
     }

@@ -1,84 +1,86 @@
 //! A simulation as a [`Source`].
 
-use super::Generator;
-use crate::model::{Coefficient, PerCoefficient, Seed};
-use crate::signal::{Axis, Signal, Unit};
+use super::axis::AxisSimulation;
+use crate::model::effect::Part;
+use crate::model::whole::{Model, ModelAxis};
+use crate::signal::{Axis, Signal};
 use crate::source::{Block, Chunk, Column, Source, SourceError, Values};
 
-/// Samples an axis in one block.
-const BLOCK: usize = 8192;
-
-/// Streams of random numbers that an axis reserves for its terms.
-const STREAMS_PER_AXIS: u64 = 64;
-
-/// What to simulate on one axis.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SimulatedAxis {
-    /// Name of the axis.
-    pub name: String,
-    /// Unit of the signal.
-    pub unit: Unit,
-    /// The five terms.
-    pub coefficients: PerCoefficient<f64>,
-}
+/// Samples an axis in one chunk.
+const CHUNK: usize = 8192;
 
 /// A simulated record of some axes.
 pub struct Simulation {
     signal: Signal,
-    generators: Vec<Vec<Box<dyn Generator>>>,
+    axes: Vec<AxisSimulation>,
     length: u64,
     next: u64,
 }
 
 impl Simulation {
-    /// Simulates `length` samples an axis. Every axis and every term has its own random
-    /// numbers; the same seed gives the same record, whatever its length.
-    pub fn new(axes: &[SimulatedAxis], rate_hz: f64, length: u64, seed: u64) -> Self {
-        let generators = (0..).zip(axes).map(|(index, axis): (u64, _)| {
-            let stream = |term: u64| Seed {
-                seed,
-                stream: index * STREAMS_PER_AXIS + term,
-            };
-            (0..)
-                .zip(Coefficient::ALL)
-                .filter(|&(_, coefficient)| *axis.coefficients.get(coefficient) != 0.0)
-                .map(|(term, coefficient)| {
-                    let value = *axis.coefficients.get(coefficient);
-                    coefficient.term(value).generator(rate_hz, stream(term))
-                })
-                .collect()
-        });
-        let axis = |axis: &SimulatedAxis| Axis {
+    /// Simulates `length` samples an axis of `model`. Every axis and every term has its own
+    /// random numbers; the same seed gives the same record, whatever its length and however it
+    /// is read.
+    ///
+    /// The random numbers behind K, B, N and Q of axis `i` are `sum_j L_ij z_j`, `z_j` being those
+    /// that axis `j` would have alone and `L` the lower Cholesky factor of the model's
+    /// correlation; effects are independent.
+    ///
+    /// # Errors
+    /// As [`Model::check`], and if an axis follows something that is not in the model.
+    pub fn new(model: &Model, length: u64, seed: u64) -> Result<Self, String> {
+        model.check()?;
+        model.axes.iter().try_for_each(alone)?;
+        let mixing = model.mixing()?;
+        let axis = |(index, axis)| {
+            let weights: Vec<f64> = mixing.row(index).iter().copied().collect();
+            AxisSimulation::new(axis, index as u64, &weights, model.rate_hz, seed)
+        };
+        let described = model.axes.iter().map(|axis| Axis {
             name: axis.name.clone(),
             unit: axis.unit,
             scale: 1.0,
             zero: 0.0,
-            chain: None,
-        };
-        Self {
-            generators: generators.collect(),
+            chain: axis.chain.clone(),
+        });
+        Ok(Self {
             signal: Signal {
                 name: format!("simulation, seed {seed}"),
-                rate_hz,
-                axes: axes.iter().map(axis).collect(),
+                rate_hz: model.rate_hz,
+                axes: described.collect(),
                 start: None,
             },
+            axes: model.axes.iter().enumerate().map(axis).collect(),
             length,
             next: 0,
-        }
+        })
     }
 
     /// The next samples of every axis, at most `most`; empty at the end.
     pub fn next_columns(&mut self, most: usize) -> Vec<Vec<f64>> {
         let count = (self.length - self.next).min(most as u64);
         self.next += count;
-        let column = |terms: &mut Vec<Box<dyn Generator>>| {
-            let mut samples = vec![0.0; count as usize];
-            terms.iter_mut().for_each(|term| term.add_to(&mut samples));
-            samples
-        };
-        self.generators.iter_mut().map(column).collect()
+        self.axes
+            .iter_mut()
+            .map(|axis| axis.next(count as usize))
+            .collect()
     }
+}
+
+/// Whether all that is in an axis can be made without a record.
+fn alone(axis: &ModelAxis) -> Result<(), String> {
+    for effect in &axis.effects {
+        if let Part::Follows(follows) = effect.part() {
+            return Err(format!(
+                "axis {}: effect {} follows {}, which is not in the model; take it out to \
+                 simulate the rest",
+                axis.name,
+                effect.kind().name(),
+                follows.leader.name()
+            ));
+        }
+    }
+    Ok(())
 }
 
 impl Source for Simulation {
@@ -92,7 +94,7 @@ impl Source for Simulation {
 
     fn next_chunk(&mut self) -> Result<Option<Chunk>, SourceError> {
         let first = self.next;
-        let columns = self.next_columns(BLOCK).into_iter().map(|samples| Column {
+        let columns = self.next_columns(CHUNK).into_iter().map(|samples| Column {
             values: Values::Floats(samples),
             invalid: Vec::new(),
         });
@@ -101,5 +103,24 @@ impl Source for Simulation {
             columns: columns.collect(),
         };
         Ok((!block.is_empty()).then_some(Chunk::Samples(block)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_follows_a_leader_is_refused() {
+        let text = r#"{ "schema": 1, "rate_hz": 100, "axes": [ { "name": "X", "effects": [
+            { "effect": "thermal", "parameters": { "gain": 1e-3, "lag_s": 0 } } ] } ] }"#;
+        let model = Model::from_json(text).expect("a model");
+        let error = Simulation::new(&model, 10, 1)
+            .err()
+            .expect("no thermometer");
+        assert!(
+            error.contains("axis X: effect thermal follows the temperature"),
+            "{error}"
+        );
     }
 }

@@ -1,0 +1,257 @@
+//! Noise whose size changes in time, where its level does not.
+//!
+//! The record is whitened by its own spectrum; the squares of what comes out are summed in short
+//! blocks, each chi-squared with as many degrees of freedom as it has samples. Windows of all
+//! lengths and places are then compared with the rest.
+
+use std::ops::Range;
+
+use realfft::RealFftPlanner;
+use realfft::num_complex::Complex64;
+
+use super::tail;
+use super::whole::Whole;
+
+/// Samples of a block.
+pub const BLOCK: usize = 64;
+
+/// Places at which a window of each length begins, a window's length.
+const PLACES: usize = 4;
+
+/// Sums of squares of the whitened record.
+#[derive(Debug, Clone)]
+pub struct Powers {
+    /// Mean square of each block, over the mean of all.
+    pub powers: Vec<f64>,
+    /// Samples that count, of each block.
+    pub counts: Vec<f64>,
+}
+
+/// A stretch of the record that is noisier, or quieter, than the rest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Burst {
+    /// First sample and the one after the last.
+    pub range: Range<usize>,
+    /// Standard deviation within it over that outside.
+    pub factor: f64,
+    /// Standard deviation of the logarithm of the factor.
+    pub log_factor_sd: f64,
+    /// Uncertainty of both ends, samples.
+    pub end_sd: f64,
+    /// Gain in log-likelihood.
+    pub nats: f64,
+    /// The same on blocks that the factor was not fitted to.
+    pub held_nats: f64,
+    /// Probability of as large a gain anywhere in steady noise.
+    pub p_value: f64,
+}
+
+/// Whitens `whole` by `density` and sums squares over blocks; `usable` tells samples that count.
+pub fn powers(whole: &Whole, density: &[f64], usable: impl Fn(usize) -> bool) -> Powers {
+    // Of whatever variance: what counts is how it changes.
+    let white = whole.filtered(|k| Complex64::new(density[k].sqrt().recip(), 0.0));
+    let mut powers = Vec::with_capacity(white.len() / BLOCK + 1);
+    let mut counts = Vec::with_capacity(powers.capacity());
+    for (block, values) in white.chunks_exact(BLOCK).enumerate() {
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (offset, value) in values.iter().enumerate() {
+            if usable(block * BLOCK + offset) {
+                sum += value * value;
+                count += 1.0;
+            }
+        }
+        powers.push(if count > 0.0 { sum / count } else { 0.0 });
+        counts.push(count);
+    }
+    let total: f64 = counts.iter().sum();
+    let mean = powers.iter().zip(&counts).map(|(p, n)| p * n).sum::<f64>() / total.max(1.0);
+    powers.iter_mut().for_each(|power| *power /= mean);
+    Powers { powers, counts }
+}
+
+/// The stretch that departs most from the rest, if it does so at a family-wise `level`.
+pub fn burst(powers: &Powers, level: f64) -> Option<Burst> {
+    let blocks = powers.powers.len();
+    let sums = Sums::new(powers);
+    let mut best = (0.0, 0..0);
+    let mut trials = 0.0;
+    let mut length = 1;
+    while length <= blocks / 2 {
+        let stride = (length / PLACES).max(1);
+        for start in (0..=blocks - length).step_by(stride) {
+            trials += 1.0;
+            let gain = sums.gain(start..start + length);
+            if gain > best.0 {
+                best = (gain, start..start + length);
+            }
+        }
+        length *= 2;
+    }
+    let (_, mut range) = best;
+    if range.is_empty() {
+        return None;
+    }
+    // Both ends by themselves, until neither moves.
+    for _ in 0..8 {
+        let before = range.clone();
+        let reach = range.len().max(4);
+        let starts = range.start.saturating_sub(reach)..range.end;
+        range.start = starts
+            .max_by(|&a, &b| sums.gain(a..range.end).total_cmp(&sums.gain(b..range.end)))
+            .unwrap_or(range.start);
+        let ends = range.start + 1..=(range.end + reach).min(blocks);
+        range.end = ends
+            .max_by(|&a, &b| {
+                sums.gain(range.start..a)
+                    .total_cmp(&sums.gain(range.start..b))
+            })
+            .unwrap_or(range.end);
+        if range == before {
+            break;
+        }
+    }
+    let nats = sums.gain(range.clone());
+    let (inside, outside) = sums.both(range.clone());
+    let ratio = inside.0 / outside.0;
+    // Free ends make each of the trials some tens: the search's own maximum is judged.
+    let one = sums.tail(range.clone());
+    let p_value = tail::searched(one, 16.0 * trials);
+    let log_factor_sd = (0.5 / inside.1 + 0.5 / outside.1).sqrt();
+    (p_value < level).then(|| Burst {
+        range: range.start * BLOCK..range.end * BLOCK,
+        factor: ratio.sqrt(),
+        log_factor_sd,
+        // A change of variance is placed to within a few of 1 / Kullback-Leibler divergence.
+        end_sd: (BLOCK as f64).hypot(2.0 / (0.5 * (ratio - 1.0 - ratio.ln())).max(1e-6)),
+        nats,
+        held_nats: held_out(powers, &range),
+        p_value,
+    })
+}
+
+/// Gain in log-likelihood of the odd blocks for variances within and outside of `range` that are
+/// fitted to the even ones, over one variance for all.
+fn held_out(powers: &Powers, range: &Range<usize>) -> f64 {
+    let half = |parity: usize| {
+        let mut half = powers.clone();
+        for count in half.counts.iter_mut().skip(1 - parity).step_by(2) {
+            *count = 0.0;
+        }
+        Sums::new(&half).both(range.clone())
+    };
+    let ((inside, n), (outside, m)) = half(0);
+    let all = (inside * n + outside * m) / (n + m);
+    let ((held_inside, n), (held_outside, m)) = half(1);
+    let score =
+        |count: f64, square: f64, variance: f64| -0.5 * count * (variance.ln() + square / variance);
+    score(n, held_inside, inside) + score(m, held_outside, outside)
+        - score(n, held_inside, all)
+        - score(m, held_outside, all)
+}
+
+/// How the power of the noise moves in time, apart from single stretches.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Wander {
+    /// Probability of a line as strong in the power of steady noise, and its period in samples.
+    pub cyclic: (f64, f64),
+    /// Probability of as much slow wander in the power of steady noise.
+    pub slow: f64,
+}
+
+/// Looks for cycles and slow wander of the power.
+pub fn wander(powers: &Powers) -> Option<Wander> {
+    /// Ordinates that count as slow.
+    const SLOW: usize = 16;
+    let length = super::whole::smooth_len(powers.powers.len());
+    if length < 8 * SLOW {
+        return None;
+    }
+    // A power of chi-squared law to the third is normal (E. B. Wilson and M. M. Hilferty 1931).
+    let mut normal: Vec<f64> = powers.powers[..length]
+        .iter()
+        .zip(&powers.counts)
+        .map(|(&power, &count)| {
+            let part = 2.0 / (9.0 * count.max(1.0));
+            if count < 0.5 * BLOCK as f64 {
+                0.0
+            } else {
+                (power.cbrt() - (1.0 - part)) / part.sqrt()
+            }
+        })
+        .collect();
+    let mean = normal.iter().sum::<f64>() / length as f64;
+    normal.iter_mut().for_each(|value| *value -= mean);
+    let variance = normal.iter().map(|value| value * value).sum::<f64>() / length as f64;
+    let plan = RealFftPlanner::new().plan_fft_forward(length);
+    let mut ordinates = plan.make_output_vec();
+    plan.process(&mut normal, &mut ordinates).ok()?;
+    let power = |k: usize| ordinates[k].norm_sqr() / (length as f64 * variance);
+    let last = length / 2 - 1;
+    let (strongest, highest) = (SLOW + 1..=last)
+        .map(|k| (k, power(k)))
+        .max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let slow: f64 = (1..=SLOW).map(|k| 2.0 * power(k)).sum();
+    Some(Wander {
+        cyclic: (
+            tail::searched((-highest).exp(), (last - SLOW) as f64),
+            (length * BLOCK) as f64 / strongest as f64,
+        ),
+        slow: tail::chi_squared(slow, 2.0 * SLOW as f64),
+    })
+}
+
+/// Cumulative sums over blocks.
+struct Sums {
+    squares: Vec<f64>,
+    counts: Vec<f64>,
+}
+
+impl Sums {
+    fn new(powers: &Powers) -> Self {
+        let cumulate = |values: &mut dyn Iterator<Item = f64>| {
+            let mut sum = 0.0;
+            std::iter::once(0.0)
+                .chain(values.map(|value| {
+                    sum += value;
+                    sum
+                }))
+                .collect::<Vec<f64>>()
+        };
+        let pairs = || powers.powers.iter().zip(&powers.counts);
+        Self {
+            squares: cumulate(&mut pairs().map(|(power, count)| power * count)),
+            counts: cumulate(&mut powers.counts.iter().copied()),
+        }
+    }
+
+    /// Mean square and samples, within and outside.
+    fn both(&self, range: Range<usize>) -> ((f64, f64), (f64, f64)) {
+        let within = |sums: &[f64]| sums[range.end] - sums[range.start];
+        let (square, count) = (within(&self.squares), within(&self.counts));
+        let all = (
+            self.squares[self.squares.len() - 1],
+            self.counts[self.counts.len() - 1],
+        );
+        let rest = (all.0 - square, all.1 - count);
+        (
+            (square / count.max(1.0), count),
+            (rest.0 / rest.1.max(1.0), rest.1),
+        )
+    }
+
+    /// Gain in log-likelihood of a variance of its own.
+    fn gain(&self, range: Range<usize>) -> f64 {
+        let ((inside, n), (outside, m)) = self.both(range);
+        if n < 1.0 || m < 1.0 || inside <= 0.0 || outside <= 0.0 {
+            return 0.0;
+        }
+        let all = (inside * n + outside * m) / (n + m);
+        0.5 * ((n + m) * all.ln() - n * inside.ln() - m * outside.ln())
+    }
+
+    /// Probability of a mean square as far off, either way, for steady noise.
+    fn tail(&self, range: Range<usize>) -> f64 {
+        let ((inside, n), (outside, _)) = self.both(range);
+        tail::mean_square(inside / outside, n)
+    }
+}

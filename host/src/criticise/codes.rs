@@ -1,0 +1,149 @@
+//! What the values themselves say, before any model: repeats, pile-up at an extreme, coarse steps.
+
+use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, DefaultHasher};
+
+use super::tail;
+
+/// Distinct values that are counted; with more, the values lie on no coarse grid.
+const DISTINCT: usize = 1 << 17;
+
+/// Samples that the first look takes.
+const LOOK: usize = 1 << 20;
+
+/// Samples that repeat the one before.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stale {
+    /// Repeats beyond chance.
+    pub count: f64,
+    /// Share of all samples.
+    pub share: f64,
+    /// Standard deviation of the share.
+    pub share_sd: f64,
+    /// Probability of as many by chance.
+    pub p_value: f64,
+}
+
+/// Samples that repeat the one before, more often than the increments' law allows.
+///
+/// Chance repeats are read off the increments of one and two grid steps: for normal increments
+/// `ln p(k)` is a parabola in `k`, so `p(0) = p(1) (p(1) / p(2))^(1/3)`. Values of no grid
+/// repeat by chance as good as never.
+pub fn stale(values: &[f64], grid: Option<f64>, level: f64) -> Option<Stale> {
+    let pairs = || {
+        values
+            .windows(2)
+            .filter(|pair| pair[0].is_finite() && pair[1].is_finite())
+    };
+    let total = pairs().count() as f64;
+    let repeats = pairs().filter(|pair| pair[0] == pair[1]).count() as f64;
+    let chance = grid.map_or(0.0, |grid| {
+        let at = |steps: f64| {
+            let near = |pair: &&[f64]| ((pair[1] - pair[0]).abs() / grid - steps).abs() < 0.5;
+            0.5 * pairs().filter(near).count() as f64
+        };
+        let (one, two) = (at(1.0), at(2.0));
+        if one > 0.0 && two > 0.0 {
+            one * (one / two).cbrt()
+        } else {
+            repeats
+        }
+    });
+    // The prediction's own error joins the count's.
+    let sd = (repeats.max(chance) + 1.2 * chance).sqrt().max(1.0);
+    let p_value = if chance < 1.0 {
+        tail::poisson(repeats as u64, chance + 1e-3)
+    } else {
+        0.5 * tail::two_sided(((repeats - chance) / (2.2 * chance).sqrt()).max(0.0))
+    };
+    (p_value < level && repeats > 2.0).then(|| Stale {
+        count: repeats - chance,
+        share: (repeats - chance) / total,
+        share_sd: sd / total,
+        p_value,
+    })
+}
+
+/// Samples piled up at one extreme value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Clipping {
+    /// The extreme value.
+    pub level: f64,
+    /// +1 upper, -1 lower.
+    pub side: f64,
+    /// Samples there.
+    pub count: u64,
+    /// Probability of the pile-up by chance.
+    pub p_value: f64,
+}
+
+/// Pile-up at the largest and at the smallest value.
+///
+/// Toward an extreme the counts of any smooth law fall off, so at most half of the samples in the
+/// last two cells lie in the last; without a grid the last cell is the value itself.
+pub fn clipping(values: &[f64], grid: Option<f64>, level: f64) -> Vec<Clipping> {
+    let side = |side: f64| {
+        let extreme = values
+            .iter()
+            .filter(|value| value.is_finite())
+            .fold(f64::NEG_INFINITY, |best, value| best.max(side * value));
+        let at = |distance: f64| {
+            let place = |value: &&f64| match grid {
+                Some(grid) => ((extreme - side * **value) / grid - distance).abs() < 0.5,
+                None => distance == 0.0 && side * **value == extreme,
+            };
+            values.iter().filter(place).count() as u64
+        };
+        let (last, before) = (at(0.0), at(1.0));
+        let p_value = tail::searched(tail::binomial_half(last, last + before), 2.0);
+        (p_value < level).then_some(Clipping {
+            level: side * extreme,
+            side,
+            count: last,
+            p_value,
+        })
+    };
+    [side(1.0), side(-1.0)].into_iter().flatten().collect()
+}
+
+/// The grid that all values lie on: its step, where they lie on one that is not finer than 2^-17
+/// of their range.
+pub fn grid(values: &[f64]) -> Option<f64> {
+    type Counts = HashMap<u64, u32, BuildHasherDefault<DefaultHasher>>;
+    let mut seen = Counts::default();
+    for value in values.iter().filter(|value| value.is_finite()).take(LOOK) {
+        *seen.entry(value.to_bits()).or_default() += 1;
+        if seen.len() > DISTINCT {
+            return None;
+        }
+    }
+    if seen.len() < 2 {
+        return None;
+    }
+    let mut distinct: Vec<f64> = seen.into_keys().map(f64::from_bits).collect();
+    distinct.sort_by(f64::total_cmp);
+    let range = distinct[distinct.len() - 1] - distinct[0];
+    // Rounding of the file's numbers; a true grid's step lies far above.
+    let slack = 1e-9 * range.max(distinct[0].abs());
+    let mut step = distinct
+        .windows(2)
+        .map(|pair| pair[1] - pair[0])
+        .filter(|gap| *gap > slack)
+        .fold(f64::INFINITY, f64::min);
+    // The least distance between neighbours need not be the grid's step itself: take what divides
+    // all distances.
+    for pair in distinct.windows(2) {
+        let mut rest = (pair[1] - pair[0]) % step;
+        rest = rest.min(step - rest);
+        if rest > 0.02 * step && rest > slack {
+            step = rest;
+        }
+        if step < range / DISTINCT as f64 {
+            return None;
+        }
+    }
+    // A few values by themselves lie on no grid.
+    let used = distinct.len() as f64;
+    let repeated = values.len().min(LOOK) as f64 > 1.5 * used;
+    (repeated && step.is_finite()).then_some(step)
+}

@@ -1,0 +1,172 @@
+//! Single samples that do not belong: the matched filter for one sample, at every moment.
+//!
+//! The filter `1/S` measures how far a sample lies from what all others predict for it, in
+//! standard deviations of that prediction (the interpolation error; A. N. Kolmogorov 1941). In
+//! differenced noise it is far smaller than the noise itself.
+
+use super::tail;
+use super::whole::{Half, Impulse, Whole, matched};
+
+/// Largest number of outliers that are looked for; beyond it is another kind of record.
+const MOST: usize = 1 << 14;
+
+/// Samples to either side that an outlier's own answer of the filter is taken out of.
+const REACH: usize = 512;
+
+/// A sample that does not belong.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outlier {
+    /// Its index.
+    pub index: usize,
+    /// How much it is too large, in the unit of the record.
+    pub size: f64,
+    /// Standard deviation of that.
+    pub size_sd: f64,
+}
+
+/// The outliers of a record, ascending, and the p-value of the largest.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Outliers {
+    /// All beyond the threshold.
+    pub found: Vec<Outlier>,
+    /// Probability that noise has a sample as far out anywhere.
+    pub p_value: f64,
+    /// Gain in log-likelihood on ordinates that the sizes were not fitted to.
+    pub nats: f64,
+}
+
+/// Looks for outliers at a family-wise `level`, in noise of the densities `density` at the
+/// ordinates of `whole`; `usable` tells samples that count.
+///
+/// The filter's output is measured in units of its own middle spread where that is wider than the
+/// model says, so that a model that is wrong elsewhere makes no outliers.
+pub fn outliers(
+    whole: &Whole,
+    density: &[f64],
+    level: f64,
+    usable: impl Fn(usize) -> bool,
+) -> Outliers {
+    let filter = matched(whole, density, &Impulse, Half::Both);
+    let spread = middle_spread(&filter.z).max(1.0);
+    let threshold = tail::threshold(level, whole.len(), f64::INFINITY);
+    let mut z = filter.z;
+    let answer = answer(whole, density);
+    let mut candidates: Vec<usize> = (0..z.len())
+        .filter(|&index| z[index].abs() > threshold * spread && usable(index))
+        .collect();
+    candidates.sort_by(|&a, &b| z[b].abs().total_cmp(&z[a].abs()));
+    let highest = candidates
+        .first()
+        .map_or(0.0, |&index| z[index].abs() / spread);
+    let mut found = Vec::new();
+    // Largest first; each takes its own tails out of its neighbours.
+    for index in candidates.into_iter().take(4 * MOST) {
+        let height = z[index];
+        if height.abs() <= threshold * spread || found.len() == MOST {
+            continue;
+        }
+        found.push(Outlier {
+            index,
+            size: height * filter.size_sd,
+            size_sd: filter.size_sd * spread,
+        });
+        let first = index.saturating_sub(REACH);
+        let last = (index + REACH).min(z.len() - 1);
+        for (place, value) in z.iter_mut().enumerate().take(last + 1).skip(first) {
+            *value -= height * answer[place.abs_diff(index)];
+        }
+    }
+    found.sort_by_key(|outlier| outlier.index);
+    let nats = if found.is_empty() {
+        0.0
+    } else {
+        let seen = matched(whole, density, &Impulse, Half::Even);
+        let held = matched(whole, density, &Impulse, Half::Odd);
+        let gain = |outlier: &Outlier| {
+            // Sizes in the held half's own standard deviations.
+            let size = seen.z[outlier.index] * seen.size_sd / held.size_sd;
+            size * held.z[outlier.index] - 0.5 * size * size
+        };
+        found.iter().map(gain).sum()
+    };
+    Outliers {
+        p_value: tail::highest(highest, whole.len(), f64::INFINITY),
+        nats,
+        found,
+    }
+}
+
+/// How much the samples at `indices` differ from what all others predict for them.
+pub fn sizes_at(whole: &Whole, density: &[f64], indices: &[usize]) -> Vec<Outlier> {
+    /// Rounds in which neighbours settle what is whose.
+    const ROUNDS: usize = 4;
+    let filter = matched(whole, density, &Impulse, Half::Both);
+    let answer = answer(whole, density);
+    let mut heights = vec![0.0; indices.len()];
+    for _ in 0..ROUNDS {
+        for (number, &index) in indices.iter().enumerate() {
+            let mut height = filter.z[index];
+            let before = indices[..number].iter().zip(&heights).rev();
+            let after = indices[number + 1..].iter().zip(&heights[number + 1..]);
+            for (&other, other_height) in before.take_while(|(other, _)| index - **other <= REACH) {
+                height -= other_height * answer[index - other];
+            }
+            for (&other, other_height) in after.take_while(|(other, _)| **other - index <= REACH) {
+                height -= other_height * answer[other - index];
+            }
+            heights[number] = height;
+        }
+    }
+    indices
+        .iter()
+        .zip(heights)
+        .map(|(&index, height)| Outlier {
+            index,
+            size: height * filter.size_sd,
+            size_sd: filter.size_sd,
+        })
+        .collect()
+}
+
+/// The filter's answer to one sample of size one, from that moment on, over its peak.
+fn answer(whole: &Whole, density: &[f64]) -> Vec<f64> {
+    // A short copy of the same filter: the densities at every `stride`-th ordinate.
+    let stride = (whole.len() / (8 * REACH)).max(1);
+    let count = (density.len() - 1) / stride;
+    let weights: Vec<f64> = (1..=count).map(|k| 1.0 / density[k * stride]).collect();
+    let turn = std::f64::consts::TAU * stride as f64 / whole.len() as f64;
+    let total: f64 = weights.iter().sum();
+    (0..=REACH)
+        .map(|lag| {
+            // Chebyshev's recurrence instead of a cosine each.
+            let (step, mut before, mut now) = ((turn * lag as f64).cos(), 1.0, 0.0);
+            let mut sum = 0.0;
+            for (k, weight) in weights.iter().enumerate() {
+                let next = if k == 0 {
+                    step
+                } else {
+                    2.0 * step * now - before
+                };
+                if k > 0 {
+                    before = now;
+                }
+                now = next;
+                sum += weight * now;
+            }
+            sum / total
+        })
+        .collect()
+}
+
+/// Spread of the middle half of `values`, as a standard deviation of normal numbers.
+pub fn middle_spread(values: &[f64]) -> f64 {
+    // A sixteenth of a long series tells it well enough.
+    let stride = (values.len() / (1 << 16)).max(1);
+    let mut sizes: Vec<f64> = values.iter().step_by(stride).map(|v| v.abs()).collect();
+    if sizes.is_empty() {
+        return 0.0;
+    }
+    let middle = sizes.len() / 2;
+    let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
+    *median / 0.674_489_750_196_081_7
+}

@@ -1,0 +1,46 @@
+//! Jumps of the level that stay: the matched filter for a step, at every moment.
+
+use super::tail;
+use super::whole::{Half, Step, Whole, matched};
+
+/// A jump of the level.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Jump {
+    /// Index of the first sample after it.
+    pub index: usize,
+    /// Its height, in the unit of the record.
+    pub height: f64,
+    /// Standard deviation of the height.
+    pub height_sd: f64,
+    /// Standard deviation of the index, samples.
+    pub index_sd: f64,
+    /// In standard deviations.
+    pub z: f64,
+    /// Probability of as large a statistic anywhere without a jump.
+    pub p_value: f64,
+}
+
+/// The largest jump, if it is significant at a family-wise `level`.
+pub fn largest_jump(
+    whole: &Whole,
+    density: &[f64],
+    level: f64,
+    usable: impl Fn(usize) -> bool,
+) -> Option<Jump> {
+    let filter = matched(whole, density, &Step, Half::Both);
+    // On the ring, what happens at the ends is no event of the record.
+    let margin = whole.len() / 200 + 16;
+    let index = (margin..whole.len() - margin)
+        .filter(|&index| usable(index))
+        .max_by(|&a, &b| filter.z[a].abs().total_cmp(&filter.z[b].abs()))?;
+    let z = filter.z[index];
+    let p_value = tail::highest(z, whole.len(), filter.crossings);
+    (p_value < level).then(|| Jump {
+        index,
+        height: z * filter.size_sd,
+        height_sd: filter.size_sd,
+        index_sd: (std::f64::consts::TAU * filter.crossings * z.abs()).recip(),
+        z,
+        p_value,
+    })
+}

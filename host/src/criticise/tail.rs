@@ -1,0 +1,98 @@
+//! Tails of the laws that the tests' statistics follow, and what a search over many places makes
+//! of them.
+
+use statrs::distribution::{
+    ChiSquared, ContinuousCDF, Discrete, DiscreteCDF, Gamma, Normal, Poisson,
+};
+
+/// Probability of a standard normal beyond `z` on either side.
+pub fn two_sided(z: f64) -> f64 {
+    2.0 * Normal::standard().sf(z.abs())
+}
+
+/// Probability of chi-squared with `freedom` degrees beyond `value`.
+pub fn chi_squared(value: f64, freedom: f64) -> f64 {
+    ChiSquared::new(freedom).map_or(1.0, |law| law.sf(value.max(0.0)))
+}
+
+/// Probability that a mean square of `freedom` degrees departs from 1 as far as `ratio`, on
+/// either side.
+pub fn mean_square(ratio: f64, freedom: f64) -> f64 {
+    Gamma::new(0.5 * freedom, 0.5 * freedom).map_or(1.0, |law| {
+        let one = if ratio > 1.0 {
+            law.sf(ratio)
+        } else {
+            law.cdf(ratio.max(0.0))
+        };
+        (2.0 * one).min(1.0)
+    })
+}
+
+/// Probability that a Poisson number of mean `mean` reaches `count`.
+pub fn poisson(count: u64, mean: f64) -> f64 {
+    let Ok(law) = Poisson::new(mean) else {
+        return if count == 0 { 1.0 } else { 0.0 };
+    };
+    match count {
+        0 => 1.0,
+        _ => law.sf(count - 1).max(law.pmf(count)),
+    }
+}
+
+/// Probability that `count` or more of `trials` fall to one of two equal sides.
+pub fn binomial_half(count: u64, trials: u64) -> f64 {
+    statrs::distribution::Binomial::new(0.5, trials).map_or(1.0, |law| match count {
+        0 => 1.0,
+        _ => law.sf(count - 1),
+    })
+}
+
+/// Probability that the best of `trials` chances falls below `p`, each of them doing so with
+/// probability `p`: Bonferroni's bound.
+pub fn searched(p: f64, trials: f64) -> f64 {
+    (p * trials.max(1.0)).min(1.0)
+}
+
+/// Probability that a stationary Gaussian series of `len` samples exceeds `z` in size anywhere:
+/// the smaller of the bound by samples and, for smooth series with `crossings` zero crossings in
+/// one direction a sample, the one by S. O. Rice, Bell Syst. Tech. J. 24 (1945), eq. 3.3-14.
+pub fn highest(z: f64, len: usize, crossings: f64) -> f64 {
+    let one = two_sided(z);
+    let by_sample = len as f64 * one;
+    let by_crossing = one + 2.0 * len as f64 * crossings * (-0.5 * z * z).exp();
+    by_sample.min(by_crossing).min(1.0)
+}
+
+/// Size that [`highest`] reaches with probability `level`.
+pub fn threshold(level: f64, len: usize, crossings: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 40.0);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if highest(middle, len, crossings) > level {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    high
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn known_quantiles() {
+        // M. Abramowitz and I. Stegun, tables 26.1 and 26.8.
+        assert!((two_sided(1.959_964) - 0.05).abs() < 1e-7);
+        assert!((chi_squared(6.634_897, 1.0) - 0.01).abs() < 1e-7);
+        assert!((poisson(3, 1.0) - 0.080_301_4).abs() < 1e-7);
+        assert!((binomial_half(8, 10) - 56.0 / 1024.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_threshold_has_its_level() {
+        let z = threshold(1e-3, 1 << 20, 0.29);
+        assert!((highest(z, 1 << 20, 0.29) / 1e-3 - 1.0).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,308 @@
+//! The transform of a whole record: matched filters over every moment at once.
+//!
+//! A record with walk in it is not periodic. The line through its two ends is taken out first;
+//! what is left of a random walk is a bridge, whose increments have the covariance of a circle,
+//! exactly, so that its transform has independent ordinates at all frequencies, the lowest
+//! included.
+//!
+//! For noise of two-sided density `S(f)` the best linear statistic for a waveform `g` that begins at
+//! moment `t` is (Kay, *Fundamentals of Statistical Signal Processing* II, 1998, ch. 5)
+//!
+//! ```text
+//! z(t) = <x, g_t> / sqrt(<g, g>),    <a, b> = (1/N) sum_k A_k conj(B_k) / (S(f_k) rate)
+//! ```
+//!
+//! which is standard normal where `g` is absent, and gives the waveform's size as
+//! `<x, g_t> / <g, g>`.
+//!
+//! Quantisation noise, a difference of neighbours, would need one more sample to close into a ring:
+//! the first sample is set free ([`Whole::close`]), and with it that sum.
+//!
+//! Ordinates with even and with odd numbers are independent of one another and see the same hours:
+//! what a waveform is worth on unseen data is measured by fitting it to the one half and judging the
+//! other.
+
+use std::sync::Arc;
+
+use realfft::{ComplexToReal, RealFftPlanner, RealToComplex, num_complex::Complex64};
+
+/// Samples at each end that the line is laid through, at most.
+const END: usize = 256;
+
+/// A transformed record.
+pub struct Whole {
+    rate_hz: f64,
+    len: usize,
+    ordinates: Vec<Complex64>,
+    inverse: Arc<dyn ComplexToReal<f64>>,
+}
+
+/// Length that transforms fast: the largest even number with no prime factor above 5, at most
+/// `len`.
+pub fn smooth_len(len: usize) -> usize {
+    let is_smooth = |mut n: usize| {
+        for prime in [2, 3, 5] {
+            while n.is_multiple_of(prime) {
+                n /= prime;
+            }
+        }
+        n == 1
+    };
+    (2..=len)
+        .rev()
+        .find(|&n| n.is_multiple_of(2) && is_smooth(n))
+        .unwrap_or(0)
+}
+
+/// Transforms beside one another.
+pub struct Transformer {
+    len: usize,
+    forward: Arc<dyn RealToComplex<f64>>,
+    inverse: Arc<dyn ComplexToReal<f64>>,
+}
+
+impl Transformer {
+    /// For records of `len` samples, of which the first [`smooth_len`] are used.
+    pub fn new(len: usize) -> Self {
+        let len = smooth_len(len);
+        let mut planner = RealFftPlanner::new();
+        Self {
+            len,
+            forward: planner.plan_fft_forward(len.max(2)),
+            inverse: planner.plan_fft_inverse(len.max(2)),
+        }
+    }
+
+    /// Samples used.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether none are.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Transform of `values`, none of which is missing, less the line through their ends.
+    pub fn transform(&self, values: &[f64], rate_hz: f64) -> Whole {
+        let mut bridge = values[..self.len].to_vec();
+        take_out_line(&mut bridge);
+        let mut ordinates = self.forward.make_output_vec();
+        self.forward
+            .process(&mut bridge, &mut ordinates)
+            .expect("the lengths are the plan's own");
+        Whole {
+            rate_hz,
+            len: self.len,
+            ordinates,
+            inverse: Arc::clone(&self.inverse),
+        }
+    }
+}
+
+/// Takes out the line through the means of both ends, so that the values can close into a ring.
+fn take_out_line(values: &mut [f64]) {
+    let end = END.min(values.len() / 8).max(1);
+    let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
+    let (first, last) = (mean(&values[..end]), mean(&values[values.len() - end..]));
+    let length = values.len() as f64;
+    // The ends' means stand for the moments half an end inside.
+    let slope = (last - first) / (length - end as f64);
+    let middle = 0.5 * (first + last);
+    for (index, value) in values.iter_mut().enumerate() {
+        *value -= middle + slope * (index as f64 + 0.5 - 0.5 * length);
+    }
+}
+
+impl Whole {
+    /// Samples.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Ordinates from zero frequency to half the rate, `X_k = sum x_n e^{-2 pi i k n / N}`.
+    pub fn ordinates(&self) -> &[Complex64] {
+        &self.ordinates
+    }
+
+    /// Sets the first sample free: it takes the value that all others predict for it.
+    pub fn close(&mut self, density: &[f64]) {
+        let (mut value, mut information) = (0.0, 0.0);
+        for (ordinate, density) in self.ordinates.iter().zip(density).skip(1) {
+            value += ordinate.re / density;
+            information += 1.0 / density;
+        }
+        let size = value / information;
+        self.ordinates.iter_mut().for_each(|one| *one -= size);
+    }
+
+    /// Frequency of an ordinate, hertz.
+    pub fn frequency(&self, k: usize) -> f64 {
+        k as f64 * self.rate_hz / self.len as f64
+    }
+
+    /// The record through the filter whose response at ordinate `k` is `response(k)`, which is
+    /// asked above zero frequency; the mean is left out.
+    pub fn filtered(&self, response: impl Fn(usize) -> Complex64) -> Vec<f64> {
+        let mut product: Vec<Complex64> = self.ordinates.clone();
+        let last = product.len() - 1;
+        product[0] = Complex64::ZERO;
+        for (k, value) in product.iter_mut().enumerate().skip(1) {
+            *value *= response(k) / self.len as f64;
+        }
+        // At half the rate only the real part has a meaning.
+        product[last].im = 0.0;
+        let mut output = self.inverse.make_output_vec();
+        self.inverse
+            .process(&mut product, &mut output)
+            .expect("the lengths are the plan's own");
+        output
+    }
+}
+
+/// Transform of a waveform that begins at moment zero, as the filters need it.
+pub trait Waveform {
+    /// Its transform at `turn = 2 pi f / rate` radians a sample.
+    fn at(&self, turn: f64) -> Complex64;
+}
+
+/// One sample.
+pub struct Impulse;
+
+impl Waveform for Impulse {
+    fn at(&self, _turn: f64) -> Complex64 {
+        Complex64::ONE
+    }
+}
+
+/// A jump that stays.
+pub struct Step;
+
+impl Waveform for Step {
+    fn at(&self, turn: f64) -> Complex64 {
+        // 1 / (1 - e^{-i w}): on the ring, where the mean is not seen.
+        Complex64::ONE / (Complex64::ONE - Complex64::from_polar(1.0, -turn))
+    }
+}
+
+/// What a matched filter says of every moment.
+pub struct Match {
+    /// In standard deviations.
+    pub z: Vec<f64>,
+    /// Standard deviation of the waveform's size.
+    pub size_sd: f64,
+    /// Expected crossings of zero in one direction a sample: sets the number of independent moments.
+    pub crossings: f64,
+}
+
+/// Which ordinates a statistic looks at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Half {
+    /// All.
+    Both,
+    /// Those with even numbers.
+    Even,
+    /// Those with odd numbers.
+    Odd,
+}
+
+impl Half {
+    /// Whether it has ordinate `k`.
+    pub const fn has(self, k: usize) -> bool {
+        match self {
+            Self::Both => true,
+            Self::Even => k.is_multiple_of(2),
+            Self::Odd => !k.is_multiple_of(2),
+        }
+    }
+}
+
+/// The statistic of `waveform` at every moment, for noise of the two-sided densities `density`
+/// at the ordinates.
+pub fn matched(whole: &Whole, density: &[f64], waveform: &impl Waveform, half: Half) -> Match {
+    let turn = |k: usize| std::f64::consts::TAU * k as f64 / whole.len as f64;
+    let responses: Vec<Complex64> = (0..whole.ordinates.len())
+        .map(|k| match k {
+            0 => Complex64::ZERO,
+            _ if !half.has(k) => Complex64::ZERO,
+            _ => waveform.at(turn(k)).conj() / (density[k] * whole.rate_hz),
+        })
+        .collect();
+    let (mut information, mut curvature) = (0.0, 0.0);
+    for (k, response) in responses.iter().enumerate().skip(1) {
+        let both = if 2 * k == whole.len { 1.0 } else { 2.0 };
+        let share = both * response.norm_sqr() * density[k] * whole.rate_hz;
+        information += share;
+        curvature += share * turn(k).powi(2);
+    }
+    information /= whole.len as f64;
+    curvature /= whole.len as f64;
+    let size_sd = information.sqrt().recip();
+    let mut z = whole.filtered(|k| responses[k]);
+    z.iter_mut().for_each(|value| *value *= size_sd);
+    Match {
+        z,
+        size_sd,
+        crossings: (curvature / information).sqrt() / std::f64::consts::TAU,
+    }
+}
+
+/// `<x, g>` and `<g, g>` of a record and one waveform.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Projection {
+    /// `<x, g>`.
+    pub product: f64,
+    /// `<g, g>`.
+    pub power: f64,
+}
+
+impl Projection {
+    /// Of `record` on `wave`, both transforms of the same length.
+    pub fn new(record: &Whole, density: &[f64], wave: &Whole, half: Half) -> Self {
+        let (mut product, mut power) = (0.0, 0.0);
+        let pairs = record.ordinates.iter().zip(&wave.ordinates);
+        for (k, ((x, g), density)) in pairs.zip(density).enumerate().skip(1) {
+            if half.has(k) {
+                product += (x * g.conj()).re / density;
+                power += g.norm_sqr() / density;
+            }
+        }
+        // The sums run over half of the ring.
+        let norm = 0.5 * record.len as f64 * record.rate_hz;
+        Self {
+            product: product / norm,
+            power: power / norm,
+        }
+    }
+
+    /// In standard deviations.
+    pub fn z(self) -> f64 {
+        self.product / self.power.sqrt()
+    }
+
+    /// Size of the waveform.
+    pub fn size(self) -> f64 {
+        self.product / self.power
+    }
+
+    /// Standard deviation of the size.
+    pub fn size_sd(self) -> f64 {
+        self.power.sqrt().recip()
+    }
+
+    /// Gain in log-likelihood if the waveform has the size `size`, fitted elsewhere.
+    pub fn gain(self, size: f64) -> f64 {
+        size * self.product - 0.5 * size * size * self.power
+    }
+}
+
+/// Gain of a waveform in log-likelihood on the odd ordinates, its size fitted to the even ones.
+pub fn held_out_gain(record: &Whole, density: &[f64], wave: &Whole) -> f64 {
+    let seen = Projection::new(record, density, wave, Half::Even);
+    Projection::new(record, density, wave, Half::Odd).gain(seen.size())
+}

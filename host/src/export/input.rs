@@ -1,0 +1,129 @@
+//! What is exported: a model, or what an analysis found.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+use serde_json::Value;
+
+use crate::chain::Chain;
+use crate::model::published::DURATION_S;
+use crate::model::whole::{Model, ModelAxis, ModelError, SCHEMA};
+use crate::model::{Coefficient, PerCoefficient};
+use crate::signal::Unit;
+
+/// A model and what is known about it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Input {
+    /// Where it comes from, for people.
+    pub name: String,
+    /// The model. A coefficient that the analysis could not tell from zero is zero.
+    pub model: Model,
+    /// 95 % bounds of the coefficients that could not be told from zero, one set an axis.
+    pub bounds: Vec<PerCoefficient<Option<f64>>>,
+    /// Longest averaging time that matters, seconds.
+    pub longest_s: f64,
+}
+
+/// The part of an analysis that is a model.
+#[derive(Deserialize)]
+struct Analysis {
+    source: AnalysisSource,
+    axes: Vec<AnalysisAxis>,
+}
+
+#[derive(Deserialize)]
+struct AnalysisSource {
+    rate_hz: f64,
+    duration_s: f64,
+}
+
+#[derive(Deserialize)]
+struct AnalysisAxis {
+    name: String,
+    unit: Unit,
+    mean: Option<f64>,
+    chain: Option<Chain>,
+    fits: AnalysisFits,
+}
+
+#[derive(Deserialize)]
+struct AnalysisFits {
+    likelihood: Option<BTreeMap<String, Value>>,
+    weighted: Option<BTreeMap<String, Value>>,
+}
+
+impl Input {
+    /// Opens `published`, `published:X` (Y, Z), a model file, or the JSON of `inm analyze`.
+    ///
+    /// # Errors
+    /// [`ModelError`] if it is none of them.
+    pub fn open(name: &str) -> Result<Self, ModelError> {
+        if let Ok(text) = std::fs::read_to_string(name) {
+            let is_analysis = serde_json::from_str::<Value>(&text)
+                .is_ok_and(|value| value.get("source").is_some() && value.get("axes").is_some());
+            if is_analysis {
+                let error = |problem| ModelError {
+                    place: name.to_owned(),
+                    problem,
+                };
+                return Self::from_analysis(name, &text).map_err(error);
+            }
+        }
+        let model = Model::open(name)?;
+        Ok(Self {
+            name: name.to_owned(),
+            bounds: vec![PerCoefficient::default(); model.axes.len()],
+            model,
+            longest_s: DURATION_S / 2.0,
+        })
+    }
+
+    /// Takes the likelihood fit of an analysis where there is one, else the weighted fit.
+    fn from_analysis(name: &str, text: &str) -> Result<Self, String> {
+        let analysis: Analysis = serde_json::from_str(text)
+            .map_err(|cause| format!("not an analysis of schema 1: {cause}"))?;
+        let mut bounds = Vec::new();
+        let mut axes = Vec::new();
+        for axis in analysis.axes {
+            let fit = axis.fits.likelihood.or(axis.fits.weighted).ok_or_else(|| {
+                format!(
+                    "axis {} has no fit: the record is too short; analyse a longer one",
+                    axis.name
+                )
+            })?;
+            let number = |coefficient: Coefficient, field| {
+                fit.get(coefficient.symbol())
+                    .and_then(|one| one.get(field))
+                    .and_then(Value::as_f64)
+            };
+            bounds.push(PerCoefficient::from_fn(|one| {
+                let value = number(one, "value");
+                // The weighted fit calls its bound the end of the interval.
+                number(one, "upper")
+                    .or_else(|| number(one, "hi"))
+                    .filter(|_| value.is_none())
+            }));
+            axes.push(ModelAxis {
+                name: axis.name,
+                unit: axis.unit,
+                mean: axis.mean.unwrap_or(0.0),
+                chain: axis.chain,
+                coefficients: PerCoefficient::from_fn(|one| number(one, "value").unwrap_or(0.0)),
+                effects: Vec::new(),
+            });
+        }
+        let model = Model {
+            schema: SCHEMA,
+            rate_hz: analysis.source.rate_hz,
+            axes,
+            correlation: None,
+        };
+        model.check()?;
+        Ok(Self {
+            name: name.to_owned(),
+            model,
+            bounds,
+            longest_s: analysis.source.duration_s / 2.0,
+        })
+    }
+}

@@ -1,0 +1,101 @@
+//! Least squares under `x >= 0` from the normal equations, for any number of unknowns.
+//!
+//! The active-set method of C. L. Lawson and R. J. Hanson, *Solving Least Squares Problems*
+//! (1974), chapter 23: unknowns enter one at a time, the one that promises most first, and leave
+//! again where the plain solution would make them negative.
+
+use nalgebra::{DMatrix, DVector};
+
+/// Relative slope below which an unknown at zero stays there.
+const SLOPE: f64 = 1e-10;
+
+/// Added to the unit diagonal, so that unknowns that cannot be told apart share.
+const RIDGE: f64 = 1e-12;
+
+/// Minimises `x' G x / 2 - h' x` under `x >= 0`. `gram` is symmetric, with a diagonal that is
+/// positive wherever an unknown may be anything but zero.
+pub fn solve(gram: &DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
+    let size = right.len();
+    // Unknowns in units in which every column has length one.
+    let unit = gram.diagonal().map(|length| {
+        if length > 0.0 {
+            1.0 / length.sqrt()
+        } else {
+            0.0
+        }
+    });
+    let g = DMatrix::from_fn(size, size, |i, j| {
+        gram[(i, j)] * unit[i] * unit[j] + if i == j { RIDGE } else { 0.0 }
+    });
+    let h = right.component_mul(&unit);
+    let threshold = SLOPE * h.amax();
+    let mut x = DVector::zeros(size);
+    let mut free: Vec<usize> = Vec::new();
+    for _ in 0..3 * size {
+        let slope = &h - &g * &x;
+        let best = (0..size)
+            .filter(|i| unit[*i] > 0.0 && !free.contains(i) && slope[*i] > threshold)
+            .max_by(|&i, &j| slope[i].total_cmp(&slope[j]));
+        let Some(entering) = best else { break };
+        free.push(entering);
+        while let Some(plain) = plain(&g, &h, &free) {
+            if plain.iter().all(|&value| value > 0.0) {
+                x.fill(0.0);
+                free.iter()
+                    .zip(&plain)
+                    .for_each(|(&i, &value)| x[i] = value);
+                break;
+            }
+            // As far towards the plain solution as all stay positive.
+            let step = free
+                .iter()
+                .zip(&plain)
+                .filter(|&(_, &value)| value <= 0.0)
+                .map(|(&i, &value)| x[i] / (x[i] - value))
+                .fold(1.0, f64::min);
+            for (&i, &value) in free.iter().zip(&plain) {
+                x[i] += step * (value - x[i]);
+            }
+            let tiny = 1e-14 * x.amax();
+            free.retain(|&i| x[i] > tiny);
+            (0..size)
+                .filter(|i| !free.contains(i))
+                .for_each(|i| x[i] = 0.0);
+            if free.is_empty() {
+                break;
+            }
+        }
+    }
+    x.component_mul(&unit)
+}
+
+/// Solution in the unknowns `free` alone.
+fn plain(g: &DMatrix<f64>, h: &DVector<f64>, free: &[usize]) -> Option<Vec<f64>> {
+    let part = DMatrix::from_fn(free.len(), free.len(), |i, j| g[(free[i], free[j])]);
+    let right = DVector::from_fn(free.len(), |i, _| h[free[i]]);
+    let solution = part.cholesky()?.solve(&right);
+    Some(solution.iter().copied().collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::least_squares;
+    use super::*;
+    use rand_distr::{Distribution, StandardNormal};
+
+    #[test]
+    fn agrees_with_trying_every_choice() {
+        for seed in 0..200 {
+            let mut random = rand_pcg::Pcg64::new(seed, 3);
+            let mut draw = || -> f64 { StandardNormal.sample(&mut random) };
+            let a = DMatrix::from_fn(8, 4, |_, j| draw() * 10_f64.powi(3 * j as i32));
+            let y = DVector::from_fn(8, |_, _| draw());
+            let best = least_squares::solve_non_negative(&a, &y);
+            let found = solve(&(a.transpose() * &a), &(a.transpose() * &y));
+            for j in 0..4 {
+                let error = (found[j] - best[j]).abs() * a.column(j).norm();
+                assert!(error < 1e-8 * y.norm(), "seed {seed}, {j}: {found} {best}");
+            }
+        }
+    }
+}

@@ -1,0 +1,256 @@
+//! A kind of effect that a record can hold beyond the five terms.
+//!
+//! One file and one line in the [catalogue](super::catalogue) make an effect: from there on a
+//! model file can name it, the simulator makes it and a diagnosis can propose it. Its parameters
+//! are a list of numbers with names; those that come in rows (the harmonics of a hum, the steps of
+//! a record) are numbered from 1.
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+use super::follows::Follows;
+use super::{Line, Seed, Term};
+use crate::signal::Unit;
+
+/// A kind of effect.
+pub trait Effect: Send + Sync {
+    /// What it is called in model files, such as `markov`.
+    fn name(&self) -> &'static str;
+
+    /// What it is physically, in a sentence.
+    fn meaning(&self) -> &'static str;
+
+    /// Its parameters, in the order of `values`. Only an effect with a row of parameters looks at
+    /// `values`, and only at their number.
+    fn parameters(&self, values: &[f64]) -> Vec<Parameter>;
+
+    /// What to look at on the bench to make sure, in a sentence.
+    fn check(&self, values: &[f64]) -> String;
+
+    /// Which parameter is the effect's size: all the effect does is proportional to it, or to its
+    /// square if it is in the unit of the signal. `None` for effects that have no such parameter.
+    fn size(&self) -> Option<usize> {
+        None
+    }
+
+    /// Values, with size 1, from which a search for this effect in the spectrum's shape should
+    /// begin; none for an effect that does not show there.
+    fn starts(&self, _band: &Band) -> Vec<Vec<f64>> {
+        Vec::new()
+    }
+
+    /// The effect with these values, which are as many as [`Effect::parameters`] says and in
+    /// range.
+    fn part(&self, values: &[f64]) -> Part;
+}
+
+/// The frequencies that a spectrum covers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Band {
+    /// Lowest, hertz.
+    pub from_hz: f64,
+    /// Highest, hertz.
+    pub to_hz: f64,
+}
+
+impl Band {
+    /// Frequencies from the lowest to the highest, `per_octave` an octave.
+    pub fn steps(&self, per_octave: f64) -> impl Iterator<Item = f64> {
+        let (from_hz, to_hz) = (self.from_hz, self.to_hz);
+        let count = ((to_hz / from_hz).log2() * per_octave).max(0.0) as usize;
+        (0..=count).map(move |step| from_hz * (step as f64 / per_octave).exp2())
+    }
+}
+
+/// What an effect adds to a model.
+pub enum Part {
+    /// A process that is added to the others, ahead of the signal chain.
+    Term(Box<dyn Term>),
+    /// Something that happens to the samples of everything else, behind the signal chain.
+    Distortion(Box<dyn Distortion>),
+    /// The samples are taken this many times as fast as the nominal rate says; all the rest of
+    /// the axis keeps true time.
+    Clock(f64),
+    /// Something that follows a series which is not in the model.
+    Follows(Follows),
+}
+
+/// Acts on the samples of everything else.
+pub trait Distortion: Send + Sync {
+    /// Factor on the two-sided density of everything else; 1 unless it is a filter.
+    fn power(&self, _f_hz: f64, _rate_hz: f64) -> f64 {
+        1.0
+    }
+
+    /// White two-sided density that it puts under everything else, ahead of its
+    /// [power](Distortion::power).
+    fn floor(&self, _incoming: &Incoming<'_>) -> f64 {
+        0.0
+    }
+
+    /// Does to data what the law says; the same `seed` does the same.
+    fn distorter(&self, rate_hz: f64, seed: Seed) -> Box<dyn Distorter>;
+}
+
+/// What a distortion acts on.
+pub struct Incoming<'a> {
+    /// Samples a second.
+    pub rate_hz: f64,
+    /// Two-sided density as a function of frequency in hertz, from above zero to half the rate.
+    pub density: &'a dyn Fn(f64) -> f64,
+    /// Power at single frequencies.
+    pub lines: &'a [Line],
+}
+
+/// Alters one axis of a record, block after block.
+pub trait Distorter: Send {
+    /// Alters the next samples; it may leave some out or add some.
+    fn apply(&mut self, samples: &mut Vec<f64>);
+}
+
+/// One number of an effect.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Parameter {
+    /// Its name in model files, with the unit where that is fixed.
+    pub name: Cow<'static, str>,
+    /// What it measures.
+    pub quantity: Quantity,
+    /// What it means, in a few words.
+    pub meaning: &'static str,
+}
+
+impl Parameter {
+    /// A parameter called `name`.
+    pub fn new(
+        name: impl Into<Cow<'static, str>>,
+        quantity: Quantity,
+        meaning: &'static str,
+    ) -> Self {
+        Self {
+            name: name.into(),
+            quantity,
+            meaning,
+        }
+    }
+}
+
+/// What a parameter measures: its unit and its range.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Quantity {
+    /// Frequency, above zero.
+    Hertz,
+    /// Events a second, zero or above.
+    PerSecond,
+    /// Length of time, above zero.
+    Second,
+    /// Time since the start of the record, zero or above.
+    Instant,
+    /// Time by which one thing lags another, zero or above.
+    Delay,
+    /// In the unit of the signal.
+    Signal,
+    /// In the unit of the signal per second.
+    SignalPerSecond,
+    /// In the unit of the signal per kelvin.
+    SignalPerKelvin,
+    /// Two-sided spectral density, zero or above.
+    Density,
+    /// Without a unit.
+    Ratio,
+    /// Without a unit, above zero.
+    Factor,
+    /// Part of a whole, from 0 to 1.
+    Share,
+    /// A whole number, zero or above.
+    Count,
+    /// Which way: -1 or +1.
+    Sign,
+}
+
+impl Quantity {
+    /// Its unit for a signal in `signal`; empty where it has none.
+    pub fn unit(self, signal: Unit) -> String {
+        match self {
+            Self::Hertz => "Hz".to_owned(),
+            Self::PerSecond => "1/s".to_owned(),
+            Self::Second | Self::Instant | Self::Delay => "s".to_owned(),
+            Self::Signal => signal.to_string(),
+            Self::SignalPerSecond => format!("{signal}/s"),
+            Self::SignalPerKelvin => format!("{signal}/K"),
+            Self::Density => format!("({signal})^2/Hz"),
+            Self::Ratio | Self::Factor | Self::Share | Self::Count | Self::Sign => String::new(),
+        }
+    }
+
+    /// Whether `value` is in its range.
+    pub fn admits(self, value: f64) -> bool {
+        value.is_finite()
+            && match self {
+                Self::Signal | Self::SignalPerSecond | Self::SignalPerKelvin | Self::Ratio => true,
+                Self::Hertz | Self::Second | Self::Factor => value > 0.0,
+                Self::Instant | Self::Delay | Self::PerSecond | Self::Density => value >= 0.0,
+                Self::Share => (0.0..=1.0).contains(&value),
+                Self::Count => value >= 0.0 && value.fract() == 0.0,
+                Self::Sign => value.abs() == 1.0,
+            }
+    }
+
+    /// Its range in words, for messages.
+    pub const fn range(self) -> &'static str {
+        match self {
+            Self::Signal | Self::SignalPerSecond | Self::SignalPerKelvin | Self::Ratio => {
+                "a finite number"
+            }
+            Self::Hertz | Self::Second | Self::Factor => "a number above zero",
+            Self::Instant | Self::Delay | Self::PerSecond | Self::Density => {
+                "zero or a number above it"
+            }
+            Self::Share => "a number from 0 to 1",
+            Self::Count => "a whole number, zero or above",
+            Self::Sign => "1 or -1",
+        }
+    }
+}
+
+/// Puts named values into the order of an effect's parameters.
+///
+/// # Errors
+/// In words, if a parameter is missing, unknown or out of its range.
+pub fn in_order(effect: &dyn Effect, named: &BTreeMap<String, f64>) -> Result<Vec<f64>, String> {
+    let parameters = effect.parameters(&vec![0.0; named.len()]);
+    let expected = || {
+        let names: Vec<&str> = parameters.iter().map(|one| one.name.as_ref()).collect();
+        names.join(", ")
+    };
+    if let Some(unknown) = named
+        .keys()
+        .find(|&name| parameters.iter().all(|one| one.name != name.as_str()))
+    {
+        return Err(format!(
+            "{}: no parameter `{unknown}`; expected {}",
+            effect.name(),
+            expected()
+        ));
+    }
+    let value = |parameter: &Parameter| {
+        let name = parameter.name.as_ref();
+        let value = *named.get(name).ok_or_else(|| {
+            format!(
+                "{}: parameter `{name}` ({}) is missing; expected {}",
+                effect.name(),
+                parameter.meaning,
+                expected()
+            )
+        })?;
+        if !parameter.quantity.admits(value) {
+            return Err(format!(
+                "{}: parameter `{name}` ({}) is {value}; expected {}",
+                effect.name(),
+                parameter.meaning,
+                parameter.quantity.range()
+            ));
+        }
+        Ok(value)
+    };
+    parameters.iter().map(value).collect()
+}

@@ -1,0 +1,120 @@
+//! One simulated axis: terms, signal chain, distortions.
+
+use super::Generator;
+use super::shaping::Shape;
+use crate::model::effect::{Distorter, Part};
+use crate::model::whole::ModelAxis;
+use crate::model::{Coefficient, Seed, Term};
+
+/// Samples that are made at a time. Distorters see these blocks and no others, so that the data
+/// do not depend on how they are asked for.
+const BLOCK: usize = 4096;
+
+/// Streams of random numbers that an axis reserves for its coefficients.
+const STREAMS_PER_AXIS: u64 = 64;
+
+/// First stream of the effects of an axis, and how many it reserves for them.
+const EFFECT_STREAMS: u64 = 1 << 32;
+const EFFECTS_PER_AXIS: u64 = 1 << 16;
+
+/// Makes the samples of one axis.
+pub struct AxisSimulation {
+    generators: Vec<Box<dyn Generator>>,
+    distorters: Vec<Box<dyn Distorter>>,
+    mean: f64,
+    ready: Vec<f64>,
+}
+
+impl AxisSimulation {
+    /// Axis `index` of a model at a nominal `rate_hz`, without what follows a leader. `mixing` weighs the random numbers of the axes up
+    /// to this one.
+    pub fn new(axis: &ModelAxis, index: u64, mixing: &[f64], rate_hz: f64, seed: u64) -> Self {
+        let rate_hz = axis.clock() * rate_hz;
+        let mut parts = Parts::default();
+        for (term_index, coefficient) in (0..).zip(Coefficient::ALL) {
+            let value = *axis.coefficients.get(coefficient);
+            if value == 0.0 {
+                continue;
+            }
+            let stream = |source: u64| Seed {
+                seed,
+                stream: source * STREAMS_PER_AXIS + term_index,
+            };
+            if coefficient == Coefficient::R {
+                // Nothing random in it.
+                parts.add(axis, &*coefficient.term(value), stream(index), rate_hz);
+                continue;
+            }
+            // Every term is linear in its random numbers: weights on them are weights on it.
+            for (source, weight) in (0..).zip(mixing).filter(|(_, weight)| **weight != 0.0) {
+                let term = coefficient.term(value * weight);
+                parts.add(axis, &*term, stream(source), rate_hz);
+            }
+        }
+        let mut distorters = Vec::new();
+        for (effect_index, effect) in (0..).zip(&axis.effects) {
+            let stream = Seed {
+                seed,
+                stream: EFFECT_STREAMS + index * EFFECTS_PER_AXIS + effect_index,
+            };
+            match effect.part() {
+                Part::Term(term) => parts.add(axis, &*term, stream, rate_hz),
+                Part::Distortion(one) => distorters.push(one.distorter(rate_hz, stream)),
+                // The clock is in the rate. What follows something needs a leader.
+                Part::Clock(_) | Part::Follows(_) => {}
+            }
+        }
+        Self {
+            generators: parts.generators(),
+            distorters,
+            mean: axis.mean,
+            ready: Vec::new(),
+        }
+    }
+
+    /// The next `count` samples.
+    pub fn next(&mut self, count: usize) -> Vec<f64> {
+        while self.ready.len() < count {
+            let mut block = vec![self.mean; BLOCK];
+            for generator in &mut self.generators {
+                generator.add_to(&mut block);
+            }
+            for distorter in &mut self.distorters {
+                distorter.apply(&mut block);
+            }
+            self.ready.append(&mut block);
+        }
+        let rest = self.ready.split_off(count);
+        std::mem::replace(&mut self.ready, rest)
+    }
+}
+
+/// Generators, those with the same shape together.
+#[derive(Default)]
+struct Parts {
+    plain: Vec<Box<dyn Generator>>,
+    shaped: Vec<(Shape, Vec<Box<dyn Generator>>)>,
+}
+
+impl Parts {
+    fn add(&mut self, axis: &ModelAxis, term: &dyn Term, seed: Seed, rate_hz: f64) {
+        let generator = term.generator(rate_hz, seed);
+        let Some(chain) = axis.chain.as_ref().filter(|_| !term.is_drift()) else {
+            self.plain.push(generator);
+            return;
+        };
+        let shape = Shape::new(chain, term, rate_hz);
+        match self.shaped.iter_mut().find(|(known, _)| *known == shape) {
+            Some((_, generators)) => generators.push(generator),
+            None => self.shaped.push((shape, vec![generator])),
+        }
+    }
+
+    fn generators(self) -> Vec<Box<dyn Generator>> {
+        let shaped = self
+            .shaped
+            .into_iter()
+            .map(|(shape, generators)| shape.shaped(generators));
+        self.plain.into_iter().chain(shaped).collect()
+    }
+}

@@ -1,0 +1,206 @@
+//! Does simulated data follow the law of its model?
+//!
+//! The law comes from the formulas, the data from generators and filters: neither knows the other.
+
+use inm_allan::Statistic;
+use inm_host::bins::strided::Strided;
+use inm_host::model::law::Law;
+use inm_host::model::whole::Model;
+use inm_host::simulate::source::Simulation;
+use inm_host::spectrum::{Cascade, Estimate, Plan, Settings};
+
+const RATE_HZ: f64 = 2000.0;
+const SEED: u64 = 20;
+
+/// Records for the Allan variance, and samples of each.
+const RECORDS: u64 = 24;
+const LENGTH: u64 = 1 << 16;
+
+/// Samples of the record for the spectrum.
+const LONG: u64 = 1 << 21;
+
+/// Models of one axis, of all terms and of every way through the chain.
+fn models() -> Vec<(&'static str, Model)> {
+    // Levels at which each of them shows somewhere between one sample and the whole record.
+    let five = r#""coefficients": { "R": 2e-6, "K": 2e-4, "B": 1e-3, "N": 1e-4, "Q": 3e-8 }"#;
+    let markov = r#""coefficients": { "N": 1e-4 }, "effects": [
+        { "effect": "markov", "parameters": { "amplitude": 2e-3, "time_s": 0.004 } },
+        { "effect": "markov", "parameters": { "amplitude": 3e-3, "time_s": 0.5 } } ]"#;
+    let sinusoid = r#""coefficients": { "N": 1e-4 }, "effects": [
+        { "effect": "sinusoid", "parameters": { "f_hz": 237.0, "amplitude": 4e-3 } } ]"#;
+    let model = |chain: &str, rest: &str| {
+        let chain = match chain {
+            "" => String::new(),
+            chain => format!(r#""chain": "{chain}","#),
+        };
+        let text = format!(
+            r#"{{ "schema": 1, "rate_hz": {RATE_HZ}, "axes": [ {{ "name": "X", {chain} {rest} }} ] }}"#
+        );
+        Model::from_json(&text).expect("a model")
+    };
+    vec![
+        ("five terms", model("", five)),
+        (
+            "five terms, converter and pole",
+            model("ads1281:linear+400hz", five),
+        ),
+        (
+            "five terms, minimum phase",
+            model("ads1281:minimum+1507hz", five),
+        ),
+        ("five terms, poles alone", model("400hz+30hz", five)),
+        ("Markov", model("", markov)),
+        (
+            "Markov, converter and pole",
+            model("ads1281:linear+400hz", markov),
+        ),
+        (
+            "sinusoid, converter and pole",
+            model("ads1281:linear+400hz", sinusoid),
+        ),
+    ]
+}
+
+fn law(model: &Model) -> Law {
+    model.axes[0].law(model.rate_hz)
+}
+
+#[test]
+fn allan_variance_follows_the_law() {
+    for (name, model) in models() {
+        let law = law(&model);
+        let mut found: Vec<(u64, Vec<f64>)> = Vec::new();
+        for seed in SEED..SEED + RECORDS {
+            let mut simulation = Simulation::new(&model, LENGTH, seed).expect("a model");
+            let mut bins = Strided::default();
+            bins.push_floats(&simulation.next_columns(LENGTH as usize)[0]);
+            for estimate in bins.estimates(Statistic::Allan) {
+                match found.iter_mut().find(|(m, _)| *m == estimate.m) {
+                    Some((_, values)) => values.push(estimate.variance),
+                    None => found.push((estimate.m, vec![estimate.variance])),
+                }
+            }
+        }
+        // A few differences a record make the scatter of their mean trustworthy.
+        let tried: Vec<_> = found
+            .into_iter()
+            .filter(|(m, _)| m.is_power_of_two() && 16 * m <= LENGTH)
+            .collect();
+        assert!(tried.len() >= 12, "{name}: {} averaging times", tried.len());
+        for (m, values) in tried {
+            let count = values.len() as f64;
+            let mean = values.iter().sum::<f64>() / count;
+            let scatter = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (count - 1.0);
+            // A line has no scatter; what its phase does over a whole record is below 1e-3.
+            let sigma = (scatter / count).sqrt().max(1e-3 * mean);
+            let z = (mean - law.allan_variance(m)) / sigma;
+            // Student's t of 23 degrees of freedom: 5 is passed once in 20 000.
+            assert!(
+                z.abs() < 5.0,
+                "{name}, m = {m}, seeds from {SEED}: {mean:e} for {:e}, {z} sigma",
+                law.allan_variance(m)
+            );
+        }
+    }
+}
+
+#[test]
+fn spectrum_follows_the_law() {
+    for (name, model) in models() {
+        if name.starts_with("sinusoid") {
+            continue;
+        }
+        let law = law(&model);
+        let mut simulation = Simulation::new(&model, LONG, SEED).expect("a model");
+        let mut cascade = Cascade::new(&Plan::new());
+        let mut first = 0;
+        while first < LONG {
+            let column = simulation.next_columns(1 << 16).remove(0);
+            cascade.push_values(first, &column).expect("in order");
+            first += column.len() as u64;
+        }
+        let estimate = Estimate::new(&cascade, RATE_HZ, &Settings::default());
+        let expected = estimate.expected(|f_hz| law.density(f_hz));
+        let z: Vec<f64> = estimate
+            .bins
+            .iter()
+            .zip(&expected)
+            // Bins of many degrees of freedom are nearly Gaussian. In the stop band there is
+            // nothing but what leaks there.
+            .filter(|(bin, _)| bin.edf > 30.0 && bin.f_hz < 0.45 * RATE_HZ)
+            .map(|(bin, expected)| (bin.psd / expected - 1.0) * (0.5 * bin.edf).sqrt())
+            .collect();
+        let count = z.len() as f64;
+        let mean = z.iter().sum::<f64>() / count;
+        let square = z.iter().map(|z| z * z).sum::<f64>() / count;
+        assert!(count > 150.0, "{name}: {count} bins");
+        // Neighbours overlap: their z correlate, which widens the mean by less than 1.5. The
+        // square is chi^2 over its degrees of freedom.
+        assert!(
+            mean.abs() < 1.5 * 4.0 / count.sqrt(),
+            "{name}, seed {SEED}: mean z of {count} bins {mean}"
+        );
+        assert!(
+            (square - 1.0).abs() < 1.5 * 4.0 * (2.0 / count).sqrt(),
+            "{name}, seed {SEED}: mean square z of {count} bins {square}"
+        );
+    }
+}
+
+#[test]
+fn correlation_is_that_of_the_model_term_by_term() {
+    for coefficients in [
+        r#"{ "N": 1e-4 }"#,
+        r#"{ "Q": 1e-7 }"#,
+        r#"{ "B": 1e-3 }"#,
+        r#"{ "K": 1e-3 }"#,
+    ] {
+        let axis = |name: &str| {
+            format!(r#"{{ "name": "{name}", "chain": "400hz", "coefficients": {coefficients} }}"#)
+        };
+        let text = format!(
+            r#"{{ "schema": 1, "rate_hz": {RATE_HZ}, "axes": [ {}, {}, {} ],
+                 "correlation": [[1, 0.3, -0.5], [0.3, 1, 0.2], [-0.5, 0.2, 1]] }}"#,
+            axis("X"),
+            axis("Y"),
+            axis("Z")
+        );
+        let model = Model::from_json(&text).expect("a model");
+        let mut simulation = Simulation::new(&model, LONG / 8, SEED).expect("a model");
+        let columns = simulation.next_columns(LONG as usize);
+        // Differences are short of memory, whatever the term, and independent at a distance.
+        let steps: Vec<Vec<f64>> = columns
+            .iter()
+            .map(|column| column.chunks_exact(16).map(|c| c[1] - c[0]).collect())
+            .collect();
+        for (i, j, expected) in [(0, 1, 0.3), (0, 2, -0.5), (1, 2, 0.2)] {
+            let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+            let found = product(&steps[i], &steps[j])
+                / (product(&steps[i], &steps[i]) * product(&steps[j], &steps[j])).sqrt();
+            let sigma = (1.0 - expected * expected) / (steps[i].len() as f64).sqrt();
+            assert!(
+                (found - expected).abs() < 5.0 * sigma,
+                "{coefficients}, axes {i} and {j}, seed {SEED}: {found} for {expected}"
+            );
+        }
+    }
+}
+
+#[test]
+fn data_do_not_depend_on_how_they_are_read() {
+    let (_, model) = models().remove(1);
+    let whole = Simulation::new(&model, 20_000, SEED)
+        .expect("a model")
+        .next_columns(20_000)
+        .remove(0);
+    let mut simulation = Simulation::new(&model, 20_000, SEED).expect("a model");
+    let mut pieces = Vec::new();
+    for size in (1..).map(|k| 37 * k) {
+        let piece = simulation.next_columns(size).remove(0);
+        if piece.is_empty() {
+            break;
+        }
+        pieces.extend(piece);
+    }
+    assert!(whole == pieces);
+}
