@@ -125,6 +125,7 @@ impl AxisState {
                         * self.frame.chain_power(f_hz);
                 }
                 Part::Distortion(filter) => power *= filter.power(f_hz, self.rate_hz),
+                Part::Clock(_) | Part::Follows(_) => {}
             }
         }
         sum * power

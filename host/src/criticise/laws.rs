@@ -95,7 +95,8 @@ pub fn polish(
             for factor in [f64::exp(step), f64::exp(-step)] {
                 let before = laws[law].values[place];
                 laws[law].values[place] = before * factor;
-                let next = fit(frame, data, laws);
+                let sound = laws[law].effect.is_sound(&laws[law].values);
+                let next = sound.then(|| fit(frame, data, laws)).flatten();
                 match next {
                     Some(next) if next.log_likelihood > best.log_likelihood + WORTH => {
                         best = next;

@@ -17,7 +17,7 @@ use super::levels::{self, Jump};
 use super::lines::{self, Group, Measured};
 use super::mend::{Wave, block_means};
 use super::slow;
-use super::telegraph::{self, Telegraph};
+use super::telegraph;
 use super::whole::{Transformer, held_out_gain};
 use crate::fit::likelihood::Fit;
 use crate::fit::likelihood::components::SEEN;
@@ -656,7 +656,6 @@ impl Rounds<'_> {
         let (law, p_value) = (best.law, best.p_value);
         let freedom = law.values.len() as f64;
         let mut effect = law.effect.name();
-        let mut parameters = BTreeMap::new();
         if effect == "markov"
             && let Some(two) = self.two_levels(&law, &best.fit)
         {
@@ -664,18 +663,15 @@ impl Rounds<'_> {
                 effect: name.to_owned(),
                 log_odds,
             };
-            if two.log_odds > 0.0 {
+            if two > 0.0 {
                 effect = "telegraph";
-                parameters = named([
-                    ("height", Value::log_normal(two.height, two.height_log_sd)),
-                    ("dwell_s", Value::log_normal(two.dwell_s, two.dwell_log_sd)),
-                ]);
-                rivals.insert(0, other("markov", two.log_odds));
+                self.switching = true;
+                rivals.insert(0, other("markov", two));
             } else {
-                rivals.insert(0, other("telegraph", -two.log_odds));
+                rivals.insert(0, other("telegraph", -two));
             }
         }
-        self.accept(effect, parameters, p_value, freedom, None, |axis| {
+        self.accept(effect, BTreeMap::new(), p_value, freedom, None, |axis| {
             axis.laws.push(law);
             axis.refresh(false)
         })?;
@@ -685,19 +681,26 @@ impl Rounds<'_> {
         Some(true)
     }
 
-    /// Whether what looks like Markov noise in the spectrum switches between two levels.
-    fn two_levels(&self, law: &Law, fit: &Fit) -> Option<Telegraph> {
+    /// Logarithm of the odds that what looks like Markov noise in the spectrum switches between
+    /// two levels.
+    fn two_levels(&self, law: &Law, fit: &Fit) -> Option<f64> {
         let axis = &*self.axis;
         let squared = fit.squared[laws::component_of(&axis.laws, axis.laws.len())];
         let place = law.effect.parameters(&law.values);
         let time_s = law.values[place.iter().position(|one| one.name == "time_s")?];
-        let corner_hz = 1.0 / (std::f64::consts::TAU * time_s);
-        let rest: f64 = SEEN
-            .iter()
-            .zip(&fit.squared)
-            .map(|(one, squared)| squared * axis.frame.unit_density(*one, corner_hz))
-            .sum();
-        telegraph::compare(axis, &axis.filled, squared.sqrt(), time_s, rest)
+        let Part::Term(term) = law.effect.part(&law.values) else {
+            return None;
+        };
+        let wander = |f_hz: f64| {
+            squared * axis.frame.term_density(&*term, f_hz) * axis.frame.chain_power(f_hz)
+        };
+        let rest = |f_hz: f64| -> f64 {
+            SEEN.iter()
+                .zip(&fit.squared)
+                .map(|(one, squared)| squared * axis.frame.unit_density(*one, f_hz))
+                .sum()
+        };
+        telegraph::log_odds(axis, squared.sqrt(), time_s, wander, rest)
     }
 
     /// What is significant still, and named by nothing.
@@ -778,12 +781,22 @@ impl Rounds<'_> {
                 })
                 .collect();
             let name = law.effect.name();
+            let switching = |one: &Accepted| one.effect == "telegraph" && name == "markov";
             if let Some(one) = self
                 .accepted
                 .iter_mut()
-                .find(|one| one.effect == name && one.parameters.is_empty())
+                .find(|one| (one.effect == name || switching(one)) && one.parameters.is_empty())
             {
-                one.parameters = parameters;
+                one.parameters = if switching(one) {
+                    // Two levels of the same spectrum: twice the deviation apart, kept for twice
+                    // the correlation time.
+                    named([
+                        ("height", Value::log_normal(2.0 * values[0], log_sd[0])),
+                        ("dwell_s", Value::log_normal(2.0 * values[1], log_sd[1])),
+                    ])
+                } else {
+                    parameters
+                };
             }
         }
     }

@@ -16,7 +16,8 @@
 //! `<x, g_t> / <g, g>`.
 //!
 //! Quantisation noise, a difference of neighbours, would need one more sample to close into a ring:
-//! the first sample is set free ([`Whole::close`]), and with it that sum.
+//! the first sample is set free ([`Whole::close`]), and with it that sum; so is the level across
+//! the seam, which the line through noisy ends does not match exactly.
 //!
 //! Ordinates with even and with odd numbers are independent of one another and see the same hours:
 //! what a waveform is worth on unseen data is measured by fitting it to the one half and judging the
@@ -130,15 +131,39 @@ impl Whole {
         &self.ordinates
     }
 
-    /// Sets the first sample free: it takes the value that all others predict for it.
+    /// Sets the seam free: the first sample takes the value, and the level across the seam the
+    /// step, that all others predict for them.
     pub fn close(&mut self, density: &[f64]) {
-        let (mut value, mut information) = (0.0, 0.0);
-        for (ordinate, density) in self.ordinates.iter().zip(density).skip(1) {
-            value += ordinate.re / density;
-            information += 1.0 / density;
+        let turn = std::f64::consts::TAU / self.len as f64;
+        let step = |k: usize| Step.at(turn * k as f64);
+        // Normal equations of both, over half of the ring.
+        let (mut right, mut gram) = ([0.0; 2], [0.0; 3]);
+        for (k, (ordinate, density)) in self.ordinates.iter().zip(density).enumerate().skip(1) {
+            let step = step(k);
+            right[0] += ordinate.re / density;
+            right[1] += (ordinate * step.conj()).re / density;
+            gram[0] += 1.0 / density;
+            gram[1] += step.re / density;
+            gram[2] += step.norm_sqr() / density;
         }
-        let size = value / information;
-        self.ordinates.iter_mut().for_each(|one| *one -= size);
+        let determinant = gram[0] * gram[2] - gram[1] * gram[1];
+        let sample = (right[0] * gram[2] - right[1] * gram[1]) / determinant;
+        let height = (right[1] * gram[0] - right[0] * gram[1]) / determinant;
+        if !(sample.is_finite() && height.is_finite()) {
+            return;
+        }
+        for (k, ordinate) in self.ordinates.iter_mut().enumerate().skip(1) {
+            *ordinate -= sample + height * step(k);
+        }
+    }
+
+    /// Adds Gaussian noise of the two-sided density `density(k)`, made of standard `normal`
+    /// numbers.
+    pub fn add_noise(&mut self, density: impl Fn(usize) -> f64, mut normal: impl FnMut() -> f64) {
+        for (k, ordinate) in self.ordinates.iter_mut().enumerate().skip(1) {
+            let deviation = (0.5 * density(k) * self.rate_hz * self.len as f64).sqrt();
+            *ordinate += Complex64::new(deviation * normal(), deviation * normal());
+        }
     }
 
     /// Frequency of an ordinate, hertz.

@@ -33,6 +33,11 @@ pub trait Effect: Send + Sync {
         None
     }
 
+    /// Whether values make sense together; beyond, another effect is meant.
+    fn is_sound(&self, _values: &[f64]) -> bool {
+        true
+    }
+
     /// Values, with size 1, from which a search for this effect in the spectrum's shape should
     /// begin; none for an effect that does not show there.
     fn starts(&self, _band: &Band) -> Vec<Vec<f64>> {

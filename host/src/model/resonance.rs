@@ -120,6 +120,11 @@ impl Effect for Kind {
         }))
     }
 
+    fn is_sound(&self, values: &[f64]) -> bool {
+        // Wider it does not ring: noise behind a first-order lag.
+        values[1] <= 0.8 * values[0]
+    }
+
     fn size(&self) -> Option<usize> {
         Some(2)
     }
