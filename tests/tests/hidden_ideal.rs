@@ -174,6 +174,41 @@ fn spectra_are_compared_with_the_nearest_base() {
     assert!((0.0..0.01).contains(&found), "{found}");
 }
 
+/// The ratio's mean and variance, of simulated cosine coefficients: 4000 draws, five deviations.
+#[test]
+fn the_spectral_ratio_has_its_mean_and_variance() {
+    let scene = scene(WHITE, 1 << 9);
+    let grid = Grid::new(&scene, &[]);
+    let raised = |f_hz: f64| if f_hz > 500.0 { 2.0 } else { 1.0 };
+    let truth = grid.at(raised);
+    let expected = contrast(&truth, &[grid.at(|_| 1.0)], &grid);
+    let mut draw = Draw::new(1, "spectra");
+    let (coefficients, draws) = (1 << 9, 4000);
+    let level = 1.5_f64;
+    let ratios: Vec<f64> = (0..draws)
+        .map(|_| {
+            let one = |k: i32| {
+                let s = raised((f64::from(k) + 0.5) * 1000.0 / f64::from(coefficients));
+                let square = s * draw.normal().powi(2);
+                square / level + level.ln() - square / s - s.ln()
+            };
+            (0..coefficients).map(one).sum()
+        })
+        .collect();
+    let mean = ratios.iter().sum::<f64>() / f64::from(draws);
+    let variance = ratios.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / f64::from(draws);
+    let error = (expected.variance / f64::from(draws)).sqrt();
+    assert!(
+        (mean - expected.mean).abs() < 5.0 * error + 0.02 * expected.mean,
+        "seed 1: {mean}, expected {expected:?}"
+    );
+    let relative = 5.0 * (2.0 / f64::from(draws)).sqrt() + 0.03;
+    assert!(
+        (variance / expected.variance - 1.0).abs() < relative,
+        "seed 1: {variance}, expected {expected:?}"
+    );
+}
+
 /// Levels so far apart that noise never confuses them: the Gaussian pays
 /// `ln(sqrt(1 + h^2 / 4 v)) + 1/2 - ln 2 - 1/2` a block.
 #[test]

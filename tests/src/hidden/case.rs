@@ -186,6 +186,12 @@ pub fn axis_samples(
     record: &str,
 ) -> (Vec<f64>, Vec<Vec<(String, f64)>>) {
     let stream = |name: &str| Draw::new(seed, &format!("{record} {axis} {name}"));
+    // Everything happens in true time.
+    let clock: f64 = effects.iter().map(|effect| effect.clock()).product();
+    let scene = &Scene {
+        rate_hz: scene.rate_hz * clock,
+        ..scene.clone()
+    };
     let count = scene.samples;
     let power = |f_hz: f64| -> f64 { effects.iter().map(|effect| effect.power(f_hz)).product() };
     let added = |f_hz: f64| -> f64 {

@@ -82,6 +82,11 @@ pub trait Effect: Send + Sync {
         false
     }
 
+    /// True rate over the rate that the record says.
+    fn clock(&self) -> f64 {
+        1.0
+    }
+
     /// The temperature that the record comes with, degrees Celsius.
     fn temperature(&self) -> Option<&[f64]> {
         None
