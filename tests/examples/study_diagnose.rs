@@ -168,23 +168,14 @@ fn tasks(part: Part, arguments: &Arguments) -> Vec<Task> {
         if !kinds.is_empty() && !wanted(&kinds) {
             continue;
         }
-        let names: Vec<&str> = kinds.iter().map(|kind| kind.name).collect();
-        let row = if names.is_empty() {
-            "clean".to_owned()
-        } else {
-            names.join("+")
-        };
         for strength in &strengths {
             for seed in arguments.first_seed..arguments.first_seed + arguments.seeds {
-                tasks.push(Task {
-                    row: row.clone(),
-                    plan: Plan {
-                        kinds: kinds.clone(),
-                        strength: *strength,
-                        samples: arguments.samples,
-                    },
-                    seed,
-                });
+                let plan = Plan {
+                    kinds: kinds.clone(),
+                    strength: *strength,
+                    samples: arguments.samples,
+                };
+                tasks.push(Task { plan, seed });
             }
         }
     }
@@ -197,7 +188,7 @@ fn keep(tasks: &[Task], folder: &std::path::Path) -> Result<(), Box<dyn std::err
         let case = Case::draw(&task.plan, task.seed);
         let time_s = start.elapsed().as_secs_f64();
         let strength = case.strength.unwrap_or(0.0);
-        let here = folder.join(format!("{}-{}-{strength:.2}", task.row, task.seed));
+        let here = folder.join(format!("{}-{}-{strength:.2}", task.plan.name(), task.seed));
         std::fs::create_dir_all(&here)?;
         let files = case.write(&here)?;
         println!(

@@ -38,6 +38,8 @@ usage: cargo xtask <command>
   bench      speed and memory of the estimators beside other programs; minutes
   study intervals
              coverage of the 95 % intervals over thousands of simulated records; minutes
+  study diagnose [--seeds N] [--part PART] [--kind KIND] [--strength M]
+             whether `inm diagnose` finds effects hidden in records; hours for 200 seeds
 ";
 
 fn main() -> ExitCode {
@@ -49,6 +51,7 @@ fn main() -> ExitCode {
         ["instructions"] => instructions::run(),
         ["bench"] => bench::run(),
         ["study", "intervals"] => study::intervals(),
+        ["study", "diagnose", ref options @ ..] => study::diagnose(options),
         [] | ["help" | "--help" | "-h"] => {
             print!("{USAGE}");
             return ExitCode::SUCCESS;

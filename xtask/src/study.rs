@@ -1,10 +1,10 @@
 //! `cargo xtask study NAME`: the simulations that are too long for every test run.
 //!
-//! Each is an ignored test beside the short form of itself, so that both share their code.
+//! Each shares its code with the short form of itself among the tests.
 
 use anyhow::Result;
 
-use crate::run::{cargo, run as execute};
+use crate::run::{cargo, run as execute, target};
 
 /// Whether the 95 % intervals hold the truth in 95 % of simulated records; prints a table.
 ///
@@ -21,4 +21,26 @@ pub fn intervals() -> Result<()> {
         "--ignored",
         "--nocapture",
     ]))
+}
+
+/// How well `inm diagnose` finds hidden effects; prints tables. `options` go to the study:
+/// `--help` lists them.
+///
+/// # Errors
+/// It does not build, or the options are wrong.
+pub fn diagnose(options: &[&str]) -> Result<()> {
+    let build = [
+        "build",
+        "--release",
+        "--package",
+        "inm-host",
+        "--bin",
+        "inm",
+    ];
+    execute(&mut cargo(&build))?;
+    let program = target().join("release").join("inm");
+    let mut study = cargo(&["run", "--release", "--package", "inm-tests"]);
+    study.args(["--example", "study_diagnose", "--", "--inm"]);
+    study.arg(program.with_extension(std::env::consts::EXE_EXTENSION));
+    execute(study.args(options))
 }
