@@ -43,6 +43,10 @@ pub fn cumulate(codes: impl Iterator<Item = i64>, level: i64, sums: &mut [i64]) 
 }
 
 impl<'a> Cumulated<'a> {
+    /// Distance between the least and the largest sum of a segment up to which it is quick; beyond
+    /// it takes the time of [`integers`](super::integers).
+    pub const QUICK: u64 = WIDEST / 4;
+
     /// Over what [`cumulate`] has made of each segment.
     #[must_use]
     pub fn new(segments: &'a [&'a [i64]]) -> Self {
@@ -56,6 +60,12 @@ impl<'a> Cumulated<'a> {
         }
     }
 
+    /// Distance between the least and the largest sum of the segment in which it is largest.
+    #[must_use]
+    pub fn range(&self) -> u64 {
+        self.range
+    }
+
     /// As [`integers`](super::integers), and to the bit, with one exception: inner sums of the
     /// modified variance that may exceed 2^58 are rounded to multiples of at most `m`, which
     /// moves the deviation by less than `1 / m` of a step.
@@ -66,7 +76,7 @@ impl<'a> Cumulated<'a> {
         let mut sums = Sums::new(statistic, m)?;
         let m = sums.m;
         // Wrapped sums have a range near 2^64, since no step of theirs is above 2^43.
-        if self.range > WIDEST / 4 {
+        if self.range > Self::QUICK {
             for segment in self.segments {
                 let code = |i: usize| segment[i + 1].wrapping_sub(segment[i]);
                 sums.add_segment(segment.len().saturating_sub(1), code);

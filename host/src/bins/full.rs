@@ -79,12 +79,12 @@ impl Segments {
 
     /// The estimates at those of `factors` that a segment is long enough for.
     pub fn estimates(&self, statistic: Statistic, factors: &[u64]) -> Vec<Estimate> {
-        let Cumulative { sums, grid } = self.cumulative.get_or_init(|| self.samples.cumulate());
-        let segments: Vec<&[i64]> = sums.iter().map(Vec::as_slice).collect();
+        let cumulative = self.cumulative.get_or_init(|| self.samples.cumulate());
+        let segments = cumulative.segments();
         let cumulated = Cumulated::new(&segments);
         let one = |&m: &u64| {
             let mut estimate = cumulated.estimate(statistic, m)?;
-            if let Some(grid) = grid {
+            if let Some(grid) = cumulative.grid {
                 estimate.variance = grid.scale_variance(estimate.variance);
             }
             Some(estimate)
@@ -93,7 +93,19 @@ impl Segments {
     }
 }
 
+impl Cumulative {
+    fn segments(&self) -> Vec<&[i64]> {
+        self.sums.iter().map(Vec::as_slice).collect()
+    }
+
+    fn range(&self) -> u64 {
+        Cumulated::new(&self.segments()).range()
+    }
+}
+
 impl Samples {
+    /// Sums that are quick to work with. For that the grid of floating-point samples is coarser
+    /// than need be where they wander: by 2^5 in 10^7 samples of a walk.
     fn cumulate(&self) -> Cumulative {
         match self {
             Self::Codes(segments) => Cumulative {
@@ -101,14 +113,30 @@ impl Samples {
                 grid: None,
             },
             Self::Floats(segments) => {
-                let grid = FixedPoint::covering(segments.iter().flatten().copied(), 1.0);
-                Cumulative {
-                    // Every finite sample has a code on a grid that covers them all.
-                    sums: sums(segments, |&sample| grid.code(sample).unwrap_or(0)),
-                    grid: Some(grid),
+                let mut headroom = 1.0;
+                loop {
+                    let cumulative = cumulate_floats(segments, headroom);
+                    let range = cumulative.range();
+                    if range <= Cumulated::QUICK {
+                        return cumulative;
+                    }
+                    headroom *= (range as f64 / Cumulated::QUICK as f64)
+                        .log2()
+                        .ceil()
+                        .exp2();
                 }
             }
         }
+    }
+}
+
+/// On a grid that covers `headroom` times what the samples reach.
+fn cumulate_floats(segments: &[Vec<f64>], headroom: f64) -> Cumulative {
+    let grid = FixedPoint::covering(segments.iter().flatten().copied(), headroom);
+    Cumulative {
+        // Every finite sample has a code on a grid that covers them all.
+        sums: sums(segments, |&sample| grid.code(sample).unwrap_or(0)),
+        grid: Some(grid),
     }
 }
 
