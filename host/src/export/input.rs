@@ -96,19 +96,20 @@ impl Input {
                     .and_then(|one| one.get(field))
                     .and_then(Value::as_f64)
             };
+            // The weighted fit gives a value to what it cannot tell from zero: its interval
+            // begins there.
+            let value = |one| number(one, "value").filter(|_| number(one, "lo") != Some(0.0));
+            // It calls its bound the end of the interval.
+            let bound = |one| number(one, "upper").or_else(|| number(one, "hi"));
             bounds.push(PerCoefficient::from_fn(|one| {
-                let value = number(one, "value");
-                // The weighted fit calls its bound the end of the interval.
-                number(one, "upper")
-                    .or_else(|| number(one, "hi"))
-                    .filter(|_| value.is_none())
+                bound(one).filter(|_| value(one).is_none())
             }));
             axes.push(ModelAxis {
                 name: axis.name,
                 unit: axis.unit,
                 mean: axis.mean.unwrap_or(0.0),
                 chain: axis.chain,
-                coefficients: PerCoefficient::from_fn(|one| number(one, "value").unwrap_or(0.0)),
+                coefficients: PerCoefficient::from_fn(|one| value(one).unwrap_or(0.0)),
                 effects: Vec::new(),
             });
         }
