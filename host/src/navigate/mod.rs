@@ -12,6 +12,7 @@
 
 pub mod response;
 
+use crate::model::effect::Part;
 use crate::model::kernel::panels;
 use crate::model::law::Law;
 use crate::model::whole::ModelAxis;
@@ -66,10 +67,8 @@ pub fn growth(
     // Variances are linear in the squares of the coefficients: one law for each, and the effects.
     let alone = |coefficient: Coefficient| {
         let mut axis = axis.clone();
-        axis.effects.retain(|effect| match effect.part() {
-            crate::model::effect::Part::Term(_) => false,
-            crate::model::effect::Part::Distortion(_) => true,
-        });
+        axis.effects
+            .retain(|effect| matches!(effect.part(), Part::Distortion(_)));
         axis.coefficients = PerCoefficient::from_fn(|one| f64::from(u8::from(one == coefficient)));
         axis.law(rate_hz)
     };
@@ -238,8 +237,10 @@ mod tests {
         .expect("an axis");
         let axis = &model.axes[0];
         let mut squares = [0.0; 2];
-        for seed in SEED..SEED + RECORDS {
-            let mut simulation = Simulation::new(&model, c + n, seed).expect("a model");
+        // One long record in pieces: of what ties neighbours, nothing outlasts the alignment but
+        // flicker noise, faintly.
+        let mut simulation = Simulation::new(&model, RECORDS * (c + n), SEED).expect("a model");
+        for _ in 0..RECORDS {
             let column = simulation.next_columns((c + n) as usize).remove(0);
             let (before, after) = column.split_at(c as usize);
             let bias = before.iter().sum::<f64>() / c as f64;
@@ -257,12 +258,12 @@ mod tests {
             .zip(squares)
         {
             let predicted = growth(axis, &points(axis), integral, 100.0, 4.0, &[10.0])[0];
-            // Four sigma of a mean square of Gaussian numbers.
-            let tolerance = 4.0 * (2.0 / RECORDS as f64).sqrt();
+            // Five sigma of a mean square of independent Gaussian numbers.
+            let tolerance = 5.0 * (2.0 / RECORDS as f64).sqrt();
             let ratio = square / predicted.sigma.powi(2);
             assert!(
                 (ratio - 1.0).abs() < tolerance,
-                "{integral:?}, seeds from {SEED}: {ratio} of the predicted variance"
+                "{integral:?}, seed {SEED}: {ratio} of the predicted variance"
             );
         }
     }

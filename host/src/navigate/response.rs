@@ -35,7 +35,8 @@ pub struct Weights {
     pub n: f64,
 }
 
-/// Half turn below which the odd sum is taken from its series.
+/// Half turns over the whole sum below which the odd sum is taken from its series, relative
+/// error 1e-7.
 const SMALL: f64 = 1e-3;
 
 impl Weights {
@@ -49,7 +50,7 @@ impl Weights {
         let weights = match self.integral {
             Integral::Velocity => centre * even(self.n) - bias * self.n,
             Integral::Position => {
-                let sum = Complex::new(0.5 * self.n * even(self.n), -odd(self.n, x));
+                let sum = Complex::new(0.5 * self.n * even(self.n), odd(self.n, x));
                 centre * sum - bias * (0.5 * self.n * self.n)
             }
         };
@@ -68,7 +69,7 @@ impl Weights {
     }
 }
 
-/// `i sum j exp(-2 i x j)` over `count` numbers `j` one apart about zero.
+/// `sum j sin(2 x j)` over `count` numbers `j` one apart about zero.
 fn odd(count: f64, x: f64) -> f64 {
     if count * x < SMALL {
         return count * (count * count - 1.0) / 6.0 * x;
