@@ -92,18 +92,22 @@ impl<S: Sums, const LEVELS: usize> Engine<S, LEVELS> {
         if level as usize > LEVELS || index < self.start {
             return None;
         }
+        self.add_level(level, index);
+        self.history
+            .take_over(level, self.next, index, self.start)
+            .map(|(old, knot)| (level, old, knot))
+    }
+
+    /// Adds the differences of `level` that end at `index`.
+    #[inline]
+    fn add_level(&mut self, level: u32, index: u64) {
         let knot = |index| self.history.get(self.next, index);
-        for (lag, sums) in LEVEL_LAGS
-            .into_iter()
-            .zip(&mut self.levels[level as usize - 1])
-        {
+        let all = &mut self.levels[level as usize - 1];
+        for (lag, sums) in LEVEL_LAGS.into_iter().zip(all) {
             if !add_difference(self.start, lag << level, index, knot, sums) {
                 break;
             }
         }
-        self.history
-            .take_over(level, self.next, index, self.start)
-            .map(|(old, knot)| (level, old, knot))
     }
 
     /// Passes over `missing` samples that were not seen. No difference will span them.
@@ -112,8 +116,14 @@ impl<S: Sums, const LEVELS: usize> Engine<S, LEVELS> {
             return;
         }
         for level in 1..=LEVELS as u32 {
-            let settled = self.settled(level);
-            self.levels[level as usize - 1] = settled;
+            // No difference has room in the run, nor in those of the levels above.
+            if self.next - self.start < 2 * (LEVEL_LAGS[0] << level) {
+                break;
+            }
+            let (index, pending) = newest(level, self.next);
+            if pending {
+                self.add_level(level, index);
+            }
         }
         let next = self.next.saturating_add(missing).min(LAST_INDEX);
         let next = next.max(self.next);
@@ -158,20 +168,17 @@ impl<S: Sums, const LEVELS: usize> Engine<S, LEVELS> {
     /// a bijection of `h`, so a difference in a single word always shows.
     pub(crate) fn digest(&self) -> u64 {
         const MULTIPLIER: u64 = 0x9E37_79B9_7F4A_7C15;
-        let mut digest = 0_u64;
-        let mut enter = |word: u64| {
-            digest = (digest.rotate_left(29) ^ word).wrapping_mul(MULTIPLIER);
-        };
-        [
+        let enter =
+            |digest: u64, word: u64| (digest.rotate_left(29) ^ word).wrapping_mul(MULTIPLIER);
+        let position = [
             self.next,
             self.start,
             self.samples,
             self.running.knot().sum_word(),
-        ]
-        .into_iter()
-        .for_each(&mut enter);
-        for sums in self.ground.iter().chain(self.levels.iter().flatten()) {
-            sums.for_each_word(&mut enter);
+        ];
+        let mut digest = position.into_iter().fold(0, enter);
+        for sums in self.ground.iter().chain(self.levels.as_flattened()) {
+            digest = sums.fold_words(digest, enter);
         }
         digest ^ digest >> 32
     }

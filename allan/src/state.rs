@@ -54,7 +54,7 @@ impl<const LEVELS: usize> Bins<LEVELS> {
         .chain(halves(double))
         .for_each(&mut *visit);
         for sums in engine.ground.iter().chain(engine.levels.iter().flatten()) {
-            crate::sums::Sums::for_each_word(sums, &mut *visit);
+            crate::sums::Sums::fold_words(sums, (), |(), word| visit(word));
         }
         for (level, index) in History::<PairKnot, LEVELS>::slots(engine.next, engine.start) {
             let knot = engine.history.get_for(level, engine.next, index);

@@ -27,8 +27,8 @@ pub(crate) trait Sums: core::fmt::Debug + Copy + PartialEq {
     /// The estimate of one statistic, if any difference has entered it.
     fn estimate(&self, statistic: Statistic, m: u64, stride: u64) -> Option<Estimate>;
 
-    /// Calls `visit` with every word of the accumulated state, in a fixed order.
-    fn for_each_word(&self, visit: impl FnMut(u64));
+    /// Takes `start` through every word of the accumulated state, in a fixed order.
+    fn fold_words<T>(&self, start: T, enter: impl FnMut(T, u64) -> T) -> T;
 }
 
 /// Squared differences of one statistic and how many they were.
@@ -78,9 +78,10 @@ impl<const LIMBS: usize> Sum<LIMBS> {
         })
     }
 
-    fn for_each_word(&self, mut visit: impl FnMut(u64)) {
-        visit(self.terms);
-        self.squares.limbs().iter().copied().for_each(visit);
+    #[inline]
+    fn fold_words<T>(&self, start: T, mut enter: impl FnMut(T, u64) -> T) -> T {
+        let limbs = self.squares.limbs().iter().copied();
+        limbs.fold(enter(start, self.terms), enter)
     }
 }
 
@@ -117,8 +118,9 @@ impl Sums for AllanSums {
         }
     }
 
-    fn for_each_word(&self, visit: impl FnMut(u64)) {
-        self.allan.for_each_word(visit);
+    #[inline]
+    fn fold_words<T>(&self, start: T, enter: impl FnMut(T, u64) -> T) -> T {
+        self.allan.fold_words(start, enter)
     }
 }
 
@@ -183,10 +185,10 @@ impl Sums for FamilySums {
         }
     }
 
-    fn for_each_word(&self, mut visit: impl FnMut(u64)) {
-        self.allan.for_each_word(&mut visit);
-        self.modified.for_each_word(&mut visit);
-        self.hadamard.for_each_word(&mut visit);
+    fn fold_words<T>(&self, start: T, mut enter: impl FnMut(T, u64) -> T) -> T {
+        let allan = self.allan.fold_words(start, &mut enter);
+        let modified = self.modified.fold_words(allan, &mut enter);
+        self.hadamard.fold_words(modified, enter)
     }
 }
 

@@ -26,4 +26,4 @@ pub mod proof;
 pub mod ticks;
 
 pub use acquire::Instrument;
-pub use platform::{Board, Platform};
+pub use platform::{Board, Part, Platform};

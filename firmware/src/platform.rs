@@ -80,12 +80,36 @@ pub trait Platform {
     /// stack has to hold them, be it for a moment; what it held before does not matter.
     fn bins(&mut self) -> &mut ProofBins;
 
+    /// The instrument turns to another part of its work. Of no use on the board: it is for a
+    /// platform that counts what each part takes.
+    #[inline]
+    fn enter(&mut self, _part: Part) {}
+
     /// Restarts the watchdog's count; called in every step.
     fn feed_watchdog(&mut self);
 
     /// Restarts the board, so that [`Board::restart`] is [`Restart::Command`] afterwards. If
     /// it returns, the instrument does nothing more, and the watchdog is no longer fed.
     fn restart(&mut self);
+}
+
+/// Parts of the instrument's work while it streams.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Part {
+    /// Looking for edges, commands and deadlines, and everything that is not named below.
+    Rest,
+    /// From a stamp to the index, and three words from their buses.
+    Read,
+    /// What is wrong with the words.
+    Check,
+    /// The Allan bins of three axes.
+    Bins,
+    /// Gathering conversions, and framing and queueing a full batch.
+    Framing,
+    /// One register read back.
+    ReadBack,
+    /// The health record, with what is left of a batch and the digests of the bins.
+    Health,
 }
 
 /// What a board is.

@@ -278,7 +278,8 @@ fn health_comes_once_a_second_streaming_or_not() {
     assert!((10..=11).contains(&rig.health.len()));
     for pair in rig.health.windows(2) {
         let ticks = pair[1].stamp - pair[0].stamp;
-        assert!((999_000..1_002_000).contains(&ticks), "{ticks}");
+        // While streaming, the record waits for the first conversion of a batch, 32 of 0.5 ms.
+        assert!((980_000..1_020_000).contains(&ticks), "{ticks}");
     }
     assert!(rig.health[9].streaming && !rig.health[2].streaming);
     assert!(rig.health[9].index > 7000);

@@ -2,19 +2,25 @@
 //!
 //! The result is what `--json` writes (schema 1). Absent knowledge is `None`, `null` in JSON.
 
+use std::panic::resume_unwind;
+use std::thread::{self, ScopedJoinHandle};
+
 use inm_allan::Statistic;
 use serde::Serialize;
 
 use crate::bins::point::{self, Point};
+use crate::bins::read::read;
 pub use crate::bins::record::Overlap;
-use crate::bins::record::{AxisRecord, Record};
+use crate::bins::record::{Account, AxisRecord, Record};
 use crate::bins::taus::Taus;
 use crate::fit::design::Design;
-use crate::fit::{published, weighted};
+pub use crate::fit::likelihood::terms::{LikelihoodFit, LikelihoodValue};
+use crate::fit::{likelihood, published, weighted};
 use crate::model::kernel::Kernel;
 use crate::model::{Coefficient, PerCoefficient};
 use crate::signal::{Axis, Signal, Unit};
 use crate::source::{Source, SourceError};
+use crate::spectrum::{Bin, Estimate, Settings};
 
 /// Version of the JSON schema.
 pub const SCHEMA: u32 = 1;
@@ -101,8 +107,8 @@ pub struct AxisAnalysis {
     pub modified: Vec<CurvePoint>,
     /// Hadamard deviation.
     pub hadamard: Vec<CurvePoint>,
-    /// Spectral density; `None` where it was not estimated.
-    pub spectrum: Option<Vec<()>>,
+    /// Spectral density, by ascending frequency.
+    pub spectrum: Vec<SpectrumPoint>,
     /// The fits.
     pub fits: Fits,
     /// Predicted growth of the integral's error; `None` where it was not computed.
@@ -144,6 +150,19 @@ pub struct CurvePoint {
     pub white_bias: f64,
 }
 
+/// One bin of the spectrum.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SpectrumPoint {
+    /// Mean frequency, hertz.
+    pub f_hz: f64,
+    /// Two-sided density, squared unit of the signal per hertz.
+    pub psd: f64,
+    /// Lower end of its 95 % interval.
+    pub lo: f64,
+    /// Upper end of its 95 % interval.
+    pub hi: f64,
+}
+
 /// The fits of one axis; `None` where the record is too short for one.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Fits {
@@ -154,8 +173,8 @@ pub struct Fits {
     /// Error of the model's deviation that the weighted fit had to allow for at every point,
     /// percent; zero where the record follows the five terms.
     pub weighted_allowance_percent: Option<f64>,
-    /// By likelihood; `None` where it was not computed.
-    pub likelihood: Option<()>,
+    /// By likelihood, from the spectrum.
+    pub likelihood: Option<LikelihoodFit>,
 }
 
 /// A coefficient of the published fit.
@@ -187,14 +206,10 @@ pub struct WeightedValue {
 pub fn analyse(
     source: &mut dyn Source,
     options: &AnalysisOptions,
-    mut progress: impl FnMut(u64),
+    progress: impl FnMut(u64),
 ) -> Result<Analysis, SourceError> {
     let signal = source.signal().clone();
-    let mut record = Record::new(signal.axes.len(), options.overlap);
-    while let Some(chunk) = source.next_chunk()? {
-        record.push(chunk);
-        progress(record.account().samples);
-    }
+    let record = read(source, options.overlap, progress)?;
     Ok(summarise(&signal, &record, options))
 }
 
@@ -203,36 +218,50 @@ pub fn summarise(signal: &Signal, record: &Record, options: &AnalysisOptions) ->
     let account = record.account();
     let axes = signal.axes.iter().zip(record.axes());
     let analyse = |(axis, record)| analyse_axis(signal.rate_hz, axis, record, options);
+    // Each axis on a thread of its own.
+    let axes = thread::scope(|scope| {
+        let started: Vec<_> = axes
+            .map(|axis| scope.spawn(move || analyse(axis)))
+            .collect();
+        let joined = started.into_iter().map(ScopedJoinHandle::join);
+        let axes = joined.map(|one| one.unwrap_or_else(|panic| resume_unwind(panic)));
+        axes.collect()
+    });
     Analysis {
         schema: SCHEMA,
-        source: SourceSummary {
-            file: signal.name.clone(),
-            rate_hz: signal.rate_hz,
-            unit: signal.axes.first().map(|axis| axis.unit),
-            samples: account.samples,
-            duration_s: (account.samples + account.lost) as f64 / signal.rate_hz,
-            lost_samples: account.lost,
-            gaps: account
-                .gaps
-                .iter()
-                .map(|gap| {
-                    let samples = gap.to.map(|to| to.saturating_sub(gap.from));
-                    GapSummary {
-                        from_s: gap.from as f64 / signal.rate_hz,
-                        duration_s: samples.map(|samples| samples as f64 / signal.rate_hz),
-                        samples,
-                        cause: gap.cause.clone(),
-                    }
-                })
-                .collect(),
-            news: account.news.clone(),
-            chain: signal
-                .axes
-                .first()
-                .and_then(|axis| axis.chain.as_ref())
-                .map(ToString::to_string),
-        },
-        axes: axes.map(analyse).collect(),
+        source: summary(signal, account),
+        axes,
+    }
+}
+
+/// What was read, for the head of a result.
+pub fn summary(signal: &Signal, account: &Account) -> SourceSummary {
+    SourceSummary {
+        file: signal.name.clone(),
+        rate_hz: signal.rate_hz,
+        unit: signal.axes.first().map(|axis| axis.unit),
+        samples: account.samples,
+        duration_s: (account.samples + account.lost) as f64 / signal.rate_hz,
+        lost_samples: account.lost,
+        gaps: account
+            .gaps
+            .iter()
+            .map(|gap| {
+                let samples = gap.to.map(|to| to.saturating_sub(gap.from));
+                GapSummary {
+                    from_s: gap.from as f64 / signal.rate_hz,
+                    duration_s: samples.map(|samples| samples as f64 / signal.rate_hz),
+                    samples,
+                    cause: gap.cause.clone(),
+                }
+            })
+            .collect(),
+        news: account.news.clone(),
+        chain: signal
+            .axes
+            .first()
+            .and_then(|axis| axis.chain.as_ref())
+            .map(ToString::to_string),
     }
 }
 
@@ -272,12 +301,13 @@ fn analyse_axis(
             )
         })
         .collect();
+    let estimate = Estimate::new(record.cascade(), rate_hz, &Settings::default());
     let weighted = weighted::fit(&modified, rate_hz, &design);
     let fits = Fits {
         published: published::fit(&published_points).map(published_values),
         weighted: weighted.map(|fit| fit.coefficients),
         weighted_allowance_percent: weighted.map(|fit| 50.0 * fit.allowance),
-        likelihood: None,
+        likelihood: likelihood::terms::fit(record.cascade(), &estimate, axis.scale, &design),
     };
     AxisAnalysis {
         name: axis.name.clone(),
@@ -292,9 +322,24 @@ fn analyse_axis(
         allan: curve(&allan),
         modified: curve(&modified),
         hadamard: curve(&points(Statistic::Hadamard)),
-        spectrum: None,
+        spectrum: spectrum(&estimate, axis.scale),
         velocity_error: None,
     }
+}
+
+fn spectrum(estimate: &Estimate, units_per_count: f64) -> Vec<SpectrumPoint> {
+    let squared = units_per_count * units_per_count;
+    let point = |bin: &Bin| {
+        let psd = squared * bin.psd;
+        let (lo, hi) = point::interval(psd, bin.edf);
+        SpectrumPoint {
+            f_hz: bin.f_hz,
+            psd,
+            lo: lo * lo,
+            hi: hi * hi,
+        }
+    };
+    estimate.bins.iter().map(point).collect()
 }
 
 fn curve(points: &[Point]) -> Vec<CurvePoint> {

@@ -11,13 +11,15 @@ use crate::tools::TARGET;
 /// Profile of the images; link-time optimisation cannot be set for one package.
 const PROFILE: &str = "firmware";
 
-/// The two images: one source, two machines below it.
+/// The images: one source, two machines below it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Image {
     /// For the STM32F405RG.
     Board,
     /// For QEMU's model of it, converters emulated inside.
     Qemu,
+    /// The same, counting its instructions.
+    Count,
 }
 
 impl Image {
@@ -26,6 +28,15 @@ impl Image {
         match self {
             Self::Board => "inm-board",
             Self::Qemu => "inm-board-qemu",
+            Self::Count => "inm-count",
+        }
+    }
+
+    /// The program it is made of.
+    fn program(self) -> &'static str {
+        match self {
+            Self::Board | Self::Qemu => "inm-board",
+            Self::Count => "inm-count",
         }
     }
 
@@ -33,7 +44,7 @@ impl Image {
     pub fn features(self) -> &'static [&'static str] {
         match self {
             Self::Board => &[],
-            Self::Qemu => &["--features", "qemu"],
+            Self::Qemu | Self::Count => &["--features", "qemu"],
         }
     }
 
@@ -44,16 +55,15 @@ impl Image {
     /// # Errors
     /// The build fails, or the copy.
     pub fn build(self) -> Result<PathBuf> {
-        run(
-            cargo(&["build", "--package", "inm-firmware", "--bin", "inm-board"])
-                .args(["--target", TARGET, "--profile", PROFILE])
-                .args(self.features()),
-        )?;
+        run(cargo(&["build", "--package", "inm-firmware"])
+            .args(["--bin", self.program()])
+            .args(["--target", TARGET, "--profile", PROFILE])
+            .args(self.features()))?;
         let target = match std::env::var_os("CARGO_TARGET_DIR") {
             Some(folder) => root().join(folder),
             None => root().join("target"),
         };
-        let built = target.join(TARGET).join(PROFILE).join("inm-board");
+        let built = target.join(TARGET).join(PROFILE).join(self.program());
         let kept = target.join("image").join(self.name());
         fs::create_dir_all(target.join("image"))?;
         fs::copy(&built, &kept)

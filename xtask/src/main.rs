@@ -5,6 +5,8 @@
 //!   test      every check and every test, what is missing installed first
 //!   firmware  the image for the board
 //!   size      flash and RAM of both images against their budgets
+//!   instructions
+//!             what a conversion takes of the processor, counted under QEMU
 //!   bench     the estimators beside other programs
 //!   study     simulations too long for every test run
 //!
@@ -16,6 +18,7 @@ mod bench;
 mod elf;
 mod firmware;
 mod image;
+mod instructions;
 mod run;
 mod size;
 mod study;
@@ -30,6 +33,8 @@ usage: cargo xtask <command>
   test       every check and every test; installs the thumb target and QEMU if they are missing
   firmware   builds the image for the board and says where it is
   size       flash and RAM of both images, by section and symbol, held to their budgets
+  instructions
+             what a conversion takes of the processor at 4000/s, counted under QEMU
   bench      speed and memory of the estimators beside other programs; minutes
   study intervals
              coverage of the 95 % intervals over thousands of simulated records; minutes
@@ -41,6 +46,7 @@ fn main() -> ExitCode {
         ["test"] => test::run(),
         ["firmware"] => firmware::run(),
         ["size"] => size::run(),
+        ["instructions"] => instructions::run(),
         ["bench"] => bench::run(),
         ["study", "intervals"] => study::intervals(),
         [] | ["help" | "--help" | "-h"] => {

@@ -30,7 +30,7 @@ const fn budget(image: Image) -> Budget {
             ram: BINS + 16 * 1024,
         },
         // The emulator's filters and its tables come on top.
-        Image::Qemu => Budget {
+        Image::Qemu | Image::Count => Budget {
             flash: 96 * 1024,
             ram: BINS + 32 * 1024,
         },

@@ -10,6 +10,7 @@ use anyhow::Result;
 
 use crate::elf::Elf;
 use crate::image::Image;
+use crate::instructions;
 use crate::run::{cargo, run as execute};
 use crate::size;
 use crate::tools::{TARGET, ensure_qemu, ensure_target};
@@ -32,6 +33,7 @@ pub fn run() -> Result<()> {
     check_for_the_board()?;
     check_image(Image::Board)?;
     let qemu = check_image(Image::Qemu)?;
+    instructions::check()?;
     check_on_the_host()?;
     execute(&mut cargo(&["test", "--workspace"]))?;
     test_image(&qemu)

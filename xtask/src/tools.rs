@@ -9,7 +9,8 @@ use crate::run::{output, run};
 /// The board's target.
 pub const TARGET: &str = "thumbv7em-none-eabihf";
 
-const QEMU: &str = "qemu-system-arm";
+/// The machine that the image is tested in.
+pub const QEMU: &str = "qemu-system-arm";
 
 /// Sees to the target's standard library.
 ///

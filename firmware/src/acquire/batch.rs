@@ -52,6 +52,11 @@ impl Batcher {
         }
     }
 
+    /// Conversions in the batch.
+    pub(super) fn len(&self) -> usize {
+        self.batch.codes.len()
+    }
+
     /// The batch as far as it is filled; `None` if it is empty.
     pub(super) fn take(&mut self) -> Option<Batch> {
         if self.batch.codes.is_empty() {

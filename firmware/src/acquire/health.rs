@@ -1,26 +1,59 @@
 //! The record that is sent once a second.
 
-use inm_protocol::{Health, LinkCounters};
+use inm_protocol::{BATCH_LEN, BinsMark, Health, LinkCounters};
 
-use super::Instrument;
-use crate::Platform;
+use super::{Instrument, Stage};
+use crate::{Part, Platform};
+
+/// Data periods that a record waits for its place in the stream: a batch begins in each
+/// [`BATCH_LEN`], unless conversions have stopped.
+const PATIENCE: u32 = 2 * BATCH_LEN as u32;
 
 impl<P: Platform> Instrument<P> {
-    /// Sends the record that is due now.
-    pub(super) fn report_health(&mut self, now: u64) {
+    /// Works on the record that is due, `converted` telling whether this step has read a
+    /// conversion; `true` if there was something to do.
+    ///
+    /// A step that did all of it would cost a conversion at 4000/s. While conversions come the
+    /// bins are marked behind the first of a batch, when little waits to be framed, and the
+    /// record leaves behind the next.
+    pub(super) fn report_health(&mut self, converted: bool, now: u64) -> bool {
+        let overdue = now >= self.next_health + self.clock.periods(PATIENCE);
+        if matches!(self.stage, Stage::Stream) && self.mark.is_none() && !overdue {
+            if !converted || self.batcher.len() != 1 {
+                return false;
+            }
+            self.platform.enter(Part::Health);
+            self.mark = self.mark_bins();
+            self.platform.enter(Part::Rest);
+            if self.mark.is_some() {
+                return true;
+            }
+        } else if self.mark.is_some() && !converted && !overdue {
+            return false;
+        }
         let second = u64::from(self.board.timer_hz);
         self.next_health += second;
         if self.next_health <= now {
             // The board was held up for more than a second.
             self.next_health = now + second;
         }
-        self.send_health(now);
+        let mark = self.mark.take();
+        self.send_health(now, mark);
+        true
     }
 
-    /// Sends a health record, behind all conversions that were read: what it says of the bins
-    /// can be compared as soon as it arrives.
-    pub(super) fn send_health(&mut self, now: u64) {
+    /// Sends what has been gathered, so that the host can compare the bins as soon as it is told
+    /// what they hold; `None` if they have not begun.
+    fn mark_bins(&mut self) -> Option<BinsMark> {
         self.flush_batch();
+        self.platform.bins().mark(self.position.next_index())
+    }
+
+    /// Sends a health record. It carries the mark that was taken of the bins, or one behind all
+    /// conversions that were read.
+    pub(super) fn send_health(&mut self, now: u64, mark: Option<BinsMark>) {
+        self.platform.enter(Part::Health);
+        let mark = mark.or_else(|| self.mark_bins());
         let streaming = self.is_streaming();
         let stack = self.platform.stack();
         let index = if streaming {
@@ -40,9 +73,10 @@ impl<P: Platform> Instrument<P> {
             lost_conversions: self.lost_conversions,
             stack_used: stack.used,
             stack_size: stack.size,
-            bins: self.platform.bins().mark(index).filter(|_| streaming),
+            bins: mark.filter(|_| streaming),
         };
         self.outbox.health(&mut self.platform, health);
+        self.platform.enter(Part::Rest);
     }
 
     fn link_counters(&self) -> LinkCounters {

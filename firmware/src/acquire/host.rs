@@ -85,6 +85,7 @@ impl<P: Platform> Instrument<P> {
         let ahead = u64::from(conversions_hz(self.settings));
         let epoch = self.position.next_index() + ahead;
         self.platform.bins().begin(epoch);
+        self.mark = None;
         epoch
     }
 

@@ -24,7 +24,7 @@ mod recover;
 mod stream;
 
 use embedded_hal::digital::OutputPin;
-use inm_protocol::{AXES, Decoder, REGISTERS, Settings, Trouble};
+use inm_protocol::{AXES, BinsMark, Decoder, REGISTERS, Settings, Trouble};
 
 use crate::ads1281::calibrate::Calibration;
 use crate::ads1281::config::Config;
@@ -104,6 +104,9 @@ pub struct Instrument<P: Platform> {
     decoder: Decoder<COMMAND_FRAME>,
     /// Timer of the next health record, ticks.
     next_health: u64,
+    /// The bins as the record on its way will tell of them. Nothing of the stream is sent
+    /// between the two.
+    mark: Option<BinsMark>,
 }
 
 impl<P: Platform> Instrument<P> {
@@ -135,6 +138,7 @@ impl<P: Platform> Instrument<P> {
             outbox: Outbox::new(),
             decoder: Decoder::with_capacity(),
             next_health: power_up,
+            mark: None,
         }
     }
 
@@ -155,8 +159,7 @@ impl<P: Platform> Instrument<P> {
         busy |= self.serve_host(now);
         busy |= self.outbox.flush(&mut self.platform);
         if now >= self.next_health {
-            self.report_health(now);
-            busy = true;
+            busy |= self.report_health(edge.is_some(), now);
         }
         busy
     }

@@ -123,7 +123,7 @@ impl<P: Platform> Instrument<P> {
     /// the host can prove the stream to its end.
     pub(super) fn end_stream(&mut self, now: u64) {
         if self.is_streaming() {
-            self.send_health(now);
+            self.send_health(now, None);
             self.stage = Stage::Idle;
         }
     }

@@ -7,7 +7,7 @@ use super::batch::Conversion;
 use super::clock::Interval;
 use super::read_back::Rounds;
 use super::{Instrument, Job, Stage};
-use crate::Platform;
+use crate::{Part, Platform};
 
 /// Where the stream stands.
 #[derive(Debug, Clone, Copy, Default)]
@@ -30,6 +30,7 @@ impl<P: Platform> Instrument<P> {
         self.rounds = Rounds::default();
         self.batcher.restart();
         self.platform.bins().begin(0);
+        self.mark = None;
         self.lost_conversions = 0;
         self.recovering = [false; AXES];
         for axis in &mut self.axes {
@@ -41,6 +42,12 @@ impl<P: Platform> Instrument<P> {
 
     /// Reads the conversion that X's DRDY announced at `stamp`.
     pub(super) fn conversion(&mut self, stamp: u64) {
+        self.platform.enter(Part::Read);
+        self.take_conversion(stamp);
+        self.platform.enter(Part::Rest);
+    }
+
+    fn take_conversion(&mut self, stamp: u64) {
         let (index, interval) = match self.position.last {
             None => (0, Interval::Next),
             Some((index, last)) => match self.clock.between(last, stamp) {
@@ -64,7 +71,9 @@ impl<P: Platform> Instrument<P> {
         let mut troubles = [None; AXES];
         let conversion = self.read_axes(index, stamp, &mut troubles);
         let Conversion { codes, flags, .. } = &conversion;
+        self.platform.enter(Part::Bins);
         self.platform.bins().conversion(index, codes, flags);
+        self.platform.enter(Part::Framing);
         if let Some(batch) = self.batcher.push(&conversion) {
             self.outbox.batch(&mut self.platform, batch);
         }
@@ -81,6 +90,7 @@ impl<P: Platform> Instrument<P> {
                 }
             }
         }
+        self.platform.enter(Part::ReadBack);
         self.read_back(stamp);
     }
 
@@ -116,11 +126,13 @@ impl<P: Platform> Instrument<P> {
         let axes = self.axes.iter_mut().zip(&mut self.converters);
         for (axis, (state, converter)) in axes.enumerate() {
             // Later, the next word would be taken for this one.
+            self.platform.enter(Part::Read);
             let in_time = self.clock.in_time_to_read(stamp, self.platform.now());
-            let judgement = if state.is_running() && in_time {
-                state.judge(converter.take_new(), output)
-            } else {
-                state.absent()
+            let reading = (state.is_running() && in_time).then(|| converter.take_new());
+            self.platform.enter(Part::Check);
+            let judgement = match reading {
+                Some(reading) => state.judge(reading, output),
+                None => state.absent(),
             };
             if state.has_just_missed() {
                 self.rounds.suspect(axis);
@@ -148,6 +160,8 @@ impl<P: Platform> Instrument<P> {
 
     /// Sends what has been gathered: a gap follows, or the end.
     pub(super) fn flush_batch(&mut self) {
+        // The host will be past what was marked when it hears of it.
+        self.mark = None;
         if let Some(batch) = self.batcher.take() {
             self.outbox.batch(&mut self.platform, batch);
         }

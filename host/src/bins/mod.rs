@@ -5,6 +5,7 @@ pub mod bridge;
 pub mod full;
 pub mod identify;
 pub mod point;
+pub mod read;
 pub mod record;
 pub mod strided;
 pub mod taus;

@@ -5,7 +5,7 @@ use inm_allan::{BlockEstimate, Estimate, Statistic};
 use super::bridge::Bridge;
 use super::full::Segments;
 use super::strided::Strided;
-use crate::source::{Block, Chunk, Column, Gap, Values};
+use crate::source::{Chunk, Column, Gap, Values};
 use crate::spectrum::{Cascade, Plan};
 
 /// Which differences enter an estimate.
@@ -52,6 +52,15 @@ pub struct AxisRecord {
     sum: Sum,
 }
 
+/// What is missing from all axes.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Missing {
+    /// So many samples, perhaps none.
+    Samples(u64),
+    /// Nobody knows how many.
+    Unknown,
+}
+
 enum AxisBins {
     Strided(Strided),
     Full(Segments),
@@ -82,45 +91,46 @@ impl Record {
 
     /// Takes the next chunk of a source.
     pub fn push(&mut self, chunk: Chunk) {
-        match chunk {
-            Chunk::Samples(block) => self.push_block(&block),
-            Chunk::Gap(gap) => {
-                self.account.lost += gap.to.map_or(0, |to| to.saturating_sub(gap.from));
-                if gap.to.is_none() {
-                    // A new count begins: what its first index is does not matter.
-                    self.restart();
-                    self.next = None;
-                }
-                self.account.gaps.push(gap);
-            }
-            Chunk::News(news) => self.account.news.push(news),
+        let (missing, columns) = self.enter(chunk);
+        for axis in &mut self.axes {
+            axis.pass_over(missing);
         }
-    }
-
-    fn push_block(&mut self, block: &Block) {
-        // Indices jump where samples are missing, told by a gap or not.
-        match self.next {
-            Some(next) if block.first > next => self.skip(block.first - next),
-            Some(next) if block.first < next => self.restart(),
-            _ => {}
-        }
-        self.next = Some(block.end());
-        self.account.samples += block.len() as u64;
-        for (axis, column) in self.axes.iter_mut().zip(&block.columns) {
+        for (axis, column) in self.axes.iter_mut().zip(&columns) {
             axis.push(column);
         }
     }
 
-    fn skip(&mut self, missing: u64) {
-        self.axes.iter_mut().for_each(|axis| axis.skip(missing));
-    }
-
-    /// A gap of unknown length.
-    fn restart(&mut self) {
-        for axis in &mut self.axes {
-            axis.bins.skip(1);
-            axis.bridge.restart();
-            axis.position += 1;
+    /// Enters a chunk into the account: what is missing from all axes ahead of it, and the column
+    /// of each axis, if it has any.
+    pub(super) fn enter(&mut self, chunk: Chunk) -> (Missing, Vec<Column>) {
+        match chunk {
+            Chunk::Samples(block) => {
+                // Indices jump where samples are missing, told by a gap or not.
+                let missing = match self.next {
+                    Some(next) if block.first < next => Missing::Unknown,
+                    Some(next) => Missing::Samples(block.first - next),
+                    None => Missing::Samples(0),
+                };
+                self.next = Some(block.end());
+                self.account.samples += block.len() as u64;
+                (missing, block.columns)
+            }
+            Chunk::Gap(gap) => {
+                self.account.lost += gap.to.map_or(0, |to| to.saturating_sub(gap.from));
+                let missing = if gap.to.is_none() {
+                    // A new count begins: what its first index is does not matter.
+                    self.next = None;
+                    Missing::Unknown
+                } else {
+                    Missing::Samples(0)
+                };
+                self.account.gaps.push(gap);
+                (missing, Vec::new())
+            }
+            Chunk::News(news) => {
+                self.account.news.push(news);
+                (Missing::Samples(0), Vec::new())
+            }
         }
     }
 
@@ -133,10 +143,28 @@ impl Record {
     pub fn axes(&self) -> &[AxisRecord] {
         &self.axes
     }
+
+    /// The axes, to be filled elsewhere and put back.
+    pub(super) fn axes_mut(&mut self) -> &mut Vec<AxisRecord> {
+        &mut self.axes
+    }
 }
 
 impl AxisRecord {
-    fn push(&mut self, column: &Column) {
+    /// A gap in all axes.
+    pub(super) fn pass_over(&mut self, missing: Missing) {
+        match missing {
+            Missing::Samples(missing) => self.skip(missing),
+            Missing::Unknown => {
+                self.bins.skip(1);
+                self.bridge.restart();
+                self.position += 1;
+            }
+        }
+    }
+
+    /// The next samples.
+    pub(super) fn push(&mut self, column: &Column) {
         let end = column.values.len();
         let mut from = 0;
         for bad in column
@@ -309,6 +337,7 @@ impl Sum {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::source::Block;
 
     fn floats(first: u64, values: &[f64], invalid: Vec<std::ops::Range<usize>>) -> Chunk {
         let column = Column {

@@ -1,10 +1,11 @@
 //! The command line: one file per subcommand.
 //!
-//! Exit status: 0 done; 2 bad usage or input, with a message that names the place and the remedy.
+//! Exit status: 0 done; 1 `diagnose` left something unexplained; 2 bad usage or input, with a message that names the place and the remedy.
 
 pub mod analyze;
 pub mod board;
 pub mod demo;
+pub mod diagnose;
 pub mod export;
 #[cfg(feature = "flash")]
 pub mod flash;
@@ -42,6 +43,8 @@ enum Command {
     Live(live::LiveCommand),
     /// Allan deviation and noise coefficients of a record.
     Analyze(analyze::Analyze),
+    /// What the simulation gets wrong about a record, why, and what mending it gains.
+    Diagnose(diagnose::DiagnoseCommand),
     /// Data from a noise model.
     Simulate(simulate::Simulate),
     /// A noise model in the format of another program.
@@ -60,14 +63,20 @@ pub fn main() -> ExitCode {
         Command::Record(command) => command.run(),
         Command::Live(command) => command.run(),
         Command::Analyze(command) => command.run(),
+        Command::Diagnose(command) => return finish(command.run()),
         Command::Simulate(command) => command.run(),
         Command::Export(command) => command.run(),
         Command::Replay(command) => command.run(),
         #[cfg(feature = "flash")]
         Command::Flash(command) => command.run(),
     };
+    finish(result.map(|()| ExitCode::SUCCESS))
+}
+
+/// Status of the process for the outcome of a subcommand.
+fn finish(result: anyhow::Result<ExitCode>) -> ExitCode {
     match result {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(code) => code,
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             // The whole chain of causes on one line.

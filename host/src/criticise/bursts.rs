@@ -40,6 +40,8 @@ pub struct Burst {
     pub end_sd: f64,
     /// Gain in log-likelihood.
     pub nats: f64,
+    /// The same on blocks that the factor was not fitted to.
+    pub held_nats: f64,
     /// Probability of as large a gain anywhere in steady noise.
     pub p_value: f64,
 }
@@ -95,10 +97,7 @@ pub fn burst(powers: &Powers, level: f64) -> Option<Burst> {
         let reach = range.len().max(4);
         let starts = range.start.saturating_sub(reach)..range.end;
         range.start = starts
-            .max_by(|&a, &b| {
-                sums.gain(a..range.end)
-                    .total_cmp(&sums.gain(b..range.end))
-            })
+            .max_by(|&a, &b| sums.gain(a..range.end).total_cmp(&sums.gain(b..range.end)))
             .unwrap_or(range.start);
         let ends = range.start + 1..=(range.end + reach).min(blocks);
         range.end = ends
@@ -125,8 +124,29 @@ pub fn burst(powers: &Powers, level: f64) -> Option<Burst> {
         // A change of variance is placed to within a few of 1 / Kullback-Leibler divergence.
         end_sd: (BLOCK as f64).hypot(2.0 / (0.5 * (ratio - 1.0 - ratio.ln())).max(1e-6)),
         nats,
+        held_nats: held_out(powers, &range),
         p_value,
     })
+}
+
+/// Gain in log-likelihood of the odd blocks for variances within and outside of `range` that are
+/// fitted to the even ones, over one variance for all.
+fn held_out(powers: &Powers, range: &Range<usize>) -> f64 {
+    let half = |parity: usize| {
+        let mut half = powers.clone();
+        for count in half.counts.iter_mut().skip(1 - parity).step_by(2) {
+            *count = 0.0;
+        }
+        Sums::new(&half).both(range.clone())
+    };
+    let ((inside, n), (outside, m)) = half(0);
+    let all = (inside * n + outside * m) / (n + m);
+    let ((held_inside, n), (held_outside, m)) = half(1);
+    let score =
+        |count: f64, square: f64, variance: f64| -0.5 * count * (variance.ln() + square / variance);
+    score(n, held_inside, inside) + score(m, held_outside, outside)
+        - score(n, held_inside, all)
+        - score(m, held_outside, all)
 }
 
 /// How the power of the noise moves in time, apart from single stretches.
@@ -208,7 +228,10 @@ impl Sums {
     fn both(&self, range: Range<usize>) -> ((f64, f64), (f64, f64)) {
         let within = |sums: &[f64]| sums[range.end] - sums[range.start];
         let (square, count) = (within(&self.squares), within(&self.counts));
-        let all = (self.squares[self.squares.len() - 1], self.counts[self.counts.len() - 1]);
+        let all = (
+            self.squares[self.squares.len() - 1],
+            self.counts[self.counts.len() - 1],
+        );
         let rest = (all.0 - square, all.1 - count);
         (
             (square / count.max(1.0), count),

@@ -39,9 +39,7 @@ pub fn stale(values: &[f64], grid: Option<f64>, level: f64) -> Option<Stale> {
     let repeats = pairs().filter(|pair| pair[0] == pair[1]).count() as f64;
     let chance = grid.map_or(0.0, |grid| {
         let at = |steps: f64| {
-            let near = |pair: &&[f64]| {
-                ((pair[1] - pair[0]).abs() / grid - steps).abs() < 0.5
-            };
+            let near = |pair: &&[f64]| ((pair[1] - pair[0]).abs() / grid - steps).abs() < 0.5;
             0.5 * pairs().filter(near).count() as f64
         };
         let (one, two) = (at(1.0), at(2.0));

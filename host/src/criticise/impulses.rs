@@ -5,7 +5,7 @@
 //! differenced noise it is far smaller than the noise itself.
 
 use super::tail;
-use super::whole::{Impulse, Whole, matched};
+use super::whole::{Half, Impulse, Whole, matched};
 
 /// Largest number of outliers that are looked for; beyond it is another kind of record.
 const MOST: usize = 1 << 14;
@@ -31,8 +31,8 @@ pub struct Outliers {
     pub found: Vec<Outlier>,
     /// Probability that noise has a sample as far out anywhere.
     pub p_value: f64,
-    /// Size from which one is seen.
-    pub threshold: f64,
+    /// Gain in log-likelihood on ordinates that the sizes were not fitted to.
+    pub nats: f64,
 }
 
 /// Looks for outliers at a family-wise `level`, in noise of the densities `density` at the
@@ -46,7 +46,7 @@ pub fn outliers(
     level: f64,
     usable: impl Fn(usize) -> bool,
 ) -> Outliers {
-    let filter = matched(whole, density, &Impulse);
+    let filter = matched(whole, density, &Impulse, Half::Both);
     let spread = middle_spread(&filter.z).max(1.0);
     let threshold = tail::threshold(level, whole.len(), f64::INFINITY);
     let mut z = filter.z;
@@ -77,11 +77,55 @@ pub fn outliers(
         }
     }
     found.sort_by_key(|outlier| outlier.index);
+    let nats = if found.is_empty() {
+        0.0
+    } else {
+        let seen = matched(whole, density, &Impulse, Half::Even);
+        let held = matched(whole, density, &Impulse, Half::Odd);
+        let gain = |outlier: &Outlier| {
+            // Sizes in the held half's own standard deviations.
+            let size = seen.z[outlier.index] * seen.size_sd / held.size_sd;
+            size * held.z[outlier.index] - 0.5 * size * size
+        };
+        found.iter().map(gain).sum()
+    };
     Outliers {
         p_value: tail::highest(highest, whole.len(), f64::INFINITY),
-        threshold: threshold * spread * filter.size_sd,
+        nats,
         found,
     }
+}
+
+/// How much the samples at `indices` differ from what all others predict for them.
+pub fn sizes_at(whole: &Whole, density: &[f64], indices: &[usize]) -> Vec<Outlier> {
+    /// Rounds in which neighbours settle what is whose.
+    const ROUNDS: usize = 4;
+    let filter = matched(whole, density, &Impulse, Half::Both);
+    let answer = answer(whole, density);
+    let mut heights = vec![0.0; indices.len()];
+    for _ in 0..ROUNDS {
+        for (number, &index) in indices.iter().enumerate() {
+            let mut height = filter.z[index];
+            let before = indices[..number].iter().zip(&heights).rev();
+            let after = indices[number + 1..].iter().zip(&heights[number + 1..]);
+            for (&other, other_height) in before.take_while(|(other, _)| index - **other <= REACH) {
+                height -= other_height * answer[index - other];
+            }
+            for (&other, other_height) in after.take_while(|(other, _)| **other - index <= REACH) {
+                height -= other_height * answer[other - index];
+            }
+            heights[number] = height;
+        }
+    }
+    indices
+        .iter()
+        .zip(heights)
+        .map(|(&index, height)| Outlier {
+            index,
+            size: height * filter.size_sd,
+            size_sd: filter.size_sd,
+        })
+        .collect()
 }
 
 /// The filter's answer to one sample of size one, from that moment on, over its peak.
@@ -98,7 +142,11 @@ fn answer(whole: &Whole, density: &[f64]) -> Vec<f64> {
             let (step, mut before, mut now) = ((turn * lag as f64).cos(), 1.0, 0.0);
             let mut sum = 0.0;
             for (k, weight) in weights.iter().enumerate() {
-                let next = if k == 0 { step } else { 2.0 * step * now - before };
+                let next = if k == 0 {
+                    step
+                } else {
+                    2.0 * step * now - before
+                };
                 if k > 0 {
                     before = now;
                 }

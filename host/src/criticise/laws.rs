@@ -1,259 +1,318 @@
 //! Effects that change the spectrum's shape: search of their parameters by likelihood.
+//!
+//! The sizes of additive laws enter linearly, beside the five terms; shapes (corners, widths,
+//! exponents) are moved by turns in their logarithms until nothing gains.
 
+use nalgebra::DMatrix;
+
+use super::frame::Frame;
 use super::tail;
-use super::whittle::{Fitted, Frame};
+use crate::fit::likelihood::{Data, Fit, maximise};
+use crate::model::effect::{Band, Effect, Part};
 
-/// One more law beside the five terms and the effects accepted so far.
+/// Smallest step in the logarithm of a shape.
+const FINEST: f64 = 2e-3;
+
+/// Gain in log-likelihood that is worth a move.
+const WORTH: f64 = 1e-3;
+
+/// Searches of shape that are as good as independent, an octave of the band.
+const TRIALS_PER_OCTAVE: f64 = 2.0;
+
+/// An effect with its values; the size, if it has one, is 1 and its square is a component.
+#[derive(Clone)]
 pub struct Law {
-    /// Name of the effect.
-    pub effect: &'static str,
-    /// Shapes from which the search begins.
-    pub starts: Vec<Vec<f64>>,
-    /// Lowest and highest value of each shape parameter.
-    pub bounds: Vec<(f64, f64)>,
-    /// How it acts for a shape.
-    pub action: Action,
-    /// Places of the search that count as independent.
-    pub trials: f64,
-}
-
-/// Two-sided density or power at a frequency, for a shape.
-pub type ShapeFn = Box<dyn Fn(&[f64], f64) -> f64 + Sync>;
-
-/// How a law acts.
-pub enum Action {
-    /// Adds a process of this density, ahead of the chain, times a squared coefficient.
-    Adds(ShapeFn),
-    /// Multiplies all that is there by this power.
-    Multiplies(ShapeFn),
-}
-
-/// A law with the parameters that fit best.
-#[derive(Debug, Clone)]
-pub struct Best {
-    /// Shape parameters.
-    pub shape: Vec<f64>,
-    /// Standard deviations of their logarithms; infinite where the data do not tell.
-    pub log_sd: Vec<f64>,
-    /// The fit with it; the law's own squared coefficient last, if it has one.
-    pub fitted: Fitted,
-    /// Standard deviation of the law's own squared coefficient over itself, shapes free.
-    pub squared_log_sd: f64,
-    /// Gain in log-likelihood over the fit without.
-    pub nats: f64,
-    /// Probability of as large a gain where the law is absent.
-    pub p_value: f64,
-}
-
-/// What is in the model already: additive components, then factors on all of them.
-pub struct Present {
-    /// Expectations of each additive component at coefficient 1.
-    pub components: Vec<Vec<f64>>,
-    /// The same for any further factor on the spectrum.
-    pub through: Box<dyn Fn(&dyn Fn(f64) -> f64) -> Vec<Vec<f64>>>,
-    /// Power of the factors accepted so far.
-    pub power: Box<dyn Fn(f64) -> f64>,
+    /// The kind of effect.
+    pub effect: &'static dyn Effect,
+    /// All its parameters.
+    pub values: Vec<f64>,
 }
 
 impl Law {
-    fn fit(&self, frame: &Frame, psd: &[f64], present: &Present, shape: &[f64]) -> Option<Fitted> {
-        match &self.action {
-            Action::Adds(density) => {
-                let mut components = present.components.clone();
-                components.push(frame.expect(|f_hz| density(shape, f_hz) * (present.power)(f_hz)));
-                frame.fit(psd, &components)
-            }
-            Action::Multiplies(power) => {
-                let components = (present.through)(&|f_hz| power(shape, f_hz));
-                frame.fit(psd, &components)
-            }
-        }
+    /// Places of the parameters that are not the size.
+    pub fn shape(&self) -> impl Iterator<Item = usize> + use<> {
+        let size = self.effect.size();
+        (0..self.values.len()).filter(move |&place| Some(place) != size)
     }
 
-    /// The shape that fits best.
-    pub fn search(
-        &self,
-        frame: &Frame,
-        psd: &[f64],
-        present: &Present,
-        base: &Fitted,
-    ) -> Option<Best> {
-        let value = |shape: &[f64]| self.fit(frame, psd, present, shape);
-        let mut best: Option<(Vec<f64>, Fitted)> = None;
-        for start in &self.starts {
-            let Some(fitted) = value(start) else { continue };
-            if best
-                .as_ref()
-                .is_none_or(|(_, best)| fitted.log_likelihood > best.log_likelihood)
-            {
-                best = Some((start.clone(), fitted));
-            }
-        }
-        let (mut shape, mut fitted) = best?;
-        // By turns along each axis of the logarithms, halving the step when neither way gains.
-        let mut step = 0.3;
-        while step > 1e-3 {
-            let mut gained = false;
-            for axis in 0..shape.len() {
-                for factor in [f64::exp(step), f64::exp(-step)] {
-                    let mut trial = shape.clone();
-                    trial[axis] =
-                        (trial[axis] * factor).clamp(self.bounds[axis].0, self.bounds[axis].1);
-                    let Some(next) = value(&trial) else { continue };
-                    if next.log_likelihood > fitted.log_likelihood + 1e-6 {
-                        (shape, fitted) = (trial, next);
-                        gained = true;
-                        break;
-                    }
-                }
-            }
-            if !gained {
-                step *= 0.5;
-            }
-        }
-        let nats = fitted.log_likelihood - base.log_likelihood;
-        let freedom = shape.len() as f64 + if matches!(self.action, Action::Adds(_)) { 1.0 } else { 0.0 };
-        let p_value = tail::searched(tail::chi_squared(2.0 * nats, freedom), self.trials);
-        let (log_sd, squared_log_sd) = self.uncertainty(frame, psd, present, &shape, &fitted);
-        Some(Best {
-            shape,
-            log_sd,
-            fitted,
-            squared_log_sd,
-            nats,
-            p_value,
-        })
-    }
-
-    /// Standard deviations from the curvature of the likelihood: of the logarithms of the shape
-    /// (everything else free), and of the law's own coefficient.
-    fn uncertainty(
-        &self,
-        frame: &Frame,
-        psd: &[f64],
-        present: &Present,
-        shape: &[f64],
-        fitted: &Fitted,
-    ) -> (Vec<f64>, f64) {
-        let moved = |axis: usize, factor: f64| {
-            let mut trial = shape.to_vec();
-            trial[axis] *= factor;
-            trial
-        };
-        let log_sd: Vec<f64> = (0..shape.len())
-            .map(|axis| {
-                // The step that loses about half a nat shows the curvature best.
-                let mut step = 0.02_f64;
-                for _ in 0..12 {
-                    let loss: f64 = [step, -step]
-                        .into_iter()
-                        .filter_map(|step| {
-                            value_of(self.fit_near(frame, psd, present, &moved(axis, step.exp()), axis))
-                        })
-                        .map(|value| fitted.log_likelihood - value)
-                        .sum::<f64>()
-                        / 2.0;
-                    if loss > 0.25 && loss < 1.0 {
-                        return step / (2.0 * loss).sqrt();
-                    }
-                    if !loss.is_finite() || loss <= 0.0 {
-                        step *= 2.0;
-                    } else {
-                        step *= (0.5 / loss).sqrt().clamp(0.1, 4.0);
-                    }
-                    if step > 3.0 {
-                        return f64::INFINITY;
-                    }
-                }
-                step
-            })
-            .collect();
-        let squared = match self.action {
-            Action::Adds(_) => fitted.squared.last().copied().unwrap_or(0.0),
-            Action::Multiplies(_) => 0.0,
-        };
-        if squared <= 0.0 {
-            return (log_sd, f64::INFINITY);
-        }
-        // The coefficient held, everything else free.
-        let Action::Adds(density) = &self.action else {
-            return (log_sd, f64::INFINITY);
-        };
-        let own = frame.expect(|f_hz| density(shape, f_hz) * (present.power)(f_hz));
-        let loss = |factor: f64| {
-            let held: Vec<f64> = own.iter().map(|value| value * squared * factor).collect();
-            frame
-                .fit_above(psd, &present.components, &held)
-                .map(|held| fitted.log_likelihood - held.log_likelihood)
-        };
-        let mut step = 0.05_f64;
-        for _ in 0..12 {
-            let losses: Vec<f64> = [step, -step]
-                .into_iter()
-                .filter_map(|step| loss(step.exp()))
-                .collect();
-            let mean = losses.iter().sum::<f64>() / losses.len().max(1) as f64;
-            if mean > 0.25 && mean < 1.0 {
-                return (log_sd, step / (2.0 * mean).sqrt());
-            }
-            step *= if mean > 0.0 {
-                (0.5 / mean).sqrt().clamp(0.1, 4.0)
-            } else {
-                2.0
-            };
-            if step > 5.0 {
-                break;
-            }
-        }
-        (log_sd, f64::INFINITY)
-    }
-
-    /// Best fit with one shape parameter held and the others free.
-    fn fit_near(
-        &self,
-        frame: &Frame,
-        psd: &[f64],
-        present: &Present,
-        shape: &[f64],
-        held: usize,
-    ) -> Option<Fitted> {
-        let mut shape = shape.to_vec();
-        let mut fitted = self.fit(frame, psd, present, &shape)?;
-        let mut step = 0.1;
-        while shape.len() > 1 && step > 5e-3 {
-            let mut gained = false;
-            for axis in (0..shape.len()).filter(|&axis| axis != held) {
-                for factor in [f64::exp(step), f64::exp(-step)] {
-                    let mut trial = shape.clone();
-                    trial[axis] *= factor;
-                    let Some(next) = self.fit(frame, psd, present, &trial) else {
-                        continue;
-                    };
-                    if next.log_likelihood > fitted.log_likelihood + 1e-4 {
-                        (shape, fitted) = (trial, next);
-                        gained = true;
-                        break;
-                    }
-                }
-            }
-            if !gained {
-                step *= 0.5;
-            }
-        }
-        Some(fitted)
+    fn adds(&self) -> bool {
+        self.effect.size().is_some()
     }
 }
 
-fn value_of(fitted: Option<Fitted>) -> Option<f64> {
-    fitted.map(|fitted| fitted.log_likelihood)
+/// Expectations of all components: the five terms' (without the ramp), then one of each law that
+/// adds, all of them through the laws that filter.
+pub fn components(frame: &Frame, laws: &[Law]) -> Vec<Vec<f64>> {
+    let parts: Vec<Part> = laws
+        .iter()
+        .map(|law| law.effect.part(&law.values))
+        .collect();
+    let filters: Vec<_> = parts
+        .iter()
+        .filter_map(|part| match part {
+            Part::Distortion(filter) => Some(filter),
+            Part::Term(_) | Part::Clock(_) | Part::Follows(_) => None,
+        })
+        .collect();
+    let power = |f_hz: f64| -> f64 {
+        let powers = filters.iter().map(|one| one.power(f_hz, frame.rate_hz()));
+        powers.product()
+    };
+    let mut all = if filters.is_empty() {
+        frame.units().to_vec()
+    } else {
+        frame.units_through(power)
+    };
+    for part in &parts {
+        if let Part::Term(term) = part {
+            all.push(frame.expect(|f_hz| frame.term_density(&**term, f_hz) * power(f_hz)));
+        }
+    }
+    all
+}
+
+/// Likelihood with these laws.
+pub fn fit(frame: &Frame, data: &Data, laws: &[Law]) -> Option<Fit> {
+    maximise(data, &components(frame, laws))
+}
+
+/// Moves the shapes of the laws from number `from` on until the likelihood gains no more.
+pub fn polish(
+    frame: &Frame,
+    data: &Data,
+    laws: &mut [Law],
+    from: usize,
+    first_step: f64,
+) -> Option<Fit> {
+    let mut best = fit(frame, data, laws)?;
+    let places: Vec<(usize, usize)> = (from..laws.len())
+        .flat_map(|law| laws[law].shape().map(move |place| (law, place)))
+        .collect();
+    let mut step = first_step;
+    while step > FINEST && !places.is_empty() {
+        let mut gained = false;
+        for &(law, place) in &places {
+            for factor in [f64::exp(step), f64::exp(-step)] {
+                let before = laws[law].values[place];
+                laws[law].values[place] = before * factor;
+                let sound = laws[law].effect.is_sound(&laws[law].values);
+                let next = sound.then(|| fit(frame, data, laws)).flatten();
+                match next {
+                    Some(next) if next.log_likelihood > best.log_likelihood + WORTH => {
+                        best = next;
+                        gained = true;
+                        break;
+                    }
+                    _ => laws[law].values[place] = before,
+                }
+            }
+        }
+        if !gained {
+            step *= 0.5;
+        }
+    }
+    Some(best)
+}
+
+/// A law that was found, beside others.
+pub struct Found {
+    /// The law with the values that fit best, size 1.
+    pub law: Law,
+    /// Fit of everything.
+    pub fit: Fit,
+    /// Gain in log-likelihood over the fit without it.
+    pub nats: f64,
+    /// Probability of as large a gain where it is absent.
+    pub p_value: f64,
+}
+
+/// The best values of `effect` beside the `laws` that are there, whose fit is `base`.
+pub fn search(
+    frame: &Frame,
+    data: &Data,
+    laws: &[Law],
+    base: &Fit,
+    effect: &'static dyn Effect,
+) -> Option<Found> {
+    let bins = frame.bins();
+    let band = Band {
+        from_hz: bins.first()?.f_hz,
+        to_hz: bins.last()?.f_hz,
+    };
+    let present = components(frame, laws);
+    let mut best: Option<(f64, Vec<f64>)> = None;
+    for values in effect.starts(&band) {
+        let law = Law {
+            effect,
+            values: values.clone(),
+        };
+        let found = if law.adds() && !laws.iter().any(|law| !law.adds()) {
+            let mut all = present.clone();
+            if let Part::Term(term) = effect.part(&values) {
+                all.push(frame.expect(|f_hz| frame.term_density(&*term, f_hz)));
+            }
+            maximise(data, &all)
+        } else {
+            let mut all = laws.to_vec();
+            all.push(law);
+            fit(frame, data, &all)
+        };
+        let Some(found) = found else { continue };
+        if best
+            .as_ref()
+            .is_none_or(|(value, _)| found.log_likelihood > *value)
+        {
+            best = Some((found.log_likelihood, values));
+        }
+    }
+    let (value, values) = best?;
+    let mut all = laws.to_vec();
+    all.push(Law { effect, values });
+    let trials = TRIALS_PER_OCTAVE * (band.to_hz / band.from_hz).log2();
+    let freedom = all[laws.len()].values.len() as f64;
+    let judge = |nats: f64| tail::searched(tail::chi_squared(2.0 * nats, freedom), trials);
+    // What is nowhere near significant need not be polished.
+    let nats = value - base.log_likelihood;
+    if nats < 2.0 {
+        return None;
+    }
+    let fit = polish(frame, data, &mut all, laws.len(), 0.3)?;
+    let nats = fit.log_likelihood - base.log_likelihood;
+    Some(Found {
+        law: all.pop()?,
+        fit,
+        nats,
+        p_value: judge(nats),
+    })
+}
+
+/// Standard deviations of the logarithms of a law's values, everything else free: from the
+/// curvature of the likelihood in all shapes, and the size's own beside it. Infinite where the data
+/// do not tell.
+pub fn log_deviations(
+    frame: &Frame,
+    data: &Data,
+    laws: &[Law],
+    which: usize,
+    best: &Fit,
+) -> Vec<f64> {
+    let places: Vec<(usize, usize)> = (0..laws.len())
+        .flat_map(|law| laws[law].shape().map(move |place| (law, place)))
+        .collect();
+    let at = |moves: &[(usize, f64)]| {
+        let mut trial = laws.to_vec();
+        for &(number, step) in moves {
+            let (law, place) = places[number];
+            trial[law].values[place] *= step.exp();
+        }
+        fit(frame, data, &trial)
+    };
+    let fall = |moves: &[(usize, f64)]| {
+        at(moves).map_or(f64::NAN, |fit| best.log_likelihood - fit.log_likelihood)
+    };
+    // Steps that lose about half a nat.
+    let steps: Vec<f64> = (0..places.len())
+        .map(|number| {
+            let mut step = 0.02_f64;
+            for _ in 0..8 {
+                let loss = 0.5 * (fall(&[(number, step)]) + fall(&[(number, -step)]));
+                if (0.2..1.5).contains(&loss) {
+                    break;
+                }
+                step *= if loss > 0.0 {
+                    (0.5 / loss).sqrt().clamp(0.1, 5.0)
+                } else {
+                    3.0
+                };
+                step = step.min(1.0);
+            }
+            step
+        })
+        .collect();
+    let size = places.len();
+    let curvature = DMatrix::from_fn(size, size, |i, j| {
+        if i > j {
+            return 0.0;
+        }
+        let (a, b) = (steps[i], steps[j]);
+        if i == j {
+            (fall(&[(i, a)]) + fall(&[(i, -a)])) / (a * a)
+        } else {
+            let same = fall(&[(i, a), (j, b)]) + fall(&[(i, -a), (j, -b)]);
+            let other = fall(&[(i, a), (j, -b)]) + fall(&[(i, -a), (j, b)]);
+            (same - other) / (4.0 * a * b)
+        }
+    });
+    let curvature = DMatrix::from_fn(size, size, |i, j| curvature[(i.min(j), i.max(j))]);
+    let covariance = curvature.try_inverse();
+    let variance = |number: usize| {
+        covariance
+            .as_ref()
+            .map_or(f64::NAN, |covariance| covariance[(number, number)])
+    };
+    let own = |law: &Law, place: usize| -> f64 {
+        if law.effect.size() != Some(place) {
+            let number = places.iter().position(|&one| one == (which, place));
+            return number.map_or(f64::NAN, variance);
+        }
+        let component = component_of(laws, which);
+        let squared = best.squared[component];
+        let mut total = best.covariance[(component, component)] / (squared * squared);
+        // What the shapes' own uncertainty adds.
+        if let Some(covariance) = &covariance {
+            let slopes: Vec<f64> = (0..size)
+                .map(|number| {
+                    let log = |step: f64| {
+                        at(&[(number, step)])
+                            .map_or(0.0, |fit| fit.squared[component].max(1e-300).ln())
+                    };
+                    (log(steps[number]) - log(-steps[number])) / (2.0 * steps[number])
+                })
+                .collect();
+            for (i, a) in slopes.iter().enumerate() {
+                for (j, b) in slopes.iter().enumerate() {
+                    total += a * b * covariance[(i, j)];
+                }
+            }
+        }
+        // Of the size itself where that is the root of the component.
+        total / squared_power(law).powi(2)
+    };
+    let law = &laws[which];
+    (0..law.values.len())
+        .map(|place| {
+            let variance = own(law, place);
+            if variance.is_finite() && variance > 0.0 {
+                variance.sqrt()
+            } else {
+                f64::INFINITY
+            }
+        })
+        .collect()
+}
+
+/// Place of a law's component in a fit.
+pub fn component_of(laws: &[Law], which: usize) -> usize {
+    crate::fit::likelihood::components::SEEN.len()
+        + laws[..which].iter().filter(|law| law.adds()).count()
+}
+
+/// With which power of its size a law's density grows.
+pub fn squared_power(law: &Law) -> f64 {
+    use crate::model::effect::Quantity;
+    let size = law.effect.size().unwrap_or(0);
+    match law.effect.parameters(&law.values)[size].quantity {
+        Quantity::Density => 1.0,
+        _ => 2.0,
+    }
 }
 
 /// Where and how far the bins depart from what is expected.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Departure {
-    /// Band, hertz.
+    /// Lower end of the band, hertz.
     pub from_hz: f64,
-    /// Upper end of it.
+    /// Upper end of it, hertz.
     pub to_hz: f64,
     /// Measured over expected power in it.
     pub ratio: f64,
@@ -262,31 +321,26 @@ pub struct Departure {
 }
 
 /// The band in which the bins depart most from `expected`, over all bands of 1, 2, 4 ... bins.
-pub fn departure(frame: &Frame, psd: &[f64], expected: &[f64]) -> Option<Departure> {
-    let bins = frame.bins();
-    let kappa = frame.kappa();
+pub fn departure(data: &Data, expected: &[f64]) -> Option<Departure> {
+    let bins = data.len();
     let mut best: Option<Departure> = None;
     let mut trials = 0.0;
     let mut width = 1;
-    while width <= bins.len() {
-        for start in (0..=bins.len() - width).step_by((width / 2).max(1)) {
+    while width <= bins {
+        for start in (0..=bins - width).step_by((width / 2).max(1)) {
             trials += 1.0;
             let band = start..start + width;
-            let freedom: f64 = band.clone().map(|b| bins[b].edf).sum();
+            let freedom: f64 = data.dof[band.clone()].iter().sum();
             let ratio = band
                 .clone()
-                .map(|b| bins[b].edf * psd[b] / expected[b])
+                .map(|b| data.dof[b] * data.psd[b] / expected[b])
                 .sum::<f64>()
                 / freedom;
-            let p = if width == 1 {
-                tail::mean_square(ratio, freedom)
-            } else {
-                tail::mean_square(ratio, kappa * freedom)
-            };
+            let p = tail::mean_square(ratio, freedom);
             if best.is_none_or(|best| p < best.p_value) {
                 best = Some(Departure {
-                    from_hz: bins[band.start].f_hz,
-                    to_hz: bins[band.end - 1].f_hz,
+                    from_hz: data.f_hz[band.start],
+                    to_hz: data.f_hz[band.end - 1],
                     ratio,
                     p_value: p,
                 });

@@ -1,10 +1,7 @@
 //! Jumps of the level that stay: the matched filter for a step, at every moment.
 
 use super::tail;
-use super::whole::{Step, Whole, matched};
-
-/// Most steps that are looked for.
-const MOST: usize = 40;
+use super::whole::{Half, Step, Whole, matched};
 
 /// A jump of the level.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,7 +27,7 @@ pub fn largest_jump(
     level: f64,
     usable: impl Fn(usize) -> bool,
 ) -> Option<Jump> {
-    let filter = matched(whole, density, &Step);
+    let filter = matched(whole, density, &Step, Half::Both);
     // On the ring, what happens at the ends is no event of the record.
     let margin = whole.len() / 200 + 16;
     let index = (margin..whole.len() - margin)
@@ -46,30 +43,4 @@ pub fn largest_jump(
         z,
         p_value,
     })
-}
-
-/// All significant jumps, in order of time, each found with the others taken out; `transform`
-/// makes the transform of the record less some jumps.
-pub fn jumps(
-    mut transform: impl FnMut(&[Jump]) -> (Whole, Vec<f64>),
-    level: f64,
-    usable: impl Fn(usize) -> bool + Copy,
-) -> Vec<Jump> {
-    let mut found: Vec<Jump> = Vec::new();
-    while found.len() < MOST {
-        let (whole, density) = transform(&found);
-        let Some(jump) = largest_jump(&whole, &density, level, usable) else {
-            break;
-        };
-        match found
-            .iter_mut()
-            .find(|other| other.index.abs_diff(jump.index) < 8)
-        {
-            // The same one again: what was left of it.
-            Some(other) => other.height += jump.height,
-            None => found.push(jump),
-        }
-    }
-    found.sort_by_key(|jump| jump.index);
-    found
 }

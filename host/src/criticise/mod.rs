@@ -1,11 +1,22 @@
 //! What a model gets wrong about a record, why, and what is gained by mending it.
 
+pub mod axis;
 pub mod bursts;
 pub mod codes;
+pub mod coherence;
+pub mod diagnose;
+pub mod finding;
+pub mod frame;
+pub mod gain;
 pub mod impulses;
 pub mod laws;
 pub mod levels;
+pub mod lines;
+pub mod mend;
+pub mod rounds;
 pub mod samples;
+pub mod slow;
 pub mod tail;
-pub mod whittle;
+pub mod telegraph;
+
 pub mod whole;

@@ -5,6 +5,7 @@
 
 use std::ops::Range;
 
+use crate::bins::record::Account;
 use crate::signal::Signal;
 use crate::source::{Block, Chunk, Source, SourceError, Values};
 
@@ -27,20 +28,22 @@ pub struct AxisSamples {
 }
 
 impl Samples {
-    /// Reads `source` to its end. `progress` is told the samples so far.
+    /// Reads `source` to its end; also tells what was lost on the way. `progress` is told the
+    /// samples so far.
     ///
     /// # Errors
     /// Whatever ends the source early.
     pub fn read(
         source: &mut dyn Source,
         mut progress: impl FnMut(u64),
-    ) -> Result<Self, SourceError> {
+    ) -> Result<(Self, Account), SourceError> {
         let signal = source.signal().clone();
         let mut samples = Self {
             axes: Vec::new(),
             unknown_gaps: Vec::new(),
             signal,
         };
+        let mut account = Account::default();
         // Index that the source gives the sample at place 0, after the last restart.
         let mut origin: Option<i128> = None;
         while let Some(chunk) = source.next_chunk()? {
@@ -51,17 +54,22 @@ impl Samples {
                     let place = (i128::from(block.first) - start).max(length as i128);
                     samples.skip((place - length as i128) as usize);
                     samples.push(&block);
+                    account.samples += block.len() as u64;
                     progress(samples.len() as u64);
                 }
-                Chunk::Gap(gap) if gap.to.is_none() => {
-                    samples.unknown_gaps.push(samples.len());
-                    samples.skip(1);
-                    origin = None;
+                Chunk::Gap(gap) => {
+                    account.lost += gap.to.map_or(0, |to| to.saturating_sub(gap.from));
+                    if gap.to.is_none() {
+                        samples.unknown_gaps.push(samples.len());
+                        samples.skip(1);
+                        origin = None;
+                    }
+                    account.gaps.push(gap);
                 }
-                Chunk::Gap(_) | Chunk::News(_) => {}
+                Chunk::News(news) => account.news.push(news),
             }
         }
-        Ok(samples)
+        Ok((samples, account))
     }
 
     /// Samples an axis, missing ones included.

@@ -1,7 +1,9 @@
 //! Tails of the laws that the tests' statistics follow, and what a search over many places makes
 //! of them.
 
-use statrs::distribution::{ChiSquared, ContinuousCDF, Discrete, DiscreteCDF, Gamma, Normal, Poisson};
+use statrs::distribution::{
+    ChiSquared, ContinuousCDF, Discrete, DiscreteCDF, Gamma, Normal, Poisson,
+};
 
 /// Probability of a standard normal beyond `z` on either side.
 pub fn two_sided(z: f64) -> f64 {

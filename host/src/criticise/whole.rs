@@ -14,6 +14,14 @@
 //!
 //! which is standard normal where `g` is absent, and gives the waveform's size as
 //! `<x, g_t> / <g, g>`.
+//!
+//! Quantisation noise, a difference of neighbours, would need one more sample to close into a ring:
+//! the first sample is set free ([`Whole::close`]), and with it that sum; so is the level across
+//! the seam, which the line through noisy ends does not match exactly.
+//!
+//! Ordinates with even and with odd numbers are independent of one another and see the same hours:
+//! what a waveform is worth on unseen data is measured by fitting it to the one half and judging the
+//! other.
 
 use std::sync::Arc;
 
@@ -123,6 +131,41 @@ impl Whole {
         &self.ordinates
     }
 
+    /// Sets the seam free: the first sample takes the value, and the level across the seam the
+    /// step, that all others predict for them.
+    pub fn close(&mut self, density: &[f64]) {
+        let turn = std::f64::consts::TAU / self.len as f64;
+        let step = |k: usize| Step.at(turn * k as f64);
+        // Normal equations of both, over half of the ring.
+        let (mut right, mut gram) = ([0.0; 2], [0.0; 3]);
+        for (k, (ordinate, density)) in self.ordinates.iter().zip(density).enumerate().skip(1) {
+            let step = step(k);
+            right[0] += ordinate.re / density;
+            right[1] += (ordinate * step.conj()).re / density;
+            gram[0] += 1.0 / density;
+            gram[1] += step.re / density;
+            gram[2] += step.norm_sqr() / density;
+        }
+        let determinant = gram[0] * gram[2] - gram[1] * gram[1];
+        let sample = (right[0] * gram[2] - right[1] * gram[1]) / determinant;
+        let height = (right[1] * gram[0] - right[0] * gram[1]) / determinant;
+        if !(sample.is_finite() && height.is_finite()) {
+            return;
+        }
+        for (k, ordinate) in self.ordinates.iter_mut().enumerate().skip(1) {
+            *ordinate -= sample + height * step(k);
+        }
+    }
+
+    /// Adds Gaussian noise of the two-sided density `density(k)`, made of standard `normal`
+    /// numbers.
+    pub fn add_noise(&mut self, density: impl Fn(usize) -> f64, mut normal: impl FnMut() -> f64) {
+        for (k, ordinate) in self.ordinates.iter_mut().enumerate().skip(1) {
+            let deviation = (0.5 * density(k) * self.rate_hz * self.len as f64).sqrt();
+            *ordinate += Complex64::new(deviation * normal(), deviation * normal());
+        }
+    }
+
     /// Frequency of an ordinate, hertz.
     pub fn frequency(&self, k: usize) -> f64 {
         k as f64 * self.rate_hz / self.len as f64
@@ -182,13 +225,36 @@ pub struct Match {
     pub crossings: f64,
 }
 
+/// Which ordinates a statistic looks at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Half {
+    /// All.
+    Both,
+    /// Those with even numbers.
+    Even,
+    /// Those with odd numbers.
+    Odd,
+}
+
+impl Half {
+    /// Whether it has ordinate `k`.
+    pub const fn has(self, k: usize) -> bool {
+        match self {
+            Self::Both => true,
+            Self::Even => k.is_multiple_of(2),
+            Self::Odd => !k.is_multiple_of(2),
+        }
+    }
+}
+
 /// The statistic of `waveform` at every moment, for noise of the two-sided densities `density`
 /// at the ordinates.
-pub fn matched(whole: &Whole, density: &[f64], waveform: &impl Waveform) -> Match {
+pub fn matched(whole: &Whole, density: &[f64], waveform: &impl Waveform, half: Half) -> Match {
     let turn = |k: usize| std::f64::consts::TAU * k as f64 / whole.len as f64;
     let responses: Vec<Complex64> = (0..whole.ordinates.len())
         .map(|k| match k {
             0 => Complex64::ZERO,
+            _ if !half.has(k) => Complex64::ZERO,
             _ => waveform.at(turn(k)).conj() / (density[k] * whole.rate_hz),
         })
         .collect();
@@ -209,4 +275,59 @@ pub fn matched(whole: &Whole, density: &[f64], waveform: &impl Waveform) -> Matc
         size_sd,
         crossings: (curvature / information).sqrt() / std::f64::consts::TAU,
     }
+}
+
+/// `<x, g>` and `<g, g>` of a record and one waveform.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Projection {
+    /// `<x, g>`.
+    pub product: f64,
+    /// `<g, g>`.
+    pub power: f64,
+}
+
+impl Projection {
+    /// Of `record` on `wave`, both transforms of the same length.
+    pub fn new(record: &Whole, density: &[f64], wave: &Whole, half: Half) -> Self {
+        let (mut product, mut power) = (0.0, 0.0);
+        let pairs = record.ordinates.iter().zip(&wave.ordinates);
+        for (k, ((x, g), density)) in pairs.zip(density).enumerate().skip(1) {
+            if half.has(k) {
+                product += (x * g.conj()).re / density;
+                power += g.norm_sqr() / density;
+            }
+        }
+        // The sums run over half of the ring.
+        let norm = 0.5 * record.len as f64 * record.rate_hz;
+        Self {
+            product: product / norm,
+            power: power / norm,
+        }
+    }
+
+    /// In standard deviations.
+    pub fn z(self) -> f64 {
+        self.product / self.power.sqrt()
+    }
+
+    /// Size of the waveform.
+    pub fn size(self) -> f64 {
+        self.product / self.power
+    }
+
+    /// Standard deviation of the size.
+    pub fn size_sd(self) -> f64 {
+        self.power.sqrt().recip()
+    }
+
+    /// Gain in log-likelihood if the waveform has the size `size`, fitted elsewhere.
+    pub fn gain(self, size: f64) -> f64 {
+        size * self.product - 0.5 * size * size * self.power
+    }
+}
+
+/// Gain of a waveform in log-likelihood on the odd ordinates, its size fitted to the even ones.
+pub fn held_out_gain(record: &Whole, density: &[f64], wave: &Whole) -> f64 {
+    let seen = Projection::new(record, density, wave, Half::Even);
+    Projection::new(record, density, wave, Half::Odd).gain(seen.size())
 }

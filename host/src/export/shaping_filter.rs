@@ -13,15 +13,15 @@ use nalgebra::{DMatrix, DVector};
 
 use super::factor::Factor;
 use super::state_space::StateSpace;
-use crate::model::Term;
+use crate::model::effect::Part;
 use crate::model::flicker::Flicker;
 use crate::model::kernel::{self, Kernel};
 use crate::model::law::Law;
 use crate::model::markov::Markov;
 use crate::model::quantisation::Quantisation;
-use crate::model::sinusoid::Sinusoid;
 use crate::model::white::White;
 use crate::model::whole::{ModelAxis, ModelEffect};
+use crate::model::{Line, Term};
 
 /// Ratio of neighbouring correlation times of the flicker bank: 0.5 % of ripple in deviation.
 const SPACING: f64 = 6.0;
@@ -130,7 +130,7 @@ impl ShapingFilter {
 /// The effects that a linear system can hold, and the names of the others.
 struct Known {
     markov: Vec<Markov>,
-    lines: Vec<Sinusoid>,
+    lines: Vec<Line>,
     effects: Vec<ModelEffect>,
     left_out: Vec<&'static str>,
 }
@@ -144,12 +144,15 @@ impl Known {
             left_out: Vec::new(),
         };
         for effect in &axis.effects {
-            match (effect.kind().name(), effect.values()) {
-                ("markov", &[deviation, time_s]) => known.markov.push(Markov { deviation, time_s }),
-                ("sinusoid", &[f_hz, amplitude]) => {
-                    known.lines.push(Sinusoid { f_hz, amplitude });
+            match (effect.kind().name(), effect.values(), effect.part()) {
+                ("markov", &[deviation, time_s], _) => {
+                    known.markov.push(Markov { deviation, time_s });
                 }
-                (name, _) => {
+                // A sinusoid, or the harmonics of a hum.
+                (_, _, Part::Term(term)) if !term.lines().is_empty() => {
+                    known.lines.extend(term.lines());
+                }
+                (name, ..) => {
                     known.left_out.push(name);
                     continue;
                 }
@@ -244,7 +247,7 @@ fn ramp(slope_per_sample: f64) -> StateSpace {
 }
 
 /// A rotation that nothing drives; its phase is any.
-fn sinusoid(line: Sinusoid, passed: f64, rate_hz: f64) -> StateSpace {
+fn sinusoid(line: Line, passed: f64, rate_hz: f64) -> StateSpace {
     let (sine, cosine) = (TAU * line.f_hz / rate_hz).sin_cos();
     let name = format!("sinusoid of {} Hz", line.f_hz);
     StateSpace {
@@ -253,7 +256,7 @@ fn sinusoid(line: Sinusoid, passed: f64, rate_hz: f64) -> StateSpace {
         h: DVector::from_row_slice(&[1.0, 0.0]),
         q: DVector::zeros(0),
         x0: DVector::zeros(2),
-        p0: DMatrix::from_diagonal_element(2, 2, 0.5 * line.amplitude.powi(2) * passed),
+        p0: DMatrix::from_diagonal_element(2, 2, line.power * passed),
         names: vec![name.clone(), format!("{name}, a quarter period before")],
     }
 }

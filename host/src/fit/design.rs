@@ -41,6 +41,11 @@ impl Design {
         }
     }
 
+    /// Samples a second.
+    pub fn rate_hz(&self) -> f64 {
+        self.rate_hz
+    }
+
     /// Power that the chain lets through at `f_hz`, at most half the rate.
     pub fn power(&self, f_hz: f64) -> f64 {
         let Some(power) = &self.power else { return 1.0 };

@@ -29,8 +29,11 @@ use crate::bins::point::Point;
 use crate::model::kernel::Kernel;
 use crate::model::{Coefficient, PerCoefficient};
 
-/// Rounds of weighing; weights and allowance settle to a fraction of a percent in less.
+/// Rounds of weighing at most.
 const ROUNDS: usize = 8;
+
+/// The rounds end when none moves the curve by more than this, in standard deviations of a point.
+const SETTLED: f64 = 1e-3;
 
 /// Mean squared residual, in standard deviations, from which the model needs an allowance. It is
 /// 1 on average for data that follow the model, with a scatter of 0.3 as neighbours err together.
@@ -88,6 +91,10 @@ pub fn fit(points: &[Point], rate_hz: f64, design: &Design) -> Option<WeightedFi
             return None;
         }
         squares = weigh_and_solve(&a, &y, &deviation);
+        let moved = (&a * &squares - &expected).component_div(&deviation);
+        if moved.amax() < SETTLED {
+            break;
+        }
     }
     let found: Vec<usize> = (0..squares.len()).filter(|&j| squares[j] > 0.0).collect();
     let values = Coefficient::ALL.iter().enumerate().map(|(j, _)| {

@@ -1,10 +1,32 @@
 //! The effects that a model can hold beyond the five terms: one line each.
 
 use super::effect::Effect;
-use super::{markov, sinusoid};
+use super::{
+    burst, clipping, common_mode, dropped, hum, markov, outliers, powerlaw, resonance, rolloff,
+    rounding, sinusoid, stale, steps, telegraph, thermal, timebase, warmup,
+};
 
 /// All effects.
-pub static CATALOGUE: &[&dyn Effect] = &[&sinusoid::Kind, &markov::Kind];
+pub static CATALOGUE: &[&dyn Effect] = &[
+    &sinusoid::Kind,
+    &markov::Kind,
+    &resonance::Kind,
+    &powerlaw::Kind,
+    &rolloff::Kind,
+    &hum::Kind,
+    &telegraph::Kind,
+    &steps::Kind,
+    &warmup::Kind,
+    &thermal::Kind,
+    &outliers::Kind,
+    &stale::Kind,
+    &dropped::Kind,
+    &clipping::Kind,
+    &rounding::Kind,
+    &burst::Kind,
+    &common_mode::Kind,
+    &timebase::Kind,
+];
 
 /// The effect called `name`.
 pub fn find(name: &str) -> Option<&'static dyn Effect> {
@@ -31,7 +53,7 @@ mod tests {
                 .map(|one| (one.name.to_string(), 1.0))
                 .collect();
             assert_eq!(named.len(), parameters.len(), "{}", effect.name());
-            let values = in_order(*effect, &named).expect(effect.name());
+            let values = in_order(*effect, &named).unwrap_or_else(|error| panic!("{error}"));
             assert_eq!(values.len(), parameters.len(), "{}", effect.name());
         }
     }

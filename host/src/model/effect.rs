@@ -8,7 +8,8 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use super::{Seed, Term};
+use super::follows::Follows;
+use super::{Line, Seed, Term};
 use crate::signal::Unit;
 
 /// A kind of effect.
@@ -23,9 +24,47 @@ pub trait Effect: Send + Sync {
     /// `values`, and only at their number.
     fn parameters(&self, values: &[f64]) -> Vec<Parameter>;
 
+    /// What to look at on the bench to make sure, in a sentence.
+    fn check(&self, values: &[f64]) -> String;
+
+    /// Which parameter is the effect's size: all the effect does is proportional to it, or to its
+    /// square if it is in the unit of the signal. `None` for effects that have no such parameter.
+    fn size(&self) -> Option<usize> {
+        None
+    }
+
+    /// Whether values make sense together; beyond, another effect is meant.
+    fn is_sound(&self, _values: &[f64]) -> bool {
+        true
+    }
+
+    /// Values, with size 1, from which a search for this effect in the spectrum's shape should
+    /// begin; none for an effect that does not show there.
+    fn starts(&self, _band: &Band) -> Vec<Vec<f64>> {
+        Vec::new()
+    }
+
     /// The effect with these values, which are as many as [`Effect::parameters`] says and in
     /// range.
     fn part(&self, values: &[f64]) -> Part;
+}
+
+/// The frequencies that a spectrum covers.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Band {
+    /// Lowest, hertz.
+    pub from_hz: f64,
+    /// Highest, hertz.
+    pub to_hz: f64,
+}
+
+impl Band {
+    /// Frequencies from the lowest to the highest, `per_octave` an octave.
+    pub fn steps(&self, per_octave: f64) -> impl Iterator<Item = f64> {
+        let (from_hz, to_hz) = (self.from_hz, self.to_hz);
+        let count = ((to_hz / from_hz).log2() * per_octave).max(0.0) as usize;
+        (0..=count).map(move |step| from_hz * (step as f64 / per_octave).exp2())
+    }
 }
 
 /// What an effect adds to a model.
@@ -34,6 +73,11 @@ pub enum Part {
     Term(Box<dyn Term>),
     /// Something that happens to the samples of everything else, behind the signal chain.
     Distortion(Box<dyn Distortion>),
+    /// The samples are taken this many times as fast as the nominal rate says; all the rest of
+    /// the axis keeps true time.
+    Clock(f64),
+    /// Something that follows a series which is not in the model.
+    Follows(Follows),
 }
 
 /// Acts on the samples of everything else.
@@ -43,8 +87,24 @@ pub trait Distortion: Send + Sync {
         1.0
     }
 
+    /// White two-sided density that it puts under everything else, ahead of its
+    /// [power](Distortion::power).
+    fn floor(&self, _incoming: &Incoming<'_>) -> f64 {
+        0.0
+    }
+
     /// Does to data what the law says; the same `seed` does the same.
     fn distorter(&self, rate_hz: f64, seed: Seed) -> Box<dyn Distorter>;
+}
+
+/// What a distortion acts on.
+pub struct Incoming<'a> {
+    /// Samples a second.
+    pub rate_hz: f64,
+    /// Two-sided density as a function of frequency in hertz, from above zero to half the rate.
+    pub density: &'a dyn Fn(f64) -> f64,
+    /// Power at single frequencies.
+    pub lines: &'a [Line],
 }
 
 /// Alters one axis of a record, block after block.
@@ -90,14 +150,20 @@ pub enum Quantity {
     Second,
     /// Time since the start of the record, zero or above.
     Instant,
+    /// Time by which one thing lags another, zero or above.
+    Delay,
     /// In the unit of the signal.
     Signal,
     /// In the unit of the signal per second.
     SignalPerSecond,
+    /// In the unit of the signal per kelvin.
+    SignalPerKelvin,
     /// Two-sided spectral density, zero or above.
     Density,
     /// Without a unit.
     Ratio,
+    /// Without a unit, above zero.
+    Factor,
     /// Part of a whole, from 0 to 1.
     Share,
     /// A whole number, zero or above.
@@ -112,11 +178,12 @@ impl Quantity {
         match self {
             Self::Hertz => "Hz".to_owned(),
             Self::PerSecond => "1/s".to_owned(),
-            Self::Second | Self::Instant => "s".to_owned(),
+            Self::Second | Self::Instant | Self::Delay => "s".to_owned(),
             Self::Signal => signal.to_string(),
             Self::SignalPerSecond => format!("{signal}/s"),
+            Self::SignalPerKelvin => format!("{signal}/K"),
             Self::Density => format!("({signal})^2/Hz"),
-            Self::Ratio | Self::Share | Self::Count | Self::Sign => String::new(),
+            Self::Ratio | Self::Factor | Self::Share | Self::Count | Self::Sign => String::new(),
         }
     }
 
@@ -124,9 +191,9 @@ impl Quantity {
     pub fn admits(self, value: f64) -> bool {
         value.is_finite()
             && match self {
-                Self::Signal | Self::SignalPerSecond | Self::Ratio => true,
-                Self::Hertz | Self::Second => value > 0.0,
-                Self::Instant | Self::PerSecond | Self::Density => value >= 0.0,
+                Self::Signal | Self::SignalPerSecond | Self::SignalPerKelvin | Self::Ratio => true,
+                Self::Hertz | Self::Second | Self::Factor => value > 0.0,
+                Self::Instant | Self::Delay | Self::PerSecond | Self::Density => value >= 0.0,
                 Self::Share => (0.0..=1.0).contains(&value),
                 Self::Count => value >= 0.0 && value.fract() == 0.0,
                 Self::Sign => value.abs() == 1.0,
@@ -136,9 +203,13 @@ impl Quantity {
     /// Its range in words, for messages.
     pub const fn range(self) -> &'static str {
         match self {
-            Self::Signal | Self::SignalPerSecond | Self::Ratio => "a finite number",
-            Self::Hertz | Self::Second => "a number above zero",
-            Self::Instant | Self::PerSecond | Self::Density => "zero or a number above it",
+            Self::Signal | Self::SignalPerSecond | Self::SignalPerKelvin | Self::Ratio => {
+                "a finite number"
+            }
+            Self::Hertz | Self::Second | Self::Factor => "a number above zero",
+            Self::Instant | Self::Delay | Self::PerSecond | Self::Density => {
+                "zero or a number above it"
+            }
             Self::Share => "a number from 0 to 1",
             Self::Count => "a whole number, zero or above",
             Self::Sign => "1 or -1",

@@ -4,12 +4,15 @@
 //! density is that of the continuous process times the chain's power, since the converter's
 //! filter keeps out what lies above half the rate; without a converter it is that of the sampled
 //! process, which includes what folds back.
+//!
+//! Where the time base is off, all of that happens at the true rate; frequencies and densities are
+//! given as they look by the nominal one.
 
 use std::f64::consts::PI;
 
 use super::Line;
 use super::Term;
-use super::effect::{Distortion, Part};
+use super::effect::{Distortion, Incoming, Part};
 use super::kernel::{self, Kernel};
 use super::whole::ModelAxis;
 use crate::chain::Chain;
@@ -21,42 +24,76 @@ const STEPS: usize = 8192;
 /// The law of one axis.
 pub struct Law {
     rate_hz: f64,
+    /// True rate over the nominal one.
+    clock: f64,
     terms: Vec<Box<dyn Term>>,
     distortions: Vec<Box<dyn Distortion>>,
+    /// Density that each distortion puts under what reaches it, by the true rate.
+    floors: Vec<f64>,
     chain: Option<Chain>,
     /// Power of the chain at equal steps from zero to half the rate; empty without a chain.
     power: Vec<f64>,
 }
 
 impl Law {
-    /// The law of `axis` at `rate_hz` samples a second.
+    /// The law of `axis` at a nominal `rate_hz` samples a second.
     pub fn new(axis: &ModelAxis, rate_hz: f64) -> Self {
+        let clock = axis.clock();
         let mut terms = axis.coefficients.terms();
         let mut distortions = Vec::new();
         for effect in &axis.effects {
             match effect.part() {
                 Part::Term(term) => terms.push(term),
                 Part::Distortion(distortion) => distortions.push(distortion),
+                // The clock is known already; a leader's law is not in the model.
+                Part::Clock(_) | Part::Follows(_) => {}
             }
         }
         let table = |chain: &Chain| {
-            let at = |step| 0.5 * rate_hz * step as f64 / STEPS as f64;
+            let true_hz = clock * rate_hz;
+            let at = |step| 0.5 * true_hz * step as f64 / STEPS as f64;
             (0..=STEPS)
-                .map(|step| chain.power(at(step), rate_hz))
+                .map(|step| chain.power(at(step), true_hz))
                 .collect()
         };
-        Self {
+        let mut law = Self {
             rate_hz,
+            clock,
             terms,
-            distortions,
+            distortions: Vec::new(),
+            floors: Vec::new(),
             power: axis.chain.as_ref().map(table).unwrap_or_default(),
             chain: axis.chain.clone(),
+        };
+        for distortion in distortions {
+            let floor = law.floor_of(&*distortion);
+            law.distortions.push(distortion);
+            law.floors.push(floor);
         }
+        law
     }
 
-    /// Samples a second.
+    /// The floor that a further distortion would put under what the law is so far.
+    fn floor_of(&self, distortion: &dyn Distortion) -> f64 {
+        let density = |f_hz: f64| self.density(f_hz / self.clock) / self.clock;
+        let mut lines = self.lines();
+        for line in &mut lines {
+            line.f_hz *= self.clock;
+        }
+        distortion.floor(&Incoming {
+            rate_hz: self.true_rate_hz(),
+            density: &density,
+            lines: &lines,
+        })
+    }
+
+    /// Samples a second, nominal.
     pub const fn rate_hz(&self) -> f64 {
         self.rate_hz
+    }
+
+    fn true_rate_hz(&self) -> f64 {
+        self.clock * self.rate_hz
     }
 
     /// The terms, those of effects included.
@@ -69,7 +106,7 @@ impl Law {
         let distorted: f64 = self
             .distortions
             .iter()
-            .map(|one| one.power(f_hz, self.rate_hz))
+            .map(|one| one.power(self.clock * f_hz, self.true_rate_hz()))
             .product();
         if self.power.is_empty() {
             return distorted;
@@ -88,11 +125,27 @@ impl Law {
             .chain
             .as_ref()
             .is_some_and(|chain| chain.converter.is_some());
-        if band_limited {
-            term.spectrum_ahead(f_hz, self.rate_hz)
+        let (true_hz, rate_hz) = (self.clock * f_hz, self.true_rate_hz());
+        let density = if band_limited {
+            term.spectrum_ahead(true_hz, rate_hz)
         } else {
-            term.spectrum(f_hz, self.rate_hz)
-        }
+            term.spectrum(true_hz, rate_hz)
+        };
+        self.clock * density
+    }
+
+    /// Two-sided spectral density that the distortions add at `f_hz`, between zero and half the
+    /// rate; nothing acts on it any more.
+    pub fn density_added(&self, f_hz: f64) -> f64 {
+        let (true_hz, rate_hz) = (self.clock * f_hz, self.true_rate_hz());
+        let added = self
+            .distortions
+            .iter()
+            .zip(&self.floors)
+            .fold(0.0, |below, (one, floor)| {
+                (below + floor) * one.power(true_hz, rate_hz)
+            });
+        self.clock * added
     }
 
     /// Two-sided spectral density of the samples at `f_hz`, between zero and half the rate,
@@ -103,14 +156,17 @@ impl Law {
             .iter()
             .map(|term| self.density_ahead(&**term, f_hz))
             .sum();
-        sum * self.power(f_hz)
+        sum * self.power(f_hz) + self.density_added(f_hz)
     }
 
     /// Power of the samples at single frequencies.
     pub fn lines(&self) -> Vec<Line> {
-        let passed = |line: Line| Line {
-            power: line.power * self.power(line.f_hz),
-            ..line
+        let passed = |line: Line| {
+            let f_hz = line.f_hz / self.clock;
+            Line {
+                f_hz,
+                power: line.power * self.power(f_hz),
+            }
         };
         self.terms
             .iter()
@@ -123,7 +179,7 @@ impl Law {
     ///
     /// Exact where nothing filters; else the integral of the density ([`kernel::variance`]).
     pub fn allan_variance(&self, m: u64) -> f64 {
-        let direct = |term: &dyn Term| term.allan_variance(m, self.rate_hz);
+        let direct = |term: &dyn Term| term.allan_variance(m, self.true_rate_hz());
         if self.power.is_empty() && self.distortions.is_empty() {
             return self.terms.iter().map(|term| direct(&**term)).sum();
         }

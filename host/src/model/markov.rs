@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::effect::{Effect, Parameter, Part, Quantity};
+use super::effect::{Band, Effect, Parameter, Part, Quantity};
 use super::{Seed, Term};
 use crate::simulate::{Gaussian, Generator};
 
@@ -120,6 +120,24 @@ impl Effect for Kind {
             Parameter::new("amplitude", Quantity::Signal, "standard deviation"),
             Parameter::new("time_s", Quantity::Second, "correlation time"),
         ]
+    }
+
+    fn check(&self, values: &[f64]) -> String {
+        format!(
+            "look for something with a time constant of {:.3} s: shield the board from moving \
+             air, watch the supply's regulator and the reference",
+            values[1]
+        )
+    }
+
+    fn size(&self) -> Option<usize> {
+        Some(0)
+    }
+
+    fn starts(&self, band: &Band) -> Vec<Vec<f64>> {
+        band.steps(1.0)
+            .map(|corner_hz| vec![1.0, 1.0 / (2.0 * PI * corner_hz)])
+            .collect()
     }
 
     fn part(&self, values: &[f64]) -> Part {

@@ -9,17 +9,36 @@
 //! axes with coefficients, effects and a signal chain, as model files hold it; its [`law`] is what
 //! data of it should look like.
 
+pub mod burst;
 pub mod catalogue;
+pub mod clipping;
+pub mod common_mode;
+pub mod dropped;
 pub mod effect;
 pub mod flicker;
+pub mod follows;
+pub mod hum;
 pub mod kernel;
 pub mod law;
 pub mod markov;
+pub mod outliers;
+pub mod powerlaw;
 pub mod published;
 pub mod quantisation;
 pub mod ramp;
+pub mod resonance;
+pub mod rolloff;
+pub mod rounding;
 pub mod sinusoid;
+pub mod stale;
+pub mod steps;
+pub mod telegraph;
+pub mod thermal;
+pub mod timebase;
+#[cfg(test)]
+mod trial;
 pub mod walk;
+pub mod warmup;
 pub mod white;
 pub mod whole;
 

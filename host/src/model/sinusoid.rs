@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use rand_distr::{Distribution, Uniform};
+use rand_pcg::Pcg64;
 
 use super::effect::{Effect, Parameter, Part, Quantity};
 use super::{Line, Seed, Term};
@@ -50,14 +51,21 @@ impl Term for Sinusoid {
     }
 
     fn generator(&self, rate_hz: f64, seed: Seed) -> Box<dyn Generator> {
+        Box::new(self.oscillator(rate_hz, &mut simulate::random(seed)))
+    }
+}
+
+impl Sinusoid {
+    /// The sinusoid with a phase from `random`.
+    pub(super) fn oscillator(&self, rate_hz: f64, random: &mut Pcg64) -> Oscillator {
         let turn = Uniform::new(0.0, 1.0).expect("the bounds are in order");
-        Box::new(Oscillator {
+        Oscillator {
             amplitude: self.amplitude,
             turns_per_sample: self.f_hz / rate_hz,
-            start: turn.sample(&mut simulate::random(seed)),
+            start: turn.sample(random),
             index: 0,
             value: (0.0, 0.0),
-        })
+        }
     }
 }
 
@@ -66,7 +74,7 @@ const ANCHOR: u64 = 256;
 
 /// A pointer turned by one step a sample, and set anew from the index now and then: neither
 /// rounding nor the block length shows.
-struct Oscillator {
+pub(super) struct Oscillator {
     amplitude: f64,
     turns_per_sample: f64,
     start: f64,
@@ -108,6 +116,14 @@ impl Effect for Kind {
             Parameter::new("f_hz", Quantity::Hertz, "frequency"),
             Parameter::new("amplitude", Quantity::Signal, "half of peak to peak"),
         ]
+    }
+
+    fn check(&self, values: &[f64]) -> String {
+        format!(
+            "look for what turns or switches {:.6} times a second, or at a multiple of the data \
+             rate from it: change the data rate by a percent, an alias moves",
+            values[0]
+        )
     }
 
     fn part(&self, values: &[f64]) -> Part {

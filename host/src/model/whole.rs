@@ -298,6 +298,15 @@ impl ModelAxis {
         Law::new(self, rate_hz)
     }
 
+    /// True data rate over the nominal one.
+    pub fn clock(&self) -> f64 {
+        let ratio = |effect: &ModelEffect| match effect.part() {
+            Part::Clock(ratio) => ratio,
+            Part::Term(_) | Part::Distortion(_) | Part::Follows(_) => 1.0,
+        };
+        self.effects.iter().map(ratio).product()
+    }
+
     fn check(&self, rate_hz: f64) -> Result<(), String> {
         if !self.mean.is_finite() {
             return Err(format!("mean is {}; expected a finite number", self.mean));
@@ -316,8 +325,9 @@ impl ModelAxis {
             .iter()
             .filter_map(|effect| match effect.part() {
                 Part::Term(term) => Some((effect, term.lines())),
-                Part::Distortion(_) => None,
+                Part::Distortion(_) | Part::Clock(_) | Part::Follows(_) => None,
             });
+        let rate_hz = self.clock() * rate_hz;
         for (effect, lines) in lines {
             if let Some(line) = lines.iter().find(|line| line.f_hz >= 0.5 * rate_hz) {
                 return Err(format!(

@@ -16,7 +16,7 @@ use crate::model::effect::Part;
 use crate::model::kernel::panels;
 use crate::model::law::Law;
 use crate::model::whole::ModelAxis;
-use crate::model::{Coefficient, PerCoefficient};
+use crate::model::{Coefficient, Line, PerCoefficient};
 use response::{Integral, Weights, x};
 
 /// Alignment that reports assume, seconds.
@@ -54,8 +54,8 @@ pub struct Growth {
 /// `alignment_s`.
 ///
 /// `intervals` are the 95 % intervals of the magnitudes of the coefficients; they are taken for
-/// independent. The ramp is added in squares, as an error of unknown sign; other drifts and
-/// non-Gaussian distortions of the model are left out.
+/// independent. The ramp is added in squares, as an error of unknown sign; other drifts of
+/// the model are left out.
 pub fn growth(
     axis: &ModelAxis,
     intervals: &PerCoefficient<(f64, f64)>,
@@ -65,19 +65,22 @@ pub fn growth(
     times_s: &[f64],
 ) -> Vec<Growth> {
     // Variances are linear in the squares of the coefficients: one law for each, and the effects.
-    let alone = |coefficient: Coefficient| {
-        let mut axis = axis.clone();
-        axis.effects
-            .retain(|effect| matches!(effect.part(), Part::Distortion(_)));
-        axis.coefficients = PerCoefficient::from_fn(|one| f64::from(u8::from(one == coefficient)));
+    let with = |coefficients, effects: &dyn Fn(&Part) -> bool| {
+        let mut axis = ModelAxis {
+            coefficients,
+            ..axis.clone()
+        };
+        axis.effects.retain(|effect| effects(&effect.part()));
         axis.law(rate_hz)
     };
-    let laws = PerCoefficient::from_fn(alone);
-    let effects = {
-        let mut axis = axis.clone();
-        axis.coefficients = PerCoefficient::default();
-        axis.law(rate_hz)
-    };
+    let laws = PerCoefficient::from_fn(|coefficient| {
+        let unit = PerCoefficient::from_fn(|one| f64::from(u8::from(one == coefficient)));
+        with(unit, &|part| !matches!(part, Part::Term(_)))
+    });
+    let effects = with(PerCoefficient::default(), &|_| true);
+    // What distortions put under the rest depends on the rest; it counts once.
+    let whole = axis.law(rate_hz);
+    let linear = |law: &Law, f_hz: f64| law.density(f_hz) - law.density_added(f_hz);
     let samples = |s: f64| (s * rate_hz).round().max(1.0);
     let at = |&t_s: &f64| {
         let weights = Weights {
@@ -85,7 +88,9 @@ pub fn growth(
             c: samples(alignment_s),
             n: samples(t_s),
         };
-        let mut variance = noise_variance(&effects, weights);
+        let density = |f_hz: f64| linear(&effects, f_hz) + whole.density_added(f_hz);
+        let lines = effects.lines();
+        let mut variance = noise_variance(density, &lines, weights, rate_hz);
         let (mut below, mut above) = (0.0, 0.0);
         for one in Coefficient::ALL {
             let (lo, hi) = *intervals.get(one);
@@ -95,7 +100,10 @@ pub fn growth(
             }
             let unit = match one {
                 Coefficient::R => ramp_variance(weights, rate_hz),
-                _ => noise_variance(laws.get(one), weights),
+                _ => {
+                    let law = laws.get(one);
+                    noise_variance(|f_hz| linear(law, f_hz), &[], weights, rate_hz)
+                }
             };
             variance += unit * square;
             below += (unit * (square - lo * lo)).powi(2);
@@ -119,9 +127,13 @@ fn unit_s(integral: Integral, rate_hz: f64) -> f64 {
     }
 }
 
-/// Variance from noise and lines.
-fn noise_variance(law: &Law, weights: Weights) -> f64 {
-    let rate_hz = law.rate_hz();
+/// Variance from noise of the two-sided density `density` and from lines.
+fn noise_variance(
+    density: impl Fn(f64) -> f64,
+    lines: &[Line],
+    weights: Weights,
+    rate_hz: f64,
+) -> f64 {
     let nyquist = 0.5 * rate_hz;
     let (longer, shorter) = (weights.n.max(weights.c), weights.n.min(weights.c));
     let resolved = (CYCLES * rate_hz / shorter).min(nyquist);
@@ -131,17 +143,16 @@ fn noise_variance(law: &Law, weights: Weights) -> f64 {
         0.0,
         resolved,
         |f| f.max(FIRST_PANEL * fine).min(fine),
-        |f| law.density(f) * weights.power(x(f, rate_hz)),
+        |f| density(f) * weights.power(x(f, rate_hz)),
     );
     let far = panels(
         resolved,
         nyquist,
         |f| (RELATIVE_PANEL * f).min(widest),
-        |f| law.density(f) * weights.mean_power(x(f, rate_hz)),
+        |f| density(f) * weights.mean_power(x(f, rate_hz)),
     );
-    let lines: f64 = law
-        .lines()
-        .into_iter()
+    let lines: f64 = lines
+        .iter()
         .map(|line| line.power * weights.power(x(line.f_hz, rate_hz)))
         .sum();
     (2.0 * (near + far) + lines) * unit_s(weights.integral, rate_hz).powi(2)

@@ -1,15 +1,16 @@
-//! The result as JSON, schema 1: the structures of [`crate::analyse`] as they are.
+//! A result as JSON, schema 1: the structures of [`crate::analyse`] and
+//! [`crate::criticise::finding`] as they are.
 
 use std::io::Write;
 
-use crate::analyse::Analysis;
+use serde::Serialize;
 
-/// Writes `analysis`, indented and with a newline at the end.
+/// Writes `result`, indented and with a newline at the end.
 ///
 /// # Errors
 /// If writing fails.
-pub fn write(analysis: &Analysis, output: &mut impl Write) -> std::io::Result<()> {
-    serde_json::to_writer_pretty(&mut *output, analysis)?;
+pub fn write(result: &impl Serialize, output: &mut impl Write) -> std::io::Result<()> {
+    serde_json::to_writer_pretty(&mut *output, result)?;
     writeln!(output)?;
     output.flush()
 }

@@ -2,6 +2,7 @@
 //! computed here that the result does not hold.
 
 pub mod allan_plot;
+pub mod diagnosis_text;
 pub mod html;
 pub mod json;
 pub mod number;

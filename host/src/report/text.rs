@@ -31,7 +31,7 @@ pub fn render(analysis: &Analysis) -> String {
     text
 }
 
-fn head(text: &mut String, source: &SourceSummary) -> std::fmt::Result {
+pub(super) fn head(text: &mut String, source: &SourceSummary) -> std::fmt::Result {
     writeln!(
         text,
         "{}: {} samples an axis at {}/s, {}",

@@ -26,9 +26,10 @@ pub struct AxisSimulation {
 }
 
 impl AxisSimulation {
-    /// Axis `index` of a model at `rate_hz`. `mixing` weighs the random numbers of the axes up
-    /// to this one.
+    /// Axis `index` of a model at a nominal `rate_hz`, without what follows a leader. `mixing`
+    /// weighs the random numbers of the axes up to this one.
     pub fn new(axis: &ModelAxis, index: u64, mixing: &[f64], rate_hz: f64, seed: u64) -> Self {
+        let rate_hz = axis.clock() * rate_hz;
         let mut parts = Parts::new(axis, rate_hz);
         for (term_index, coefficient) in (0..).zip(Coefficient::ALL) {
             let value = *axis.coefficients.get(coefficient);
@@ -59,6 +60,8 @@ impl AxisSimulation {
             match effect.part() {
                 Part::Term(term) => parts.add(&*term, stream),
                 Part::Distortion(one) => distorters.push(one.distorter(rate_hz, stream)),
+                // The clock is in the rate. What follows something needs a leader.
+                Part::Clock(_) | Part::Follows(_) => {}
             }
         }
         Self {

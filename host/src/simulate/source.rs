@@ -1,7 +1,8 @@
 //! A simulation as a [`Source`].
 
 use super::axis::AxisSimulation;
-use crate::model::whole::Model;
+use crate::model::effect::Part;
+use crate::model::whole::{Model, ModelAxis};
 use crate::signal::{Axis, Signal};
 use crate::source::{Block, Chunk, Column, Source, SourceError, Values};
 
@@ -26,9 +27,10 @@ impl Simulation {
     /// correlation; effects are independent.
     ///
     /// # Errors
-    /// As [`Model::check`].
+    /// As [`Model::check`], and if an axis follows something that is not in the model.
     pub fn new(model: &Model, length: u64, seed: u64) -> Result<Self, String> {
         model.check()?;
+        model.axes.iter().try_for_each(alone)?;
         let mixing = model.mixing()?;
         let axis = |(index, axis)| {
             let weights: Vec<f64> = mixing.row(index).iter().copied().collect();
@@ -65,6 +67,22 @@ impl Simulation {
     }
 }
 
+/// Whether all that is in an axis can be made without a record.
+fn alone(axis: &ModelAxis) -> Result<(), String> {
+    for effect in &axis.effects {
+        if let Part::Follows(follows) = effect.part() {
+            return Err(format!(
+                "axis {}: effect {} follows {}, which is not in the model; take it out to \
+                 simulate the rest",
+                axis.name,
+                effect.kind().name(),
+                follows.leader.name()
+            ));
+        }
+    }
+    Ok(())
+}
+
 impl Source for Simulation {
     fn signal(&self) -> &Signal {
         &self.signal
@@ -85,5 +103,24 @@ impl Source for Simulation {
             columns: columns.collect(),
         };
         Ok((!block.is_empty()).then_some(Chunk::Samples(block)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_follows_a_leader_is_refused() {
+        let text = r#"{ "schema": 1, "rate_hz": 100, "axes": [ { "name": "X", "effects": [
+            { "effect": "thermal", "parameters": { "gain": 1e-3, "lag_s": 0 } } ] } ] }"#;
+        let model = Model::from_json(text).expect("a model");
+        let error = Simulation::new(&model, 10, 1)
+            .err()
+            .expect("no thermometer");
+        assert!(
+            error.contains("axis X: effect thermal follows the temperature"),
+            "{error}"
+        );
     }
 }

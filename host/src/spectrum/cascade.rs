@@ -5,8 +5,8 @@
 //! has factors of eight: it does not grow otherwise.
 
 use super::{
-    decimate::Decimator,
-    history::History,
+    decimate::{Decimator, FACTOR},
+    history::{History, SlowRun},
     segments::{Pair, PairSink, Plan, Power, Segments},
 };
 
@@ -96,6 +96,18 @@ impl Cascade {
     /// The first good sample, which all others were taken relative to.
     pub fn reference(&self) -> Option<f64> {
         self.reference
+    }
+
+    /// The whole record at the fastest rate at which it fits into
+    /// [`history::CAPACITY`](super::history::CAPACITY) samples: how many times slower
+    /// that is than the samples, and the gap-free runs, less the shortest ones.
+    ///
+    /// `None` where gaps leave nothing at such a rate.
+    pub fn slow(&self) -> Option<(u64, &[SlowRun])> {
+        self.levels
+            .iter()
+            .enumerate()
+            .find_map(|(level, one)| Some((FACTOR.pow(level as u32), one.history.runs()?)))
     }
 
     pub(super) fn levels(&self) -> &[Level] {
@@ -215,7 +227,7 @@ impl Cascade {
         loop {
             let level = &mut self.levels[depth];
             level.segments.push(at, &input, sink);
-            level.history.push(&input);
+            level.history.push(at, &input);
             let mut output = std::mem::take(&mut level.output);
             at = level
                 .decimator

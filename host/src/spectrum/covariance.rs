@@ -9,9 +9,8 @@
 //! segments. The figures are relative: multiply by the expectations of both bins.
 
 use super::{
-    estimate::{Group, weight},
+    estimate::Group,
     expected::Operator,
-    multitaper::Run,
     segments::{HOP, LEN, Power},
     window::Window,
 };
@@ -22,6 +21,9 @@ const REACH: usize = 16;
 
 /// Bins of a short segment on which its window still has weight, for the seams.
 const SEAM: f64 = 3.0;
+
+/// Steps a bin of the tabulated spectral window.
+const STEPS: f64 = 64.0;
 
 /// Symmetric matrix of covariances relative to the expectations.
 #[derive(Debug, Clone, Default)]
@@ -54,7 +56,7 @@ impl Covariance {
 pub(super) struct Input<'a> {
     pub(super) groups: &'a [Group],
     pub(super) powers: &'a [Power],
-    pub(super) window: &'a Window,
+    pub(super) correlations: &'a Correlations,
     pub(super) operator: &'a Operator,
     pub(super) rate_hz: f64,
     pub(super) duration_s: f64,
@@ -67,7 +69,6 @@ pub(super) fn of(input: &Input<'_>) -> Covariance {
         size,
         values: vec![0.0; size * size],
     };
-    let correlations = Correlations::new(input.window);
     let mut first = 0;
     for group in input.groups {
         match group {
@@ -78,18 +79,16 @@ pub(super) fn of(input: &Input<'_>) -> Covariance {
                         if other.start() > &(one.end() + REACH) {
                             break;
                         }
-                        let value = correlations.between(one, other, power);
+                        let value = input.correlations.between(one, other, power);
                         covariance.set(first + i, first + j, value);
                     }
                 }
                 seam(input, &mut covariance, first, *level, bins);
                 first += bins.len();
             }
-            Group::Record { runs, bins, .. } => {
-                for (i, one) in bins.iter().enumerate() {
-                    for (j, other) in bins.iter().enumerate().skip(i) {
-                        covariance.set(first + i, first + j, between_members(runs, one, other));
-                    }
+            Group::Record { bins, .. } => {
+                for (i, members) in bins.iter().enumerate() {
+                    covariance.set(first + i, first + i, of_ordinates(members.len()));
                 }
                 first += bins.len();
             }
@@ -99,8 +98,11 @@ pub(super) fn of(input: &Input<'_>) -> Covariance {
 }
 
 /// Relative variances of all bins.
-pub(super) fn variances(groups: &[Group], powers: &[Power], window: &Window) -> Vec<f64> {
-    let correlations = Correlations::new(window);
+pub(super) fn variances(
+    groups: &[Group],
+    powers: &[Power],
+    correlations: &Correlations,
+) -> Vec<f64> {
     let mut variances = Vec::new();
     for group in groups {
         match group {
@@ -108,22 +110,29 @@ pub(super) fn variances(groups: &[Group], powers: &[Power], window: &Window) -> 
                 let power = &powers[*level];
                 variances.extend(bins.iter().map(|ks| correlations.between(ks, ks, power)));
             }
-            Group::Record { runs, bins, .. } => {
-                variances.extend(bins.iter().map(|bin| between_members(runs, bin, bin)));
+            Group::Record { bins, .. } => {
+                variances.extend(bins.iter().map(|members| of_ordinates(members.len())));
             }
         }
     }
     variances
 }
 
-/// Squared correlations of the transforms of a segment, and of neighbours, by distance in bins.
-struct Correlations {
+/// What a taper does to covariances: squared correlations of the transforms of a segment, and of
+/// neighbours, by distance in bins; and its spectral window.
+pub(super) struct Correlations {
     same: Vec<f64>,
     neighbour: Vec<f64>,
+    /// Squared transform over the sum of squares, in [`STEPS`] a bin up to [`SEAM`].
+    power: Vec<f64>,
 }
 
 impl Correlations {
-    fn new(window: &Window) -> Self {
+    pub(super) fn new(window: &Window) -> Self {
+        let power = |step: usize| {
+            let transform = window.transform(step as f64 / STEPS);
+            transform * transform / window.sum_of_squares()
+        };
         let table = |lag| {
             (0..=REACH)
                 .map(|bins| window.correlation(lag, bins as f64))
@@ -132,7 +141,16 @@ impl Correlations {
         Self {
             same: table(0),
             neighbour: table(HOP),
+            power: (0..=(SEAM * STEPS) as usize + 1).map(power).collect(),
         }
+    }
+
+    /// Spectral window at a distance of at most [`SEAM`] bins.
+    fn power(&self, bins: f64) -> f64 {
+        let place = bins.abs() * STEPS;
+        let step = place as usize;
+        let part = place - step as f64;
+        self.power[step] + part * (self.power[step + 1] - self.power[step])
     }
 
     fn between(
@@ -159,17 +177,10 @@ impl Correlations {
     }
 }
 
-fn between_members(runs: &[Run], one: &[(usize, usize)], other: &[(usize, usize)]) -> f64 {
-    let mut total = 0.0;
-    for &(run, a) in one {
-        for &(_, b) in other.iter().filter(|(of_run, _)| *of_run == run) {
-            let (first, second) = (&runs[run].ordinates[a], &runs[run].ordinates[b]);
-            total += weight(runs, one, run, a)
-                * weight(runs, other, run, b)
-                * runs[run].relative_covariance(first, second);
-        }
-    }
-    total
+/// Relative variance of the mean of ordinates of the cosine transform, which are independent and
+/// have one degree of freedom each.
+fn of_ordinates(count: usize) -> f64 {
+    2.0 / count as f64
 }
 
 /// Covariances of a level's lowest bins with the bins below, which have another source: the
@@ -185,30 +196,30 @@ fn seam(
     let level_rate_hz = input.rate_hz / (super::decimate::FACTOR as f64).powi(level as i32);
     let bin_hz = level_rate_hz / LEN as f64;
     let start = *lowest.start() as f64;
-    let density = |ks: &RangeInclusive<usize>, f_hz: f64| -> f64 {
-        let near = ks
-            .clone()
-            .filter(|&k| (k as f64 - f_hz / bin_hz).abs() <= SEAM);
-        let total: f64 = near
-            .map(|k| input.window.transform(f_hz / bin_hz - k as f64).powi(2))
-            .sum();
-        total / (ks.clone().count() as f64 * input.window.sum_of_squares() * level_rate_hz)
-    };
     let nodes_hz = input.operator.nodes_hz();
     let rows = input.operator.rows();
     for (i, ks) in bins.iter().enumerate() {
         if *ks.start() as f64 > start + SEAM {
             break;
         }
-        for j in (0..first).rev() {
-            let heavy = rows[j].iter().filter(|(_, weight)| *weight > 1e-7);
-            let value: f64 = heavy
-                .map(|&(node, weight)| weight * density(ks, nodes_hz[node as usize]))
+        let scale = 1.0 / (ks.clone().count() as f64 * level_rate_hz);
+        let density = |f_hz: f64| -> f64 {
+            let place = f_hz / bin_hz;
+            let near = ks.clone().filter(|&k| (k as f64 - place).abs() <= SEAM);
+            let total: f64 = near
+                .map(|k| input.correlations.power(place - k as f64))
                 .sum();
-            if value == 0.0 {
-                break;
+            scale * total
+        };
+        let densities: Vec<f64> = nodes_hz.iter().map(|&f_hz| density(f_hz)).collect();
+        for (j, row) in rows[..first].iter().enumerate() {
+            let value: f64 = row
+                .iter()
+                .map(|&(node, weight)| weight * densities[node as usize])
+                .sum();
+            if value > 0.0 {
+                covariance.set(first + i, j, value / input.duration_s);
             }
-            covariance.set(first + i, j, value / input.duration_s);
         }
     }
 }

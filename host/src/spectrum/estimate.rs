@@ -2,21 +2,22 @@
 //!
 //! Each bin takes the source with the finest resolution among those that have seen enough of the
 //! record ([`Settings::segments`]): a level's segments in the band where its decimators are flat,
-//! or, below what segments reach, the multitapers of the whole record.
+//! or, below what segments reach, the cosine transform of the whole record.
 
 use super::{
     cascade::Cascade,
-    covariance::{self, Covariance},
+    cosine::{LOWEST_CYCLES, Run},
+    covariance::{self, Correlations, Covariance},
     decimate::{FACTOR, PASS},
     expected::{Operator, Path, SegmentWindows, level_kernels},
-    multitaper::{LOWEST_CYCLES, Run},
+    history::SlowRun,
     quadrature::{Nodes, Peak},
     segments::{LEN, Power},
 };
 use std::ops::RangeInclusive;
 
 /// Lowest bin of a segment that is used where the record is long enough to choose: below, the
-/// next level or the multitapers see more.
+/// next level or the whole record sees more.
 const LOWEST_BIN: usize = 6;
 
 /// Lowest bin of a segment that is used where nothing else reaches.
@@ -26,7 +27,7 @@ const LAST_RESORT_BIN: usize = 2;
 /// independent of their own mirror images.
 const HIGHEST_BIN: usize = LEN / 2 - 2;
 
-/// Runs shorter than this share of the longest do not enter the multitapers.
+/// Runs shorter than this share of the longest do not enter the transform of the whole record.
 const RUN_SHARE: usize = 2;
 
 /// How to bin.
@@ -58,8 +59,8 @@ pub enum Origin {
         /// Number of decimations.
         level: usize,
     },
-    /// Sine multitapers over whole gap-free runs.
-    Multitaper,
+    /// Cosine transforms of whole gap-free runs.
+    Record,
 }
 
 /// One bin of the estimate.
@@ -118,8 +119,9 @@ pub(super) struct Sources<'a> {
     cascade: &'a Cascade,
     rate_hz: f64,
     powers: Vec<Power>,
+    correlations: Correlations,
     /// Level and runs of the whole record.
-    record: Option<(usize, &'a [Vec<f64>])>,
+    record: Option<(usize, &'a [SlowRun])>,
 }
 
 /// Bins of one source, in ascending order.
@@ -149,6 +151,7 @@ impl<'a> Sources<'a> {
             cascade,
             rate_hz,
             powers,
+            correlations: Correlations::new(&cascade.plan().window),
             record,
         }
     }
@@ -178,7 +181,7 @@ impl<'a> Sources<'a> {
     /// Bins by descending frequency, as groups of neighbours from the same source.
     fn groups(&self, settings: &Settings) -> Vec<Group> {
         let (longest_s, record_top_hz) = self.record.map_or((0.0, 0.0), |(level, runs)| {
-            let longest = runs.iter().map(Vec::len).max().unwrap_or(0);
+            let longest = longest(runs);
             let top = if level == 0 { 0.49 } else { PASS };
             let rate_hz = self.level_rate_hz(level);
             (longest as f64 / rate_hz, top * rate_hz)
@@ -195,7 +198,7 @@ impl<'a> Sources<'a> {
                 .map(|level| Origin::Segments { level })
                 .or_else(|| {
                     (centre <= record_top_hz && centre * longest_s >= 0.9 * LOWEST_CYCLES)
-                        .then_some(Origin::Multitaper)
+                        .then_some(Origin::Record)
                 })
                 .or_else(|| {
                     self.level_for(centre, 1, LAST_RESORT_BIN)
@@ -219,13 +222,13 @@ impl<'a> Sources<'a> {
     fn group(&self, origin: Origin, bands: &[(f64, f64)]) -> Group {
         let top = bands.first().map_or(0.0, |band| band.1);
         match (origin, self.record) {
-            (Origin::Multitaper, Some((level, runs))) => {
+            (Origin::Record, Some((level, runs))) => {
                 let rate_hz = self.level_rate_hz(level);
-                let longest = runs.iter().map(Vec::len).max().unwrap_or(0);
+                let longest = longest(runs);
                 let runs: Vec<Run> = runs
                     .iter()
-                    .filter(|run| run.len() * RUN_SHARE >= longest)
-                    .map(|run| Run::new(run, top / rate_hz))
+                    .filter(|run| run.samples.len() * RUN_SHARE >= longest)
+                    .map(|run| Run::new(&run.samples, top / rate_hz))
                     .collect();
                 let bins = bands
                     .iter()
@@ -250,7 +253,7 @@ impl<'a> Sources<'a> {
                 level,
                 bins: self.level_bins(level, bands),
             },
-            (Origin::Multitaper, None) => Group::Level {
+            (Origin::Record, None) => Group::Level {
                 level: 0,
                 bins: Vec::new(),
             },
@@ -284,7 +287,7 @@ impl<'a> Sources<'a> {
                 }
             }
         }
-        let variances = covariance::variances(groups, &self.powers, &self.cascade.plan().window);
+        let variances = covariance::variances(groups, &self.powers, &self.correlations);
         for (bin, variance) in bins.iter_mut().zip(variances) {
             bin.edf = 2.0 / variance;
         }
@@ -316,7 +319,7 @@ impl<'a> Sources<'a> {
         let covariance = covariance::of(&covariance::Input {
             groups: &groups,
             powers: &self.powers,
-            window: &self.cascade.plan().window,
+            correlations: &self.correlations,
             operator: &operator,
             rate_hz: self.rate_hz,
             duration_s: self.cascade.samples() as f64 / self.rate_hz,
@@ -355,18 +358,14 @@ impl<'a> Sources<'a> {
         let rate_hz = self.level_rate_hz(level);
         for members in members {
             let mean = |value: &dyn Fn(&Run, usize) -> f64| -> f64 {
-                members
-                    .iter()
-                    .map(|&(run, index)| {
-                        weight(runs, members, run, index) * value(&runs[run], index)
-                    })
-                    .sum()
+                let values = members.iter().map(|&(run, index)| value(&runs[run], index));
+                values.sum::<f64>() / members.len() as f64
             };
             bins.push(Bin {
                 f_hz: rate_hz * mean(&|run, index| run.cycles(&run.ordinates[index])),
                 psd: mean(&|run, index| run.ordinates[index].power) / rate_hz,
                 edf: 0.0,
-                origin: Origin::Multitaper,
+                origin: Origin::Record,
             });
         }
     }
@@ -383,6 +382,11 @@ impl<'a> Sources<'a> {
     }
 }
 
+/// Samples in the longest run.
+fn longest(runs: &[SlowRun]) -> usize {
+    runs.iter().map(|run| run.samples.len()).max().unwrap_or(0)
+}
+
 /// Kernels of bins over the ordinates of runs: frequencies and `[bin][node]`.
 fn record_kernels(
     path: &Path,
@@ -395,8 +399,9 @@ fn record_kernels(
     for (number, run) in runs.iter().enumerate() {
         let bin_hz = run.bin() * path.level_rate_hz();
         let nodes = Nodes::new(run.near_bins(), bin_hz, &settings.peaks);
-        let windows = run.windows(&nodes);
         let far = run.far_panels();
+        let centres: Vec<f64> = far.iter().map(|&(centre, _)| centre).collect();
+        let (near, distant) = (run.windows(&nodes), run.mean_windows(&centres));
         let places = nodes
             .nodes
             .iter()
@@ -408,15 +413,11 @@ fn record_kernels(
         for (kernel, members) in kernels.iter_mut().zip(bins) {
             let from = kernel.len();
             kernel.resize(from + shares.len(), 0.0);
-            for &(of_run, index) in members.iter().filter(|(of_run, _)| *of_run == number) {
-                let share = weight(runs, members, of_run, index);
-                let ordinate = &run.ordinates[index];
-                let far = far
-                    .iter()
-                    .map(|&(centre, _)| run.mean_window(ordinate, centre));
-                let near = windows[index].iter().copied();
+            for &(_, index) in members.iter().filter(|(of_run, _)| *of_run == number) {
+                let share = 1.0 / members.len() as f64;
+                let windows = near[index].iter().chain(&distant[index]);
                 let kernel = kernel[from..].iter_mut();
-                for ((total, (_, gain)), window) in kernel.zip(&shares).zip(near.chain(far)) {
+                for ((total, (_, gain)), window) in kernel.zip(&shares).zip(windows) {
                     *total += share * gain * window;
                 }
             }
@@ -424,15 +425,4 @@ fn record_kernels(
         nodes_hz.extend(shares.iter().map(|(place, _)| place * bin_hz));
     }
     (nodes_hz, kernels)
-}
-
-/// Share of an ordinate in its bin: by tapers times length, the information in it.
-pub(super) fn weight(runs: &[Run], members: &[(usize, usize)], run: usize, index: usize) -> f64 {
-    let information =
-        |run: usize, index: usize| (runs[run].ordinates[index].tapers * runs[run].len) as f64;
-    let total: f64 = members
-        .iter()
-        .map(|&(run, index)| information(run, index))
-        .sum();
-    information(run, index) / total
 }

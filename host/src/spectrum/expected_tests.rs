@@ -6,9 +6,9 @@
 
 use super::{
     cascade::Cascade,
+    cosine::Run,
     estimate::{Bin, Estimate, Origin, Settings},
     expected::{Path, SegmentWindows, level_kernels},
-    multitaper::Run,
     quadrature::{Nodes, Peak},
     segments::LEN,
     window::Window,
@@ -185,7 +185,7 @@ fn flicker_agrees_with_a_fine_sum() {
 }
 
 #[test]
-fn multitapers_of_the_whole_record() {
+fn cosines_of_the_whole_record() {
     let len = 700;
     let highest = 0.3;
     let settings = Settings::default();
@@ -205,7 +205,7 @@ fn multitapers_of_the_whole_record() {
         let run = Run::new(&vec![0.0; len], highest);
         for (number, (ordinate, exact)) in run.ordinates.iter().zip(exact).enumerate().take(8) {
             let Bin { f_hz, origin, .. } = estimate.bins[number];
-            assert_eq!(origin, Origin::Multitaper);
+            assert_eq!(origin, Origin::Record);
             assert!(
                 (f_hz - run.cycles(ordinate)).abs() < 1e-12,
                 "{number}: {f_hz}"

@@ -14,8 +14,8 @@
 //!   [`history`] are its parts. Averaged, tapered, half-overlapped periodograms (Welch 1967), at
 //!   rates that follow the frequency, so that resolution is a share of it (the aim of Tröbs and
 //!   Heinzel 2006, reached here in one pass instead of one transform a frequency).
-//! - [`estimate`]: from its sums to bins; [`multitaper`] for the lowest frequencies, where
-//!   segments are few.
+//! - [`estimate`]: from its sums to bins; [`cosine`] for the lowest frequencies, where segments are
+//!   few.
 //! - [`expected`] with [`quadrature`], and [`covariance`]: what a fit compares the bins with. A
 //!   Whittle-type likelihood needs no more than the bins, their expectation and their covariance.
 //! - [`lines`] while streaming and [`record_lines`] over a recorded file: narrow lines.
@@ -31,12 +31,11 @@
 //! - D. B. Percival and A. T. Walden, *Spectral Analysis for Physical Applications* (1993).
 //! - F. J. Harris, *On the use of windows for harmonic analysis*, Proc. IEEE 66 (1978); A. H.
 //!   Nuttall, *Some windows with very good sidelobe behavior*, IEEE Trans. ASSP 29 (1981).
-//! - K. S. Riedel and A. Sidorenko, *Minimum bias multiple taper spectral estimation*, IEEE Trans.
-//!   Signal Process. 43 (1995).
 //! - M. Tröbs and G. Heinzel, *Improved spectrum estimation from digitized time series on a
 //!   logarithmic frequency axis*, Measurement 39 (2006).
 
 pub mod cascade;
+pub mod cosine;
 pub mod covariance;
 pub mod cross;
 pub mod decimate;
@@ -45,7 +44,6 @@ pub mod expected;
 mod fill;
 pub mod history;
 pub mod lines;
-pub mod multitaper;
 pub mod quadrature;
 pub mod record_lines;
 pub mod segments;

@@ -72,6 +72,19 @@ impl Data {
         self.psd.is_empty()
     }
 
+    /// One more bin, of `dof` degrees of freedom and independent of all others, at the end.
+    #[must_use]
+    pub fn with_bin(&self, psd: f64, dof: f64) -> Self {
+        let mut data = self.clone();
+        let size = self.len();
+        data.f_hz.push(0.0);
+        data.psd.push(psd);
+        data.dof.push(dof);
+        data.covariance = self.covariance.clone().resize(size + 1, size + 1, 0.0);
+        data.covariance[(size, size)] = 2.0 / dof;
+        data
+    }
+
     /// The same bins with other densities: another draw.
     #[must_use]
     pub fn with_psd(&self, psd: Vec<f64>) -> Self {

@@ -25,10 +25,15 @@
 pub mod components;
 pub mod data;
 pub mod information;
+pub mod longer;
 pub mod non_negative;
 pub mod profile;
+pub mod ramp;
 pub mod scoring;
 pub mod shape;
+pub mod slope;
+pub mod terms;
+pub mod whittle;
 
 pub use data::Data;
 pub use scoring::{Fit, log_likelihood, maximise};

@@ -15,7 +15,7 @@
 
 use super::data::Data;
 use super::information;
-use super::scoring::{Fit, maximise_beside};
+use super::scoring::{Fit, greatest_beside};
 
 /// Fall at the ends of a two-sided 95 % interval: chi-squared of one degree of freedom.
 pub const FALL_TWO_SIDED: f64 = 3.841_458_820_694_124;
@@ -66,9 +66,16 @@ impl<'a> Profile<'a> {
             .filter(|&i| i != self.index)
             .map(|i| self.components[i].clone())
             .collect();
-        maximise_beside(self.data, &others, &fixed, None).map_or(f64::INFINITY, |fit| {
-            2.0 * (self.fit.log_likelihood - fit.log_likelihood).max(0.0) / self.stretch
-        })
+        let start: Vec<f64> = (0..self.components.len())
+            .filter(|&i| i != self.index)
+            .map(|i| self.fit.squared[i])
+            .collect();
+        // From the best fit of all, and from scratch in case the others must change a lot.
+        let best = [Some(&start[..]), None]
+            .map(|start| greatest_beside(self.data, &others, &fixed, start))
+            .into_iter()
+            .fold(f64::NEG_INFINITY, f64::max);
+        2.0 * (self.fit.log_likelihood - best).max(0.0) / self.stretch
     }
 
     /// Where the profile has fallen by `fall` below the best value; zero where it does not fall as

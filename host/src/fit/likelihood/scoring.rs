@@ -71,19 +71,7 @@ pub fn maximise_beside(
     start: Option<&[f64]>,
 ) -> Option<Fit> {
     let search = Search::new(data, components, fixed);
-    let found = match start {
-        Some(start) => search.run(search.scaled(start)),
-        None => {
-            // The likelihood is not concave: two starts far apart, the better end.
-            let guess = search.step(&smooth(data));
-            let even = DVector::from_element(components.len(), 1.0);
-            [guess, even]
-                .into_iter()
-                .filter_map(|start| search.run(start))
-                .max_by(|one, other| one.1.total_cmp(&other.1))
-        }
-    };
-    let (x, log_likelihood) = found?;
+    let (x, log_likelihood) = search.best(start)?;
     let squared: Vec<f64> = x.iter().zip(&search.scale).map(|(x, s)| x / s).collect();
     let expected = search.expected(&x);
     Some(Fit {
@@ -93,6 +81,18 @@ pub fn maximise_beside(
         expected,
         log_likelihood,
     })
+}
+
+/// The log-likelihood of [`maximise_beside`] alone; minus infinity where there is no fit.
+pub fn greatest_beside(
+    data: &Data,
+    components: &[Vec<f64>],
+    fixed: &[f64],
+    start: Option<&[f64]>,
+) -> f64 {
+    Search::new(data, components, fixed)
+        .best(start)
+        .map_or(f64::NEG_INFINITY, |(_, value)| value)
 }
 
 struct Search<'a> {
@@ -125,6 +125,20 @@ impl<'a> Search<'a> {
             components,
             scale,
         }
+    }
+
+    /// The best scaled squares and their log-likelihood.
+    fn best(&self, start: Option<&[f64]>) -> Option<(DVector<f64>, f64)> {
+        if let Some(start) = start {
+            return self.run(self.scaled(start));
+        }
+        // The likelihood is not concave: two starts far apart, the better end.
+        let guess = self.step(&smooth(self.data));
+        let even = DVector::from_element(self.components.len(), 1.0);
+        [guess, even]
+            .into_iter()
+            .filter_map(|start| self.run(start))
+            .max_by(|one, other| one.1.total_cmp(&other.1))
     }
 
     fn scaled(&self, squared: &[f64]) -> DVector<f64> {

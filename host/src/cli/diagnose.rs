@@ -1,0 +1,112 @@
+//! `inm diagnose`: what a simulation of the fitted model gets wrong about a record, why, and what
+//! is gained by mending it.
+
+use std::io::Write;
+use std::process::ExitCode;
+
+use clap::Args;
+
+use super::input::InputOptions;
+use super::output::write_to;
+use crate::criticise::diagnose::diagnose_axis;
+use crate::criticise::finding::Diagnosis;
+use crate::criticise::rounds::Options;
+use crate::criticise::samples::Samples;
+use crate::report;
+use crate::source::open::open;
+use crate::source::options::Selector;
+
+/// Exit status where something is left unexplained.
+const UNEXPLAINED: u8 = 1;
+
+/// Arguments of `inm diagnose`.
+#[derive(Debug, Args)]
+pub struct DiagnoseCommand {
+    /// Record to read: a capture, an array file, or - for standard input.
+    file: String,
+    #[command(flatten)]
+    input: InputOptions,
+    /// Column of temperatures in the same file, by number from 0 or by name.
+    #[arg(long, value_name = "COLUMN")]
+    temperature: Option<Selector>,
+    /// Probability of any finding where nothing is hidden.
+    #[arg(long, value_name = "P", default_value_t = 0.005)]
+    level: f64,
+    /// Write the result as JSON to this file; - is standard output, in place of the text.
+    #[arg(long, value_name = "OUT")]
+    json: Option<String>,
+}
+
+impl DiagnoseCommand {
+    /// Runs the subcommand.
+    ///
+    /// # Errors
+    /// If the record cannot be read or holds too little, or a result cannot be written.
+    pub fn run(self) -> anyhow::Result<ExitCode> {
+        anyhow::ensure!(
+            self.level > 0.0 && self.level < 1.0,
+            "--level {}: a probability between 0 and 1",
+            self.level
+        );
+        let covariate = match &self.temperature {
+            Some(column) => Some(self.read_column(column)?),
+            None => None,
+        };
+        let mut source = open(&self.file, &self.input.into())?;
+        let (samples, account) = Samples::read(&mut *source, |_| {})?;
+        let options = Options {
+            family_level: self.level,
+            covariate,
+        };
+        let axes = (0..samples.axes.len())
+            .map(|number| diagnose_axis(&samples, number, &options))
+            .collect::<Result<Vec<_>, _>>()
+            .map_err(|refused| anyhow::anyhow!("{}: {refused}", self.file))?;
+        let diagnosis = Diagnosis {
+            schema: crate::analyse::SCHEMA,
+            source: crate::analyse::summary(&samples.signal, &account),
+            family_level: self.level,
+            axes,
+        };
+        if let Some(path) = &self.json {
+            write_to(path, |mut output| {
+                report::json::write(&diagnosis, &mut output)
+            })?;
+        }
+        if self.json.as_deref() != Some("-") {
+            let mut output = std::io::stdout().lock();
+            output.write_all(report::diagnosis_text::render(&diagnosis).as_bytes())?;
+            output.flush()?;
+        }
+        let left = diagnosis
+            .axes
+            .iter()
+            .any(|axis| !axis.unexplained.is_empty());
+        Ok(if left {
+            ExitCode::from(UNEXPLAINED)
+        } else {
+            ExitCode::SUCCESS
+        })
+    }
+
+    /// The covariate, one value a sample; missing ones take the one before.
+    fn read_column(&self, column: &Selector) -> anyhow::Result<Vec<f64>> {
+        let mut options: crate::source::options::ArrayOptions = self.input.clone().into();
+        options.columns = vec![column.clone()];
+        options.unit = Some(crate::signal::Unit::Counts);
+        options.scales = Vec::new();
+        let mut source = open(&self.file, &options)?;
+        let (samples, _) = Samples::read(&mut *source, |_| {})?;
+        let (mut values, mean) = samples.axes[0].centred(1.0);
+        let mut last = 0.0;
+        for value in &mut values {
+            if value.is_finite() {
+                last = *value;
+            } else {
+                *value = last;
+            }
+            *value += mean;
+        }
+        Ok(values)
+    }
+}

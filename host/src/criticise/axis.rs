@@ -1,0 +1,222 @@
+//! One axis on its way: mended record, spectrum, laws, and what whitens it.
+
+use std::ops::Range;
+
+use super::frame::Frame;
+use super::laws::{self, Law};
+use super::mend::{Mended, block_means, bridge};
+use super::whole::{Transformer, Whole};
+use crate::chain::Chain;
+use crate::fit::likelihood::components::SEEN;
+use crate::fit::likelihood::{Data, Fit};
+use crate::model::effect::Part;
+
+/// Points of the table of densities.
+const TABLE: usize = 2048;
+
+/// Samples of the slow copy of a record, at most.
+const SLOW: usize = 1 << 18;
+
+/// Samples on either side of a bridge or a mask that tests of single moments leave out.
+const GUARD: usize = 64;
+
+/// Degrees of freedom from which a bin's own ratio to the model counts rather than the model.
+const OWN_RATIO: f64 = 40.0;
+
+/// One axis with what is known about it so far.
+pub struct AxisState {
+    /// Samples a second.
+    pub rate_hz: f64,
+    /// Declared signal chain.
+    pub chain: Option<Chain>,
+    /// The record.
+    pub mended: Mended,
+    /// Bins and expectations.
+    pub frame: Frame,
+    /// Laws beside the five terms.
+    pub laws: Vec<Law>,
+    /// Spectrum of the mended record.
+    pub data: Data,
+    /// Fit of the five terms and the laws.
+    pub fit: Fit,
+    /// The mended record, bridged.
+    pub filled: Vec<f64>,
+    /// Ranges that tests of single moments leave out, ascending and disjoint.
+    unusable: Vec<Range<usize>>,
+    fast: Transformer,
+}
+
+impl AxisState {
+    /// An axis with nothing known. `None` where the record is too short, or all the same.
+    pub fn new(measured: Vec<f64>, rate_hz: f64, chain: Option<&Chain>) -> Option<Self> {
+        let frame = Frame::new(&measured, rate_hz, chain)?;
+        let fast = Transformer::new(measured.len());
+        let data = frame.measure(&measured);
+        let fit = laws::fit(&frame, &data, &[])?;
+        let mut state = Self {
+            rate_hz,
+            chain: chain.cloned(),
+            mended: Mended::new(measured),
+            frame,
+            laws: Vec::new(),
+            data,
+            fit,
+            filled: Vec::new(),
+            unusable: Vec::new(),
+            fast,
+        };
+        state.refresh(false)?;
+        Some(state)
+    }
+
+    /// Brings spectrum and fit up to date after the record was mended or a law was added;
+    /// `regrid` where other samples are missing than before.
+    pub fn refresh(&mut self, regrid: bool) -> Option<()> {
+        let mut values = self.mended.values();
+        if regrid {
+            self.frame = Frame::new(&values, self.rate_hz, self.chain.as_ref())?;
+        }
+        self.data = self.frame.measure(&values);
+        self.fit = laws::polish(&self.frame, &self.data, &mut self.laws, 0, 0.05)?;
+        let gaps = bridge(&mut values);
+        self.unusable.clear();
+        for gap in gaps {
+            let wide = gap.start.saturating_sub(GUARD)..(gap.end + GUARD).min(values.len());
+            match self.unusable.last_mut() {
+                Some(last) if last.end >= wide.start => last.end = wide.end,
+                _ => self.unusable.push(wide),
+            }
+        }
+        self.filled = values;
+        Some(())
+    }
+
+    /// Whether tests of single moments may look at a sample.
+    pub fn usable(&self, index: usize) -> bool {
+        let next = self.unusable.partition_point(|range| range.end <= index);
+        self.unusable
+            .get(next)
+            .is_none_or(|range| index < range.start)
+    }
+
+    /// Transform of the mended record, closed into a ring, and the densities that whiten it.
+    pub fn whole(&self) -> (Whole, Vec<f64>) {
+        let mut whole = self.fast.transform(&self.filled, self.rate_hz);
+        let density = self.whitening(&whole);
+        whole.close(&density);
+        (whole, density)
+    }
+
+    /// Two-sided density of the fitted model at `f_hz`, chain and filters included.
+    pub fn density(&self, f_hz: f64) -> f64 {
+        let mut sum = 0.0;
+        for (one, squared) in SEEN.iter().zip(&self.fit.squared) {
+            if *squared > 0.0 {
+                sum += squared * self.frame.unit_density(*one, f_hz);
+            }
+        }
+        let mut power = 1.0;
+        for (which, law) in self.laws.iter().enumerate() {
+            match law.effect.part(&law.values) {
+                Part::Term(term) => {
+                    let squared = self.fit.squared[laws::component_of(&self.laws, which)];
+                    sum += squared
+                        * self.frame.term_density(&*term, f_hz)
+                        * self.frame.chain_power(f_hz);
+                }
+                Part::Distortion(filter) => power *= filter.power(f_hz, self.rate_hz),
+                Part::Clock(_) | Part::Follows(_) => {}
+            }
+        }
+        sum * power
+    }
+
+    /// Measured over expected power of the bins, drawn towards 1 where it rests on little.
+    fn ratio(&self, f_hz: f64) -> f64 {
+        let place = self.data.f_hz.partition_point(|&f| f < f_hz);
+        let at = |bin: usize| {
+            let own = self.data.dof[bin] / (self.data.dof[bin] + OWN_RATIO);
+            own * (self.data.psd[bin] / self.fit.expected[bin]).ln()
+        };
+        let last = self.data.len() - 1;
+        let log = match place {
+            0 => at(0),
+            _ if place > last => at(last),
+            _ => {
+                let (low, high) = (self.data.f_hz[place - 1].ln(), self.data.f_hz[place].ln());
+                let share = (f_hz.ln() - low) / (high - low);
+                at(place - 1) * (1.0 - share) + at(place) * share
+            }
+        };
+        log.exp()
+    }
+
+    /// Densities that whiten `whole`: the model's, drawn to the measured bins where these are sure,
+    /// so that a test of moments does not suffer from a model that is still wrong in frequency.
+    /// What a converter's filter shuts out does not count.
+    fn whitening(&self, whole: &Whole) -> Vec<f64> {
+        self.tabulate(whole, |f_hz| self.density(f_hz) * self.ratio(f_hz))
+    }
+
+    fn tabulate(&self, whole: &Whole, density: impl Fn(f64) -> f64) -> Vec<f64> {
+        let count = whole.ordinates().len();
+        let (low, high) = (whole.frequency(1).ln(), whole.frequency(count - 1).ln());
+        let table: Vec<f64> = (0..=TABLE)
+            .map(|step| {
+                let log = low + (high - low) * step as f64 / TABLE as f64;
+                density(log.exp()).max(f64::MIN_POSITIVE).ln()
+            })
+            .collect();
+        // The floor under it, a hundredth of what the middle of the band has.
+        let middle = density(0.2 * whole.frequency(count - 1));
+        let floor = 0.01 * middle;
+        (0..count)
+            .map(|k| {
+                let log = whole.frequency(k.max(1)).ln();
+                let place = ((log - low) / (high - low) * TABLE as f64).clamp(0.0, TABLE as f64);
+                let step = (place as usize).min(TABLE - 1);
+                let share = place - step as f64;
+                (table[step] * (1.0 - share) + table[step + 1] * share)
+                    .exp()
+                    .max(floor)
+            })
+            .collect()
+    }
+
+    /// Samples that one sample of the slow copy stands for.
+    pub fn slow_factor(&self) -> usize {
+        self.mended.len().div_ceil(SLOW).max(1)
+    }
+
+    /// The mended record in means over [`Self::slow_factor`] samples: its transform, and what
+    /// whitens it.
+    pub fn slow(&self, values: &[f64]) -> (Whole, Vec<f64>) {
+        let factor = self.slow_factor();
+        let means = block_means(values, factor);
+        let rate_hz = self.rate_hz / factor as f64;
+        let mut whole = Transformer::new(means.len()).transform(&means, rate_hz);
+        let density = self.tabulate(&whole, |f_hz| {
+            // What folds back, through the mean's own response.
+            (0..factor.div_ceil(2).min(8))
+                .flat_map(|fold| {
+                    let above = fold as f64 * rate_hz + f_hz;
+                    let below = (fold + 1) as f64 * rate_hz - f_hz;
+                    [above, below]
+                })
+                .filter(|&at| at < 0.5 * self.rate_hz * (1.0 + 1e-9))
+                .map(|at| {
+                    let x = std::f64::consts::PI * at / self.rate_hz;
+                    let response = if x == 0.0 || factor == 1 {
+                        1.0
+                    } else {
+                        ((factor as f64 * x).sin() / (factor as f64 * x.sin())).powi(2)
+                    };
+                    let at = at.min(0.5 * self.rate_hz * (1.0 - 1e-9));
+                    response * self.density(at) * self.ratio(at)
+                })
+                .sum()
+        });
+        whole.close(&density);
+        (whole, density)
+    }
+}

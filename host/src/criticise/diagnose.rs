@@ -1,0 +1,266 @@
+//! From a record in memory to what is wrong with its model and why.
+
+use super::axis::AxisState;
+use super::codes;
+use super::finding::{AxisDiagnosis, Base, Coefficient, Final, Finding, Gain};
+use super::gain::{self, Halves, HeldCurve};
+use super::impulses::middle_spread;
+use super::laws;
+use super::rounds::{self, Accepted, CodeFindings, Options, Snapshot};
+use super::samples::{AxisSamples, Samples};
+use crate::fit::likelihood::Fit;
+use crate::fit::likelihood::components::SEEN;
+use crate::model::catalogue;
+use crate::model::effect::Effect;
+use crate::model::whole::{ModelAxis, ModelEffect};
+use crate::model::{Coefficient as Letter, PerCoefficient};
+use crate::signal::Axis;
+use crate::source::Values;
+
+/// Samples below which no spectrum is worth the name.
+const LEAST: usize = 1 << 13;
+
+/// Standard deviations of a one-sided 5 % test, and of a 95 % interval.
+const ONE_SIDED: f64 = 1.644_854;
+const TWO_SIDED: f64 = 1.959_964;
+
+/// A record that cannot be diagnosed.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum Refused {
+    /// Too short.
+    #[error(
+        "axis {axis} has {samples} samples that count; a diagnosis needs {LEAST} or more; record longer"
+    )]
+    TooShort {
+        /// Name of the axis.
+        axis: String,
+        /// Samples.
+        samples: usize,
+    },
+    /// All the same, or nothing to fit.
+    #[error("axis {axis}: all samples are the same, there is no noise to diagnose")]
+    Constant {
+        /// Name of the axis.
+        axis: String,
+    },
+}
+
+/// Diagnoses one axis.
+///
+/// # Errors
+/// [`Refused`] where the record holds too little.
+pub fn diagnose_axis(
+    samples: &Samples,
+    number: usize,
+    options: &Options,
+) -> Result<AxisDiagnosis, Refused> {
+    let signal = &samples.signal.axes[number];
+    let record = &samples.axes[number];
+    let rate_hz = samples.signal.rate_hz;
+    let (measured, mean) = record.centred(signal.scale);
+    let good = measured.iter().filter(|value| value.is_finite()).count();
+    if good < LEAST {
+        return Err(Refused::TooShort {
+            axis: signal.name.clone(),
+            samples: good,
+        });
+    }
+    let constant = || Refused::Constant {
+        axis: signal.name.clone(),
+    };
+    let mean = mean - signal.zero * signal.scale;
+    let values = code_findings(record, signal, options.level(), &measured);
+    let mut axis = AxisState::new(measured, rate_hz, signal.chain.as_ref()).ok_or_else(constant)?;
+    let base_fit = axis.fit.clone();
+    let base_snapshot = Snapshot {
+        waves: Vec::new(),
+        laws: Vec::new(),
+    };
+    let outcome = rounds::run(&mut axis, options, &values).ok_or_else(constant)?;
+    let held = HeldCurve::new(&axis);
+    let mut halves = Halves::new(&axis);
+    let model = |snapshot: &Snapshot, fit: &Fit, effects: Vec<ModelEffect>| ModelAxis {
+        name: signal.name.clone(),
+        unit: signal.unit,
+        mean,
+        chain: signal.chain.clone(),
+        coefficients: gain::coefficients(&fit.squared),
+        effects: effects
+            .into_iter()
+            .chain(law_effects(snapshot, fit))
+            .collect(),
+    };
+    let error =
+        |model: &ModelAxis, snapshot: &Snapshot| gain::allan_error(&axis, &held, model, snapshot);
+    let base = model(&base_snapshot, &base_fit, Vec::new());
+    let base_error = error(&base, &base_snapshot);
+    let last_snapshot = outcome
+        .accepted
+        .last()
+        .map_or_else(|| base_snapshot.clone(), |one| one.with.clone());
+    let stationary = model(&last_snapshot, &axis.fit, Vec::new());
+    let last_error = error(&stationary, &last_snapshot);
+    let mut findings = Vec::new();
+    for (index, one) in outcome.accepted.iter().enumerate() {
+        let before = model(&one.without, &one.before, Vec::new());
+        let after_fit = outcome
+            .accepted
+            .get(index + 1)
+            .map_or(&axis.fit, |next| &next.before);
+        let after = model(&one.with, after_fit, Vec::new());
+        findings.push(finding(
+            one,
+            Gain {
+                heldout_nats: halves.as_mut().and_then(|halves| halves.nats(one)),
+                allan_error_percent_before: error(&before, &one.without).map(|error| error.0),
+                allan_error_percent_after: error(&after, &one.with).map(|error| error.0),
+            },
+        ));
+    }
+    let named = named_effects(&findings);
+    Ok(AxisDiagnosis {
+        name: signal.name.clone(),
+        unit: signal.unit,
+        base: Base {
+            model: base,
+            discrepancies: outcome.discrepancies,
+            allan_error_percent: base_error.map(|error| error.0),
+            allan_error_sampling_percent: base_error.map(|error| error.1),
+        },
+        unexplained: outcome.unexplained,
+        last: Final {
+            model: ModelAxis {
+                effects: named,
+                ..stationary
+            },
+            coefficients: coefficients(&axis.fit),
+            allan_error_percent: last_error.map(|error| error.0),
+            allan_error_sampling_percent: last_error.map(|error| error.1),
+        },
+        findings,
+    })
+}
+
+/// Effects as a model file has them, where the catalogue can make them.
+fn named_effects(findings: &[Finding]) -> Vec<ModelEffect> {
+    findings
+        .iter()
+        .filter_map(|finding| {
+            let parameters = finding
+                .parameters
+                .iter()
+                .map(|(name, value)| (name.clone(), value.value))
+                .collect();
+            ModelEffect::new(&finding.effect, &parameters).ok()
+        })
+        .collect()
+}
+
+/// The laws of a snapshot with the sizes of a fit that has them.
+fn law_effects(snapshot: &Snapshot, fit: &Fit) -> Vec<ModelEffect> {
+    let laws = rounds::laws_of(snapshot);
+    (0..laws.len())
+        .filter_map(|which| {
+            let law = &laws[which];
+            let mut values = law.values.clone();
+            if let Some(size) = law.effect.size() {
+                let squared = *fit.squared.get(laws::component_of(&laws, which))?;
+                values[size] = squared.powf(1.0 / laws::squared_power(law));
+            }
+            let parameters = law
+                .effect
+                .parameters(&values)
+                .iter()
+                .zip(&values)
+                .map(|(parameter, value)| (parameter.name.to_string(), *value))
+                .collect();
+            ModelEffect::new(law.effect.name(), &parameters).ok()
+        })
+        .collect()
+}
+
+fn finding(one: &Accepted, gain: Gain) -> Finding {
+    let kind: Option<&'static dyn Effect> = catalogue::find(one.effect);
+    let values: Vec<f64> = kind.map_or_else(Vec::new, |kind| {
+        let count = vec![0.0; one.parameters.len()];
+        kind.parameters(&count)
+            .iter()
+            .map(|parameter| {
+                one.parameters
+                    .get(parameter.name.as_ref())
+                    .map_or(0.0, |value| value.value)
+            })
+            .collect()
+    });
+    Finding {
+        effect: one.effect.to_owned(),
+        cause: kind.map_or_else(String::new, |kind| kind.meaning().to_owned()),
+        check: kind.map_or_else(String::new, |kind| kind.check(&values)),
+        parameters: one.parameters.clone(),
+        p_value: one.p_value,
+        rivals: one.rivals.clone(),
+        gain,
+        without: PerCoefficient::from_fn(|letter| coefficients(&one.before).get(letter).value),
+    }
+}
+
+/// The coefficients of a fit with intervals by its covariance.
+fn coefficients(fit: &Fit) -> PerCoefficient<Coefficient> {
+    PerCoefficient::from_fn(|letter| {
+        let Some(place) = SEEN.iter().position(|seen| *seen == letter) else {
+            return Coefficient::default();
+        };
+        let (squared, sd) = (fit.squared[place], fit.covariance[(place, place)].sqrt());
+        let root = |square: f64| square.max(0.0).sqrt();
+        let identified = squared > ONE_SIDED * sd && letter != Letter::R;
+        Coefficient {
+            value: identified.then(|| root(squared)),
+            lo: identified.then(|| root(squared - TWO_SIDED * sd)),
+            hi: identified.then(|| root(squared + TWO_SIDED * sd)),
+            identified,
+            upper: Some(root(squared + ONE_SIDED * sd)),
+        }
+    })
+}
+
+/// What the values themselves say.
+fn code_findings(
+    record: &AxisSamples,
+    signal: &Axis,
+    level: f64,
+    measured: &[f64],
+) -> CodeFindings {
+    let declared = matches!(record.raw(), Values::Codes(_)).then_some(signal.scale);
+    let grid = codes::grid(measured);
+    let increments: Vec<f64> = measured
+        .windows(2)
+        .map(|pair| pair[1] - pair[0])
+        .filter(|step| step.is_finite())
+        .collect();
+    // From the spread of increments, so that wander does not count.
+    let noise = middle_spread(&increments).max(
+        increments
+            .iter()
+            .map(|step| step * step)
+            .sum::<f64>()
+            .sqrt()
+            / (increments.len() as f64).sqrt()
+            * 0.5,
+    ) / std::f64::consts::SQRT_2;
+    let coarse = grid.filter(|&step| {
+        let coarser = declared.is_none_or(|declared| step > 1.5 * declared.abs());
+        coarser && step > 0.25 * noise
+    });
+    // On a coarse grid repeats are no news.
+    let stale = codes::stale(measured, grid, level).filter(|_| coarse.is_none());
+    let repeats = || {
+        (1..measured.len())
+            .filter(|&n| measured[n] == measured[n - 1])
+            .collect()
+    };
+    CodeFindings {
+        stale: stale.map(|stale| (stale, repeats())),
+        clipping: codes::clipping(measured, grid, level),
+        coarse,
+    }
+}

@@ -1,0 +1,128 @@
+//! What the spectra of one axis have in common while its record is mended and its model grows:
+//! the bins, their degrees of freedom, and the expectation of any law in them.
+//!
+//! These depend on length, gaps and chain alone, and cost far more than a spectrum or a fit; they
+//! are made once.
+
+use crate::chain::Chain;
+use crate::fit::design::Design;
+use crate::fit::likelihood::Data;
+use crate::fit::likelihood::components::{SEEN, unit_expectations};
+use crate::model::{Coefficient, Term};
+use crate::spectrum::estimate::{self, Estimate};
+use crate::spectrum::{Cascade, Plan, Settings};
+
+/// Bins an octave.
+const BINS_PER_OCTAVE: f64 = 16.0;
+
+/// What the spectra of one axis have in common: bins, and what they are expected to be.
+pub struct Frame {
+    settings: Settings,
+    estimate: Estimate,
+    design: Design,
+    /// Expectations of the bins for each of [`SEEN`] at coefficient 1.
+    units: Vec<Vec<f64>>,
+    /// Power of the signal chain at the nodes.
+    chain_power: Vec<f64>,
+    data: Data,
+    rate_hz: f64,
+    band_limited: bool,
+    plan: Plan,
+}
+
+impl Frame {
+    /// For records like `values`, with missing samples where these are not finite. `None` where
+    /// they are too few for a spectrum, or all the same.
+    pub fn new(values: &[f64], rate_hz: f64, chain: Option<&Chain>) -> Option<Self> {
+        let settings = Settings {
+            bins_per_octave: BINS_PER_OCTAVE,
+            ..Settings::default()
+        };
+        let plan = Plan::new();
+        let mut cascade = Cascade::new(&plan);
+        cascade
+            .push_values(0, values)
+            .expect("the first block is in order");
+        let estimate = Estimate::new(&cascade, rate_hz, &settings);
+        let design = Design::new(rate_hz, chain);
+        let nodes = estimate.operator.nodes_hz();
+        let chain_power: Vec<f64> = nodes.iter().map(|&f_hz| design.power(f_hz)).collect();
+        let units = unit_expectations(&estimate, &design);
+        let data = Data::new(&estimate, 1.0)?;
+        Some(Self {
+            settings,
+            estimate,
+            design,
+            units,
+            chain_power,
+            data,
+            rate_hz,
+            band_limited: chain.is_some_and(|chain| chain.converter.is_some()),
+            plan,
+        })
+    }
+
+    /// Spectrum of a record with the same missing samples, bin by bin.
+    pub fn measure(&self, values: &[f64]) -> Data {
+        let mut cascade = Cascade::new(&self.plan);
+        cascade
+            .push_values(0, values)
+            .expect("the first block is in order");
+        let bins = estimate::bins(&cascade, self.rate_hz, &self.settings);
+        self.data.with_psd(bins.iter().map(|bin| bin.psd).collect())
+    }
+
+    /// Degrees of freedom of the bins, and their frequencies.
+    pub fn bins(&self) -> &[estimate::Bin] {
+        &self.estimate.bins
+    }
+
+    /// Expectations of the bins for a density ahead of the chain.
+    pub fn expect(&self, density: impl Fn(f64) -> f64) -> Vec<f64> {
+        let densities: Vec<f64> = self
+            .estimate
+            .operator
+            .nodes_hz()
+            .iter()
+            .zip(&self.chain_power)
+            .map(|(&f_hz, power)| density(f_hz) * power)
+            .collect();
+        self.estimate.operator.apply(&densities)
+    }
+
+    /// Expectations for each of [`SEEN`] at coefficient 1.
+    pub fn units(&self) -> &[Vec<f64>] {
+        &self.units
+    }
+
+    /// The same through one more filter.
+    pub fn units_through(&self, power: impl Fn(f64) -> f64) -> Vec<Vec<f64>> {
+        SEEN.iter()
+            .map(|&one| self.expect(|f_hz| self.design.unit_spectrum(one, f_hz) * power(f_hz)))
+            .collect()
+    }
+
+    /// Two-sided density of a term ahead of the chain's power.
+    pub fn term_density(&self, term: &dyn Term, f_hz: f64) -> f64 {
+        if self.band_limited {
+            term.spectrum_ahead(f_hz, self.rate_hz)
+        } else {
+            term.spectrum(f_hz, self.rate_hz)
+        }
+    }
+
+    /// Power of the signal chain at `f_hz`.
+    pub fn chain_power(&self, f_hz: f64) -> f64 {
+        self.design.power(f_hz)
+    }
+
+    /// Samples a second.
+    pub fn rate_hz(&self) -> f64 {
+        self.rate_hz
+    }
+
+    /// Two-sided density of the samples at `f_hz` for coefficient 1, chain included.
+    pub fn unit_density(&self, coefficient: Coefficient, f_hz: f64) -> f64 {
+        self.design.unit_spectrum(coefficient, f_hz) * self.design.power(f_hz)
+    }
+}

@@ -1,0 +1,184 @@
+//! What a finding is worth on data that the fit has not seen.
+//!
+//! Three ways of holding data out, each of them so that both halves see the same hours:
+//!
+//! - What shows in the spectrum (laws, lines): the record is cut into blocks, every other one held
+//!   out. The model with and without a finding is fitted to the one half alone and judged by the
+//!   likelihood of the other half's spectrum. A line's frequency, size and phase are those of the
+//!   whole record; for each number so fitted half a nat is taken off, what it gains on average by
+//!   having seen the held-out half.
+//! - Waveforms in time (steps, settling, outliers, what follows a covariate): fitted to the even
+//!   ordinates of the record's transform and judged by the odd ones, which are independent.
+//! - A stretch of another variance: fitted to the even ones of short blocks, judged by the odd.
+
+use inm_allan::Statistic;
+
+use super::axis::AxisState;
+use super::frame::Frame;
+use super::laws;
+use super::mend::Mended;
+use super::rounds::{Accepted, Snapshot, laws_of};
+use crate::bins::point::{self, Point};
+use crate::bins::strided::Strided;
+use crate::fit::likelihood::components::SEEN;
+use crate::fit::likelihood::log_likelihood;
+use crate::model::PerCoefficient;
+use crate::model::whole::ModelAxis;
+
+/// Blocks of the record, half of them held out.
+pub const BLOCKS: usize = 16;
+
+/// Degrees of freedom from which a point of the Allan curve counts.
+const LEAST_EDF: f64 = 1000.0;
+
+/// Nats for each number that was fitted to all of the record.
+const SEEN_COST: f64 = 0.5;
+
+/// The two halves of an axis.
+pub struct Halves {
+    train: Frame,
+    held: Frame,
+    measured: Mended,
+}
+
+/// Puts NaN into every other block: into the odd ones for `parity` 1, the even ones for 0.
+fn leave(values: &[f64], parity: usize) -> Vec<f64> {
+    let block = values.len().div_ceil(BLOCKS).max(1);
+    let mut left = values.to_vec();
+    for part in left.chunks_mut(block).skip(parity).step_by(2) {
+        part.fill(f64::NAN);
+    }
+    left
+}
+
+impl Halves {
+    /// The halves of an axis, with the masks that were found at last.
+    pub fn new(axis: &AxisState) -> Option<Self> {
+        let mut measured = Mended::new(axis.mended.measured().to_vec());
+        measured.masked.clone_from(&axis.mended.masked);
+        let values = measured.values();
+        let chain = axis.chain.as_ref();
+        Some(Self {
+            train: Frame::new(&leave(&values, 1), axis.rate_hz, chain)?,
+            held: Frame::new(&leave(&values, 0), axis.rate_hz, chain)?,
+            measured,
+        })
+    }
+
+    /// Log-likelihood of the held-out half under the model of a snapshot fitted to the other.
+    fn score(&mut self, snapshot: &Snapshot) -> Option<f64> {
+        self.measured.waves.clone_from(&snapshot.waves);
+        let values = self.measured.values();
+        let train = self.train.measure(&leave(&values, 1));
+        let held = self.held.measure(&leave(&values, 0));
+        let mut laws = laws_of(snapshot);
+        let fit = laws::polish(&self.train, &train, &mut laws, 0, 0.05)?;
+        let components = laws::components(&self.held, &laws);
+        let mut expected = vec![0.0; held.len()];
+        for (component, squared) in components.iter().zip(&fit.squared) {
+            for (expected, value) in expected.iter_mut().zip(component) {
+                *expected += squared * value;
+            }
+        }
+        Some(log_likelihood(&held, &expected))
+    }
+
+    /// Predictive gain of a finding, nats.
+    pub fn nats(&mut self, one: &Accepted) -> Option<f64> {
+        if one.nats.is_some() {
+            return one.nats;
+        }
+        let gain = self.score(&one.with)? - self.score(&one.without)?;
+        Some(gain - SEEN_COST * one.freedom)
+    }
+}
+
+/// Error of a model's Allan deviation on the held-out half, percent, and what sampling alone makes
+/// of it; none where the half has no point of a thousand degrees of freedom.
+pub fn allan_error(
+    axis: &AxisState,
+    held: &HeldCurve,
+    model: &ModelAxis,
+    with: &Snapshot,
+) -> Option<(f64, f64)> {
+    let mut record = Mended::new(vec![0.0; axis.mended.len()]);
+    record.waves.clone_from(&with.waves);
+    let law = model.law(axis.rate_hz);
+    let mut waveform = record.waveform();
+    for (value, measured) in waveform.iter_mut().zip(axis.mended.measured()) {
+        if !measured.is_finite() {
+            *value = f64::NAN;
+        }
+    }
+    for mask in &axis.mended.masked {
+        waveform[mask.clone()].fill(f64::NAN);
+    }
+    let wave = curve(&leave(&waveform, 0), axis.rate_hz);
+    let mut squares = (0.0, 0.0, 0.0);
+    for point in held.points.iter().filter(|point| point.edf >= LEAST_EDF) {
+        let own = wave
+            .iter()
+            .find(|other| other.m == point.m)
+            .map_or(0.0, |other| other.variance);
+        let expected = law.allan_variance(point.m) + own;
+        let error = (expected / point.variance).sqrt() - 1.0;
+        squares.0 += error * error;
+        squares.1 += 1.0 / (2.0 * point.edf);
+        squares.2 += 1.0;
+    }
+    (squares.2 > 0.0).then(|| {
+        (
+            100.0 * f64::sqrt(squares.0 / squares.2),
+            100.0 * f64::sqrt(squares.1 / squares.2),
+        )
+    })
+}
+
+/// The measured Allan curve of the held-out half.
+pub struct HeldCurve {
+    points: Vec<Point>,
+}
+
+impl HeldCurve {
+    /// Of an axis, without the stretches that are masked.
+    pub fn new(axis: &AxisState) -> Self {
+        let mut record = Mended::new(axis.mended.measured().to_vec());
+        record.masked.clone_from(&axis.mended.masked);
+        Self {
+            points: curve(&leave(&record.values(), 0), axis.rate_hz),
+        }
+    }
+}
+
+fn curve(values: &[f64], rate_hz: f64) -> Vec<Point> {
+    let mut bins = Strided::default();
+    let mut from = 0;
+    while from < values.len() {
+        let good = values[from].is_finite();
+        let end = values[from..]
+            .iter()
+            .position(|value| value.is_finite() != good)
+            .map_or(values.len(), |length| from + length);
+        if good {
+            bins.push_floats(&values[from..end]);
+        } else {
+            bins.skip((end - from) as u64);
+        }
+        from = end;
+    }
+    point::points(
+        Statistic::Allan,
+        &bins.estimates(Statistic::Allan),
+        rate_hz,
+        1.0,
+    )
+}
+
+/// Coefficients of a fit's squares.
+pub fn coefficients(squared: &[f64]) -> PerCoefficient<f64> {
+    PerCoefficient::from_fn(|one| {
+        SEEN.iter()
+            .position(|seen| *seen == one)
+            .map_or(0.0, |place| squared[place].sqrt())
+    })
+}

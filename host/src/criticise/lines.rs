@@ -1,0 +1,183 @@
+//! Lines: found over the whole record, named by what they have in common, taken out by their phase.
+
+use std::f64::consts::{PI, TAU};
+
+use super::axis::AxisState;
+use super::mend::Wave;
+use crate::spectrum::lines::Line;
+use crate::spectrum::record_lines;
+
+/// Share of the record over which each end is tapered where a line is measured.
+const TAPER: f64 = 0.05;
+
+/// Largest distance of a mains frequency from its nominal value, as a share.
+const MAINS_SHARE: f64 = 0.005;
+
+/// Nominal mains frequencies, hertz.
+const MAINS_HZ: [f64; 2] = [50.0, 60.0];
+
+/// A line with its phase.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measured {
+    /// As it was found.
+    pub line: Line,
+    /// As it is taken out.
+    pub wave: Wave,
+    /// Standard deviation of the amplitude.
+    pub amplitude_sd: f64,
+}
+
+/// Lines with one cause.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Group {
+    /// One by itself.
+    Single(Measured),
+    /// Mains and harmonics: base frequency with its standard deviation, and each line's number.
+    Hum {
+        /// Base frequency, hertz.
+        base_hz: f64,
+        /// Its standard deviation.
+        base_sd_hz: f64,
+        /// The lines with their harmonic numbers.
+        lines: Vec<(u32, Measured)>,
+    },
+    /// Lines that stand closer than the record can have separate ones: a narrow peak.
+    Cluster {
+        /// Middle, hertz.
+        f_hz: f64,
+        /// Distance of the outermost, hertz.
+        width_hz: f64,
+        /// The lines.
+        lines: Vec<Line>,
+    },
+}
+
+/// The lines of the mended record at a family-wise `level`, grouped.
+pub fn lines(axis: &AxisState, level: f64) -> Vec<Group> {
+    let mut record: &[f64] = &axis.filled;
+    let Ok(found) = record_lines::search(&mut record, axis.rate_hz, level);
+    let duration_s = axis.filled.len() as f64 / axis.rate_hz;
+    let mut groups = Vec::new();
+    let mut singles = Vec::new();
+    // Neighbours closer than some tens of 1/T belong together.
+    let mut rest = found.as_slice();
+    while let Some((first, _)) = rest.split_first() {
+        let near = |a: &Line, b: &Line| {
+            b.frequency_hz - a.frequency_hz < (40.0 / duration_s).max(0.004 * a.frequency_hz)
+        };
+        let count = 1 + rest
+            .windows(2)
+            .take_while(|pair| near(&pair[0], &pair[1]))
+            .count();
+        let (cluster, others) = rest.split_at(count);
+        rest = others;
+        if count >= 3 {
+            groups.push(Group::Cluster {
+                f_hz: 0.5 * (first.frequency_hz + cluster[count - 1].frequency_hz),
+                width_hz: cluster[count - 1].frequency_hz - first.frequency_hz,
+                lines: cluster.to_vec(),
+            });
+        } else {
+            singles.extend(cluster.iter().map(|line| measure(axis, line)));
+        }
+    }
+    groups.extend(with_hum(singles));
+    groups
+}
+
+/// Size and phase of a line by least squares with tapered ends.
+fn measure(axis: &AxisState, line: &Line) -> Measured {
+    let length = axis.filled.len();
+    let cycles = line.frequency_hz / axis.rate_hz;
+    let end = ((TAPER * length as f64) as usize).max(1);
+    let (mut cosine, mut sine, mut weights) = (0.0, 0.0, 0.0);
+    for (index, value) in axis.filled.iter().enumerate() {
+        let edge = index.min(length - 1 - index);
+        let weight = if edge < end {
+            (0.5 * PI * (edge as f64 + 0.5) / end as f64).sin().powi(2)
+        } else {
+            1.0
+        };
+        let (s, c) = (TAU * (index as f64 * cycles).fract()).sin_cos();
+        cosine += weight * value * c;
+        sine += weight * value * s;
+        weights += weight;
+    }
+    let (cosine, sine) = (2.0 * cosine / weights, 2.0 * sine / weights);
+    // var A = 4 S / T for a two-sided density S.
+    let density = axis.density(line.frequency_hz);
+    let amplitude_sd = (4.0 * density * axis.rate_hz / weights).sqrt();
+    Measured {
+        line: Line {
+            amplitude: cosine.hypot(sine),
+            ..*line
+        },
+        wave: Wave::Line {
+            cycles,
+            cosine,
+            sine,
+        },
+        amplitude_sd,
+    }
+}
+
+/// Gathers what fits one mains frequency; a mains line may be alone.
+fn with_hum(singles: Vec<Measured>) -> Vec<Group> {
+    // The base frequency that most lines are multiples of, by the strongest line that is one.
+    let mut best: Option<(f64, f64, Vec<usize>)> = None;
+    for nominal_hz in MAINS_HZ {
+        for (index, seed) in singles.iter().enumerate() {
+            let number = (seed.line.frequency_hz / nominal_hz).round();
+            if !(1.0..=20.0).contains(&number) {
+                continue;
+            }
+            let base_hz = seed.line.frequency_hz / number;
+            if (base_hz / nominal_hz - 1.0).abs() > MAINS_SHARE {
+                continue;
+            }
+            let fits: Vec<usize> = (0..singles.len())
+                .filter(|&other| {
+                    let one = &singles[other].line;
+                    let k = (one.frequency_hz / base_hz).round();
+                    let sd = (seed.line.frequency_sd_hz * k / number).hypot(one.frequency_sd_hz);
+                    k >= 1.0 && (one.frequency_hz - k * base_hz).abs() < 4.0 * sd
+                })
+                .collect();
+            // A line by itself is mains only where its base is: not any line between 50 and 1000.
+            let alone = fits.len() == 1 && number > 2.0;
+            let more = best.as_ref().is_none_or(|(_, _, before)| {
+                fits.len() > before.len()
+                    || (fits.len() == before.len()
+                        && singles[index].line.ratio > singles[before[0]].line.ratio)
+            });
+            if !alone && more && !fits.is_empty() {
+                best = Some((base_hz, seed.line.frequency_sd_hz / number, fits));
+            }
+        }
+    }
+    let Some((rough_hz, _, members)) = best else {
+        return singles.into_iter().map(Group::Single).collect();
+    };
+    let (mut lines, mut others) = (Vec::new(), Vec::new());
+    for (index, one) in singles.into_iter().enumerate() {
+        if members.contains(&index) {
+            let number = (one.line.frequency_hz / rough_hz).round() as u32;
+            lines.push((number, one));
+        } else {
+            others.push(Group::Single(one));
+        }
+    }
+    // One base through all of them, each by its own certainty.
+    let (mut sum, mut weight) = (0.0, 0.0);
+    for (number, one) in &lines {
+        let sd = one.line.frequency_sd_hz / f64::from(*number);
+        sum += one.line.frequency_hz / f64::from(*number) / (sd * sd);
+        weight += 1.0 / (sd * sd);
+    }
+    others.push(Group::Hum {
+        base_hz: sum / weight,
+        base_sd_hz: weight.sqrt().recip(),
+        lines,
+    });
+    others
+}

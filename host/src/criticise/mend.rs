@@ -1,0 +1,249 @@
+//! A record with what has been explained taken out of it.
+//!
+//! Waveforms are subtracted, single bad samples bridged, stretches that follow another law masked.
+//! What the measured record and the mended one differ by is the model's deterministic part.
+
+use std::f64::consts::TAU;
+use std::ops::Range;
+
+use super::impulses::Outlier;
+use super::levels::Jump;
+
+/// A waveform in the record.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Wave {
+    /// Jumps of the level that stay.
+    Steps(Vec<Jump>),
+    /// Exponential settling from the start of the record.
+    WarmUp {
+        /// Size at the start.
+        amplitude: f64,
+        /// Time constant, samples.
+        samples: f64,
+    },
+    /// A line: `cosine cos(w n) + sine sin(w n)`.
+    Line {
+        /// Frequency, cycles a sample.
+        cycles: f64,
+        /// Size of the cosine.
+        cosine: f64,
+        /// Size of the sine.
+        sine: f64,
+    },
+    /// A covariate, one value a sample, times a gain.
+    Follows {
+        /// Gain.
+        gain: f64,
+        /// The covariate, about its mean.
+        column: std::sync::Arc<Vec<f32>>,
+    },
+    /// Single samples that do not belong.
+    Outliers(Vec<Outlier>),
+    /// Single samples that were not measured (repeats of the one before), in place of which the
+    /// others' prediction stands.
+    Replaced(Vec<Outlier>),
+}
+
+impl Wave {
+    /// Takes the waveform out of `values`, whose first sample has index 0.
+    pub fn take_out(&self, values: &mut [f64]) {
+        match self {
+            Self::Steps(jumps) => {
+                let mut level = 0.0;
+                let mut from = 0;
+                for jump in jumps {
+                    let end = jump.index.min(values.len());
+                    values[from..end]
+                        .iter_mut()
+                        .for_each(|value| *value -= level);
+                    level += jump.height;
+                    from = end;
+                }
+                values[from..].iter_mut().for_each(|value| *value -= level);
+            }
+            Self::WarmUp { amplitude, samples } => {
+                // Beyond 40 time constants nothing is left.
+                let end = ((40.0 * samples) as usize).min(values.len());
+                for (index, value) in values[..end].iter_mut().enumerate() {
+                    *value -= amplitude * (-(index as f64) / samples).exp();
+                }
+            }
+            Self::Line {
+                cycles,
+                cosine,
+                sine,
+            } => {
+                for (index, value) in values.iter_mut().enumerate() {
+                    // The fraction of a cycle, so that long records lose no digits.
+                    let turn = TAU * (index as f64 * cycles).fract();
+                    let (s, c) = turn.sin_cos();
+                    *value -= cosine * c + sine * s;
+                }
+            }
+            Self::Follows { gain, column } => {
+                for (value, column) in values.iter_mut().zip(column.iter()) {
+                    *value -= gain * f64::from(*column);
+                }
+            }
+            Self::Outliers(outliers) | Self::Replaced(outliers) => {
+                for outlier in outliers {
+                    if let Some(value) = values.get_mut(outlier.index) {
+                        *value -= outlier.size;
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// A record on its way to being explained.
+#[derive(Debug, Clone)]
+pub struct Mended {
+    /// As measured, about the mean; missing samples are NaN.
+    measured: Vec<f64>,
+    /// What is taken out.
+    pub waves: Vec<Wave>,
+    /// Stretches that the stationary law does not speak for.
+    pub masked: Vec<Range<usize>>,
+}
+
+impl Mended {
+    /// A record as measured.
+    pub fn new(measured: Vec<f64>) -> Self {
+        Self {
+            measured,
+            waves: Vec::new(),
+            masked: Vec::new(),
+        }
+    }
+
+    /// As measured.
+    pub fn measured(&self) -> &[f64] {
+        &self.measured
+    }
+
+    /// Samples, missing ones included.
+    pub fn len(&self) -> usize {
+        self.measured.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.measured.is_empty()
+    }
+
+    /// What is left; NaN where missing or masked.
+    pub fn values(&self) -> Vec<f64> {
+        let mut values = self.measured.clone();
+        for wave in &self.waves {
+            wave.take_out(&mut values);
+        }
+        for mask in &self.masked {
+            let end = mask.end.min(values.len());
+            values[mask.start.min(end)..end].fill(f64::NAN);
+        }
+        values
+    }
+
+    /// The deterministic part of the model.
+    pub fn waveform(&self) -> Vec<f64> {
+        let mut values = vec![0.0; self.measured.len()];
+        for wave in &self.waves {
+            wave.take_out(&mut values);
+        }
+        values.iter_mut().for_each(|value| *value = -*value);
+        values
+    }
+}
+
+/// Bridges what is not finite by straight lines between means on either side, of more samples the
+/// longer the bridge: the ends' own noise must not become a slow wave. Returns the ranges bridged.
+pub fn bridge(values: &mut [f64]) -> Vec<Range<usize>> {
+    /// Samples on either side that a line rests on, at least and at most.
+    const FEW: usize = 16;
+    const MANY: usize = 1 << 16;
+    let mut gaps = Vec::new();
+    let mut from = 0;
+    while let Some(start) = (from..values.len()).find(|&index| !values[index].is_finite()) {
+        let end = (start..values.len())
+            .find(|&index| values[index].is_finite())
+            .unwrap_or(values.len());
+        let mean = |part: &[f64]| {
+            let good: Vec<f64> = part.iter().copied().filter(|v| v.is_finite()).collect();
+            (!good.is_empty()).then(|| good.iter().sum::<f64>() / good.len() as f64)
+        };
+        let count = (4 * (end - start)).clamp(FEW, MANY);
+        let before = mean(&values[start.saturating_sub(count)..start]);
+        let after = mean(&values[end..(end + count).min(values.len())]);
+        let (a, b) = match (before, after) {
+            (Some(a), Some(b)) => (a, b),
+            (Some(a), None) | (None, Some(a)) => (a, a),
+            (None, None) => (0.0, 0.0),
+        };
+        let length = (end - start + 1) as f64;
+        for (step, value) in values[start..end].iter_mut().enumerate() {
+            *value = a + (b - a) * (step + 1) as f64 / length;
+        }
+        gaps.push(start..end);
+        from = end;
+    }
+    gaps
+}
+
+/// Means over `factor` samples each.
+pub fn block_means(values: &[f64], factor: usize) -> Vec<f64> {
+    values
+        .chunks_exact(factor)
+        .map(|block| block.iter().sum::<f64>() / factor as f64)
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn waves_are_taken_out_and_given_back() {
+        let measured: Vec<f64> = (0..1000).map(|n| f64::from(n % 7)).collect();
+        let mut record = Mended::new(measured.clone());
+        let jump = |index, height| Jump {
+            index,
+            height,
+            height_sd: 1.0,
+            index_sd: 1.0,
+            z: 10.0,
+            p_value: 0.0,
+        };
+        record.waves = vec![
+            Wave::Steps(vec![jump(100, 2.0), jump(400, -3.0)]),
+            Wave::WarmUp {
+                amplitude: 5.0,
+                samples: 50.0,
+            },
+            Wave::Line {
+                cycles: 0.01,
+                cosine: 1.0,
+                sine: 0.5,
+            },
+        ];
+        record.masked = vec![10..20];
+        let (left, taken) = (record.values(), record.waveform());
+        for n in 0..1000 {
+            if (10..20).contains(&n) {
+                assert!(left[n].is_nan());
+            } else {
+                assert!((left[n] + taken[n] - measured[n]).abs() < 1e-12, "{n}");
+            }
+        }
+        assert!((taken[300] - taken[50] - (2.0 - 5.0 * f64::exp(-1.0) - 0.0)).abs() < 0.02);
+    }
+
+    #[test]
+    fn bridges_are_straight() {
+        let mut values = vec![1.0; 40];
+        values[10..13].fill(f64::NAN);
+        values[13..].fill(5.0);
+        assert_eq!(bridge(&mut values), [10..13]);
+        assert_eq!(&values[9..14], [1.0, 2.0, 3.0, 4.0, 5.0]);
+    }
+}

@@ -1,0 +1,145 @@
+//! Burst: for a while the noise is larger, or smaller.
+
+use super::Seed;
+use super::effect::{Distorter, Distortion, Effect, Parameter, Part, Quantity};
+
+/// Between two times what varies is multiplied, the level is not.
+///
+/// The level is the running mean over as long a time as the burst lasts: what is slower than that
+/// stays as it is. How much a burst adds to a spectrum depends on its share `s` of the record,
+/// `1 + s (factor^2 - 1)` above one over its duration; without a record the law leaves it at 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Burst {
+    /// Start, seconds since that of the record.
+    pub from_s: f64,
+    /// End, seconds since the start of the record; no burst if it is not after the start.
+    pub to_s: f64,
+    /// Factor on the standard deviation of the noise.
+    pub factor: f64,
+}
+
+impl Distortion for Burst {
+    fn distorter(&self, rate_hz: f64, _seed: Seed) -> Box<dyn Distorter> {
+        let index = |time_s: f64| (time_s * rate_hz).round() as u64;
+        let (from, to) = (index(self.from_s), index(self.to_s));
+        Box::new(Louder {
+            factor: self.factor,
+            from,
+            to,
+            memory: to.saturating_sub(from).max(1) as f64,
+            index: 0,
+            level: 0.0,
+        })
+    }
+}
+
+struct Louder {
+    factor: f64,
+    from: u64,
+    to: u64,
+    /// Samples over which the level is averaged.
+    memory: f64,
+    index: u64,
+    level: f64,
+}
+
+impl Distorter for Louder {
+    fn apply(&mut self, samples: &mut Vec<f64>) {
+        for sample in samples {
+            // The plain mean of what there is, until that is long enough.
+            let known = (self.index as f64 + 1.0).min(self.memory);
+            self.level += (*sample - self.level) / known;
+            if (self.from..self.to).contains(&self.index) {
+                *sample = self.level + self.factor * (*sample - self.level);
+            }
+            self.index += 1;
+        }
+    }
+}
+
+/// Burst in the catalogue.
+pub struct Kind;
+
+impl Effect for Kind {
+    fn name(&self) -> &'static str {
+        "burst"
+    }
+
+    fn meaning(&self) -> &'static str {
+        "for a while the noise is larger or smaller at the same level: steps on the floor, a \
+         machine that ran, a supply that was in trouble"
+    }
+
+    fn parameters(&self, _values: &[f64]) -> Vec<Parameter> {
+        vec![
+            Parameter::new("from_s", Quantity::Instant, "start"),
+            Parameter::new("to_s", Quantity::Instant, "end"),
+            Parameter::new(
+                "factor",
+                Quantity::Factor,
+                "on the standard deviation of the noise",
+            ),
+        ]
+    }
+
+    fn check(&self, values: &[f64]) -> String {
+        format!(
+            "recall what went on from {:.2} s to {:.2} s, and compare the spectrum of that part \
+             with the rest: peaks are machines, more of everything is the supply; --from and --to \
+             cut the part out",
+            values[0], values[1]
+        )
+    }
+
+    fn part(&self, values: &[f64]) -> Part {
+        Part::Distortion(Box::new(Burst {
+            from_s: values[0],
+            to_s: values[1],
+            factor: values[2],
+        }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simulate::{Gaussian, Generator};
+
+    #[test]
+    fn multiplies_the_noise_and_not_the_level() {
+        let burst = Burst {
+            from_s: 20.0,
+            to_s: 50.0,
+            factor: 3.0,
+        };
+        let seed = Seed { seed: 9, stream: 0 };
+        let mut samples = vec![9.8; 100_000];
+        Gaussian::new(seed, 1.0).add_to(&mut samples);
+        let plain = samples.clone();
+        burst.distorter(1000.0, seed).apply(&mut samples);
+        assert!(plain[..20_000] == samples[..20_000] && plain[50_000..] == samples[50_000..]);
+        let inside = &samples[20_000..50_000];
+        let count = inside.len() as f64;
+        let mean = inside.iter().sum::<f64>() / count;
+        let variance = inside.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (count - 1.0);
+        // factor times the samples' mean less factor - 1 times the level's, of as many samples.
+        let sigma = f64::hypot(burst.factor, burst.factor - 1.0) / count.sqrt();
+        let z = (mean - 9.8) / sigma;
+        assert!(z.abs() < 5.0, "{seed:?}: mean {mean}, {z} sigma");
+        let z = (variance / burst.factor.powi(2) - 1.0) / (2.0 / count).sqrt();
+        assert!(z.abs() < 5.0, "{seed:?}: variance {variance}, {z} sigma");
+    }
+
+    #[test]
+    fn none_where_it_ends_before_it_starts() {
+        let burst = Burst {
+            from_s: 5.0,
+            to_s: 2.0,
+            factor: 3.0,
+        };
+        let seed = Seed { seed: 1, stream: 0 };
+        let mut samples: Vec<f64> = (0..10).map(f64::from).collect();
+        burst.distorter(1.0, seed).apply(&mut samples);
+        assert_eq!(samples, (0..10).map(f64::from).collect::<Vec<f64>>());
+    }
+}

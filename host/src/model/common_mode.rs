@@ -1,0 +1,41 @@
+//! Common mode: axes share a disturbance.
+
+use super::effect::{Effect, Parameter, Part, Quantity};
+use super::follows::{Follows, Leader};
+
+/// An axis has part in what the axes share.
+pub struct Kind;
+
+impl Effect for Kind {
+    fn name(&self) -> &'static str {
+        "common_mode"
+    }
+
+    fn meaning(&self) -> &'static str {
+        "axes share a disturbance: ripple of the supply or the reference, or the block shaking"
+    }
+
+    fn parameters(&self, _values: &[f64]) -> Vec<Parameter> {
+        vec![Parameter::new(
+            "gain",
+            Quantity::Ratio,
+            "what is shared, relative to the first axis",
+        )]
+    }
+
+    fn check(&self, values: &[f64]) -> String {
+        format!(
+            "turn the block by a quarter: shaking changes its gain of {:.3} with the direction, \
+             supply and reference do not; then feed the board from a battery",
+            values[0]
+        )
+    }
+
+    fn part(&self, values: &[f64]) -> Part {
+        Part::Follows(Follows {
+            leader: Leader::Shared,
+            gain: values[0],
+            lag_s: 0.0,
+        })
+    }
+}

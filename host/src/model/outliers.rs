@@ -1,0 +1,176 @@
+//! Outliers: single samples that are far off.
+
+use rand_distr::{Distribution, Exp1};
+use rand_pcg::Pcg64;
+
+use super::Seed;
+use super::effect::{Distorter, Distortion, Effect, Incoming, Parameter, Part, Quantity};
+use crate::simulate::{self, Gaussian};
+
+/// Impulses one sample long at random times, of Gaussian height, on top of what is there.
+///
+/// They act behind the signal chain: one that came through a converter's filter would be as long
+/// as the filter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outliers {
+    /// Impulses a second.
+    pub rate_hz: f64,
+    /// Root mean square of their heights, unit of the signal.
+    pub size: f64,
+}
+
+impl Distortion for Outliers {
+    /// The number in a sample is Poisson distributed, so their sum has the variance
+    /// `size^2 rate_hz / data rate`, and neighbours know nothing of each other.
+    fn floor(&self, incoming: &Incoming<'_>) -> f64 {
+        self.rate_hz * (self.size / incoming.rate_hz).powi(2)
+    }
+
+    fn distorter(&self, rate_hz: f64, seed: Seed) -> Box<dyn Distorter> {
+        let mut impulses = Impulses {
+            times: simulate::random(seed),
+            heights: Gaussian::new(
+                Seed {
+                    stream: seed.stream + HEIGHTS,
+                    ..seed
+                },
+                self.size,
+            ),
+            samples_between: rate_hz / self.rate_hz,
+            next: 0,
+            fraction: 0.0,
+            index: 0,
+        };
+        impulses.wait();
+        Box::new(impulses)
+    }
+}
+
+/// Streams of random numbers further on that the heights take, out of reach of other effects.
+const HEIGHTS: u64 = 1 << 32;
+
+struct Impulses {
+    times: Pcg64,
+    heights: Gaussian,
+    /// Mean distance, samples; infinite if there are none.
+    samples_between: f64,
+    /// Sample of the next impulse, and where between it and the following one.
+    next: u64,
+    fraction: f64,
+    /// The next sample.
+    index: u64,
+}
+
+impl Impulses {
+    fn wait(&mut self) {
+        let pause: f64 = Exp1.sample(&mut self.times);
+        let time = self.fraction + pause * self.samples_between;
+        self.next = self.next.saturating_add(time as u64);
+        self.fraction = time.fract();
+    }
+}
+
+impl Distorter for Impulses {
+    fn apply(&mut self, samples: &mut Vec<f64>) {
+        let end = self.index + samples.len() as u64;
+        while self.next < end {
+            samples[(self.next - self.index) as usize] += self.heights.draw();
+            self.wait();
+        }
+        self.index = end;
+    }
+}
+
+/// Outliers in the catalogue.
+pub struct Kind;
+
+impl Effect for Kind {
+    fn name(&self) -> &'static str {
+        "outliers"
+    }
+
+    fn meaning(&self) -> &'static str {
+        "single samples that are far off: words torn on the wire, sparks and switching near the \
+         board"
+    }
+
+    fn parameters(&self, _values: &[f64]) -> Vec<Parameter> {
+        vec![
+            Parameter::new("rate_hz", Quantity::PerSecond, "how many a second"),
+            Parameter::new("size", Quantity::Signal, "root mean square height"),
+        ]
+    }
+
+    fn check(&self, values: &[f64]) -> String {
+        format!(
+            "short the converter's input: outliers that still come, {:.3e} a second, are words \
+             torn on the way to the host, so look at their codes for shifted bits; else look for \
+             what switches near the sensor",
+            values[0]
+        )
+    }
+
+    fn size(&self) -> Option<usize> {
+        Some(1)
+    }
+
+    fn part(&self, values: &[f64]) -> Part {
+        Part::Distortion(Box::new(Outliers {
+            rate_hz: values[0],
+            size: values[1],
+        }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::trial;
+
+    #[test]
+    fn are_as_many_and_as_large_as_told() {
+        let (rate_hz, count, seed) = (1000.0, 400_000, 11);
+        let outliers = Outliers {
+            rate_hz: 20.0,
+            size: 3.0,
+        };
+        let mut samples = vec![0.0; count];
+        outliers
+            .distorter(rate_hz, Seed { seed, stream: 0 })
+            .apply(&mut samples);
+        let count = count as f64;
+        let mean = outliers.rate_hz / rate_hz;
+        let hit = -(-mean).exp_m1();
+        let found = samples.iter().filter(|&&x| x != 0.0).count() as f64;
+        let z = (found - count * hit) / (count * hit * (1.0 - hit)).sqrt();
+        assert!(z.abs() < 5.0, "seed {seed}: {found}, {z} sigma");
+        // A Poisson sum of Gaussian numbers: fourth moment 3 s^4 (mean + mean^2).
+        let power = mean * outliers.size.powi(2);
+        let fourth = 3.0 * outliers.size.powi(4) * (mean + mean * mean);
+        let square = samples.iter().map(|x| x * x).sum::<f64>() / count;
+        let z = (square - power) / ((fourth - power * power) / count).sqrt();
+        assert!(
+            z.abs() < 5.0,
+            "seed {seed}: {square} for {power}, {z} sigma"
+        );
+    }
+
+    #[test]
+    fn allan_variance_follows_the_law() {
+        let outliers = r#"{ "effect": "outliers", "parameters": { "rate_hz": 5, "size": 10 } }"#;
+        let axis = trial::axis(r#""N": 0.01"#, outliers);
+        trial::assert_allan_variance(&axis, 1000.0, &[1, 2, 7, 64]);
+    }
+
+    #[test]
+    fn none_come_at_rate_zero() {
+        let outliers = Outliers {
+            rate_hz: 0.0,
+            size: 3.0,
+        };
+        let mut samples = vec![0.0; 1000];
+        let seed = Seed { seed: 1, stream: 0 };
+        outliers.distorter(1000.0, seed).apply(&mut samples);
+        assert!(samples.iter().all(|&x| x == 0.0));
+    }
+}

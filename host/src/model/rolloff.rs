@@ -1,0 +1,134 @@
+//! Roll-off: an analog pole that the declared signal chain does not have.
+
+use std::f64::consts::PI;
+
+use super::Seed;
+use super::effect::{Band, Distorter, Distortion, Effect, Parameter, Part, Quantity};
+
+/// One pole ahead of the sampler: power `1 / (1 + (f / corner)^2)` on all that is there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RollOff {
+    /// Frequency of half power, hertz.
+    pub corner_hz: f64,
+}
+
+impl Distortion for RollOff {
+    fn power(&self, f_hz: f64, _rate_hz: f64) -> f64 {
+        1.0 / (1.0 + (f_hz / self.corner_hz).powi(2))
+    }
+
+    fn distorter(&self, rate_hz: f64, _seed: Seed) -> Box<dyn Distorter> {
+        Box::new(Filter::new(self, rate_hz))
+    }
+}
+
+/// Taps on either side of the middle one.
+const REACH: usize = 128;
+
+/// A symmetric filter with the pole's amplitude response up to half the rate; it does not turn
+/// phases, which no spectrum shows.
+struct Filter {
+    taps: Vec<f64>,
+    past: Vec<f64>,
+}
+
+impl Filter {
+    fn new(law: &RollOff, rate_hz: f64) -> Self {
+        // Response at equal steps to half the rate, back to time, and a taper over its ends.
+        const STEPS: usize = 8 * REACH;
+        let gain = |step: usize| {
+            let f_hz = 0.5 * rate_hz * step as f64 / STEPS as f64;
+            law.power(f_hz, rate_hz).sqrt()
+        };
+        let tap = |lag: usize| {
+            let sum: f64 = (0..=STEPS)
+                .map(|step| {
+                    let share = if step == 0 || step == STEPS { 0.5 } else { 1.0 };
+                    share * gain(step) * (PI * (lag * step) as f64 / STEPS as f64).cos()
+                })
+                .sum();
+            let taper = 0.5 + 0.5 * (PI * lag as f64 / (REACH + 1) as f64).cos();
+            sum / STEPS as f64 * taper
+        };
+        let half: Vec<f64> = (0..=REACH).map(tap).collect();
+        let taps: Vec<f64> = (1..=REACH)
+            .rev()
+            .map(|lag| half[lag])
+            .chain(half.iter().copied())
+            .collect();
+        let total: f64 = taps.iter().sum();
+        Self {
+            taps: taps.iter().map(|tap| tap / total).collect(),
+            past: Vec::new(),
+        }
+    }
+}
+
+impl Distorter for Filter {
+    fn apply(&mut self, samples: &mut Vec<f64>) {
+        let Some(&first) = samples.first() else {
+            return;
+        };
+        if self.past.is_empty() {
+            // Before the record its first level.
+            self.past = vec![first; 2 * REACH];
+        }
+        let mut line = std::mem::take(&mut self.past);
+        line.extend_from_slice(samples);
+        for (index, sample) in samples.iter_mut().enumerate() {
+            *sample = line[index..index + self.taps.len()]
+                .iter()
+                .zip(&self.taps)
+                .map(|(value, tap)| value * tap)
+                .sum();
+        }
+        self.past = line.split_off(line.len() - 2 * REACH);
+    }
+}
+
+/// Roll-off in the catalogue.
+pub struct Kind;
+
+impl Effect for Kind {
+    fn name(&self) -> &'static str {
+        "rolloff"
+    }
+
+    fn meaning(&self) -> &'static str {
+        "the spectrum falls toward half the rate: a low-pass that the declared signal chain does \
+         not have, the sensor's own pole or its output filter"
+    }
+
+    fn check(&self, values: &[f64]) -> String {
+        format!(
+            "compare {:.4} Hz with the data sheet's bandwidth and the RC at the sensor's output; \
+             if it is one of them, declare it: --chain {:.0}hz",
+            values[0], values[0]
+        )
+    }
+
+    fn parameters(&self, _values: &[f64]) -> Vec<Parameter> {
+        vec![Parameter::new(
+            "corner_hz",
+            Quantity::Hertz,
+            "frequency of half power",
+        )]
+    }
+
+    fn part(&self, values: &[f64]) -> Part {
+        Part::Distortion(Box::new(RollOff {
+            corner_hz: values[0],
+        }))
+    }
+
+    fn starts(&self, band: &Band) -> Vec<Vec<f64>> {
+        // Up to well above half the rate, where only the beginning of the fall shows.
+        Band {
+            from_hz: band.to_hz / 64.0,
+            to_hz: 4.0 * band.to_hz,
+        }
+        .steps(2.0)
+        .map(|corner_hz| vec![corner_hz])
+        .collect()
+    }
+}

@@ -1,0 +1,137 @@
+//! Steps: the level jumps and stays.
+
+use super::effect::{Effect, Parameter, Part, Quantity};
+use super::{Seed, Term};
+use crate::simulate::Generator;
+
+/// Jumps of the level at given times. Not random, and no two records have them alike: what they
+/// add to an Allan variance depends on where in the record they are, so the law says zero. Whoever
+/// knows the record takes out the course that the generator makes, which no seed changes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Steps(
+    /// Each jump: its time in seconds since the start, and its height in the unit of the signal.
+    pub Vec<(f64, f64)>,
+);
+
+impl Term for Steps {
+    fn allan_variance(&self, _m: u64, _rate_hz: f64) -> f64 {
+        0.0
+    }
+
+    fn allan_asymptote(&self, _tau_s: f64) -> f64 {
+        0.0
+    }
+
+    fn spectrum(&self, _f_hz: f64, _rate_hz: f64) -> f64 {
+        0.0
+    }
+
+    fn spectrum_ahead(&self, _f_hz: f64, _rate_hz: f64) -> f64 {
+        0.0
+    }
+
+    /// A chain would round the edges off over a few samples; they stay sharp.
+    fn is_drift(&self) -> bool {
+        true
+    }
+
+    fn generator(&self, rate_hz: f64, _seed: Seed) -> Box<dyn Generator> {
+        // The sample nearest to the time is the first at the new level.
+        let jump = |&(time_s, height): &(f64, f64)| ((time_s * rate_hz).round() as u64, height);
+        let mut jumps: Vec<(u64, f64)> = self.0.iter().map(jump).collect();
+        jumps.sort_by_key(|&(index, _)| std::cmp::Reverse(index));
+        Box::new(Staircase {
+            jumps,
+            index: 0,
+            level: 0.0,
+        })
+    }
+}
+
+struct Staircase {
+    /// Those to come, the next one last.
+    jumps: Vec<(u64, f64)>,
+    index: u64,
+    level: f64,
+}
+
+impl Generator for Staircase {
+    fn add_to(&mut self, samples: &mut [f64]) {
+        for sample in samples {
+            while let Some((_, height)) = self.jumps.pop_if(|(index, _)| *index <= self.index) {
+                self.level += height;
+            }
+            *sample += self.level;
+            self.index += 1;
+        }
+    }
+}
+
+/// Steps in the catalogue.
+pub struct Kind;
+
+impl Effect for Kind {
+    fn name(&self) -> &'static str {
+        "steps"
+    }
+
+    fn meaning(&self) -> &'static str {
+        "the level jumps and stays: the block was moved or settled, a solder joint or glue gave \
+         way, the supply or the range was switched"
+    }
+
+    fn parameters(&self, values: &[f64]) -> Vec<Parameter> {
+        let row = |number| {
+            [
+                Parameter::new(
+                    format!("time_s_{number}"),
+                    Quantity::Instant,
+                    "when it jumps",
+                ),
+                Parameter::new(
+                    format!("height_{number}"),
+                    Quantity::Signal,
+                    "new level less the old one",
+                ),
+            ]
+        };
+        (1..=values.len().div_ceil(2).max(1))
+            .flat_map(row)
+            .collect()
+    }
+
+    fn check(&self, values: &[f64]) -> String {
+        let largest = values
+            .chunks_exact(2)
+            .max_by(|a, b| a[1].abs().total_cmp(&b[1].abs()))
+            .expect("at least one step");
+        format!(
+            "recall what happened {:.2} s into the record, at the largest step of {:.3e}; jumps in \
+             all axes at once are the block or the supply, jumps in one are its sensor or joint",
+            largest[0], largest[1]
+        )
+    }
+
+    fn part(&self, values: &[f64]) -> Part {
+        let steps = values.chunks_exact(2).map(|row| (row[0], row[1]));
+        Part::Term(Box::new(Steps(steps.collect())))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_level_is_the_sum_of_the_jumps_so_far() {
+        let steps = Steps(vec![(0.3, 2.0), (0.1, -1.0), (0.3, 0.5), (7.0, 9.0)]);
+        let mut samples = vec![1.0; 1000];
+        let seed = Seed { seed: 1, stream: 0 };
+        steps.generator(2000.0, seed).add_to(&mut samples);
+        let levels: Vec<(usize, f64)> = samples
+            .chunk_by(|a, b| a == b)
+            .map(|run| (run.len(), run[0]))
+            .collect();
+        assert_eq!(levels, [(200, 1.0), (400, 0.0), (400, 2.5)]);
+    }
+}

@@ -1,0 +1,173 @@
+//! A diagnosis as text for the terminal.
+
+use std::fmt::Write;
+
+use super::number::significant;
+use super::text::head;
+use crate::criticise::finding::{AxisDiagnosis, Diagnosis, Finding, Remark, Value};
+use crate::model::Coefficient;
+
+/// Numbers of one finding that are listed, at most; JSON has all.
+const MOST_PARAMETERS: usize = 12;
+
+/// The whole text, with a newline at the end.
+pub fn render(diagnosis: &Diagnosis) -> String {
+    let mut text = String::new();
+    // Writing to a string cannot fail.
+    let _ = head(&mut text, &diagnosis.source).and_then(|()| {
+        diagnosis
+            .axes
+            .iter()
+            .try_for_each(|one| axis(&mut text, one, diagnosis.family_level))
+    });
+    text
+}
+
+fn axis(text: &mut String, axis: &AxisDiagnosis, level: f64) -> std::fmt::Result {
+    writeln!(text, "\nAxis {}", axis.name)?;
+    if axis.findings.is_empty() && axis.unexplained.is_empty() {
+        writeln!(
+            text,
+            "  Nothing beside the five terms (any finding in clean data: {} %).",
+            significant(100.0 * level, 2)
+        )?;
+    }
+    for (number, one) in (1_u32..).zip(&axis.findings) {
+        finding(text, number, one)?;
+    }
+    for one in &axis.unexplained {
+        remark(text, one)?;
+    }
+    coefficients(text, axis)?;
+    errors(text, axis)
+}
+
+fn finding(text: &mut String, number: u32, finding: &Finding) -> std::fmt::Result {
+    writeln!(text, "  {number}. {}: {}", finding.effect, finding.cause)?;
+    for (name, value) in finding.parameters.iter().take(MOST_PARAMETERS) {
+        writeln!(text, "       {name:<14} {}", interval(value))?;
+    }
+    if finding.parameters.len() > MOST_PARAMETERS {
+        let more = finding.parameters.len() - MOST_PARAMETERS;
+        writeln!(text, "       and {more} more numbers, in the JSON")?;
+    }
+    write!(text, "     by chance: {}", probability(finding.p_value))?;
+    if let Some(nats) = finding.gain.heldout_nats {
+        write!(
+            text,
+            "; gain on held-out data: {} nats",
+            significant(nats, 3)
+        )?;
+    }
+    if let (Some(before), Some(after)) = (
+        finding.gain.allan_error_percent_before,
+        finding.gain.allan_error_percent_after,
+    ) {
+        write!(
+            text,
+            "; Allan deviation of the model off by {} %, before {} %",
+            significant(after, 2),
+            significant(before, 2)
+        )?;
+    }
+    writeln!(text)?;
+    for rival in &finding.rivals {
+        writeln!(
+            text,
+            "     or {}: e^{} times less likely",
+            rival.effect,
+            significant(rival.log_odds, 2)
+        )?;
+    }
+    writeln!(text, "     check: {}", finding.check)
+}
+
+fn remark(text: &mut String, remark: &Remark) -> std::fmt::Result {
+    writeln!(
+        text,
+        "  Unexplained ({}, {}): {}; by chance: {}",
+        remark.test,
+        remark.place,
+        remark.description,
+        probability(remark.p_value)
+    )
+}
+
+fn coefficients(text: &mut String, axis: &AxisDiagnosis) -> std::fmt::Result {
+    writeln!(
+        text,
+        "       {:<28} {:>10}   with the findings, 95 %",
+        "", "five terms"
+    )?;
+    for letter in Coefficient::ALL {
+        if letter == Coefficient::R {
+            continue;
+        }
+        let before = *axis.base.model.coefficients.get(letter);
+        let after = axis.last.coefficients.get(letter);
+        let now = match (after.value, after.lo, after.hi) {
+            (Some(value), Some(lo), Some(hi)) => format!(
+                "{} ({} to {})",
+                significant(value, 4),
+                significant(lo, 4),
+                significant(hi, 4)
+            ),
+            _ => after.upper.map_or_else(
+                || "unknown".to_owned(),
+                |upper| format!("not told from zero, below {}", significant(upper, 3)),
+            ),
+        };
+        writeln!(
+            text,
+            "     {} {:<20} {:<13} {:>4}   {now}",
+            letter.symbol(),
+            letter.name(),
+            letter.unit(axis.unit),
+            if before > 0.0 {
+                significant(before, 4)
+            } else {
+                "0".into()
+            },
+        )?;
+    }
+    Ok(())
+}
+
+fn errors(text: &mut String, axis: &AxisDiagnosis) -> std::fmt::Result {
+    if let (Some(before), Some(after), Some(sampling)) = (
+        axis.base.allan_error_percent,
+        axis.last.allan_error_percent,
+        axis.last.allan_error_sampling_percent,
+    ) {
+        writeln!(
+            text,
+            "     Allan deviation of the model on held-out data: off by {} %, with the findings {} % \
+             (sampling alone: {} %)",
+            significant(before, 2),
+            significant(after, 2),
+            significant(sampling, 2)
+        )?;
+    }
+    Ok(())
+}
+
+fn interval(value: &Value) -> String {
+    match (value.lo, value.hi) {
+        (Some(lo), Some(hi)) if lo == hi => significant(value.value, 6),
+        (Some(lo), Some(hi)) => format!(
+            "{} ({} to {})",
+            significant(value.value, 6),
+            significant(lo, 6),
+            significant(hi, 6)
+        ),
+        _ => significant(value.value, 6),
+    }
+}
+
+fn probability(p: f64) -> String {
+    if p < 1e-12 {
+        "below 1e-12".to_owned()
+    } else {
+        significant(p, 2)
+    }
+}

@@ -1,0 +1,208 @@
+//! The effects of the catalogue, one file each: how they are drawn, how they get into a record,
+//! and what an ideal detector of that kind could do.
+
+mod burst;
+mod clipping;
+mod common_mode;
+mod dropped;
+mod hum;
+pub(crate) mod lorentzian;
+mod markov;
+mod outliers;
+mod powerlaw;
+mod quantisation;
+mod resonance;
+mod rolloff;
+mod sinusoid;
+mod stale;
+mod steps;
+mod telegraph;
+mod thermal;
+mod timebase;
+mod tone;
+mod warmup;
+
+use super::draw::Draw;
+use super::ideal::detector::Evidence;
+use super::ideal::grid::Feature;
+use super::outside::Place;
+use super::scene::Scene;
+use super::truth::Truth;
+
+/// Something hidden in a record, with its parameters. What it leaves out of these methods it
+/// does not do.
+pub trait Effect: Send + Sync {
+    /// What a perfect report names. Several for an effect that shows only on another.
+    fn truths(&self) -> Vec<Truth>;
+
+    /// The same effect, `factor` times as strong.
+    fn scaled(&self, factor: f64) -> Box<dyn Effect>;
+
+    /// What an ideal detector of this kind achieves in `scene.target`.
+    fn evidence(&self, scene: &Scene) -> Evidence;
+
+    /// Two-sided density per hertz of an additive Gaussian part, ahead of the chain.
+    fn density(&self, _f_hz: f64, _scene: &Scene) -> f64 {
+        0.0
+    }
+
+    /// Features of that density that a grid must resolve.
+    fn features(&self) -> Vec<Feature> {
+        Vec::new()
+    }
+
+    /// Factor on the spectrum of everything else.
+    fn power(&self, _f_hz: f64) -> f64 {
+        1.0
+    }
+
+    /// Factor on the white and quantisation terms, sample by sample.
+    fn envelope(&self, _scene: &Scene, _draw: &mut Draw) -> Option<Vec<f64>> {
+        None
+    }
+
+    /// What is added to an axis ahead of the chain, sample by sample. `draw` is the same for
+    /// all axes.
+    fn waveform(&self, _scene: &Scene, _axis: usize, _draw: &mut Draw) -> Option<Vec<f64>> {
+        None
+    }
+
+    /// Acts on the finished samples. Returns parameters that only the samples settle.
+    fn distort(
+        &self,
+        _samples: &mut Vec<f64>,
+        _scene: &Scene,
+        _draw: &mut Draw,
+    ) -> Vec<(String, f64)> {
+        Vec::new()
+    }
+
+    /// Whether it is in all axes and not only in the target.
+    fn in_all_axes(&self) -> bool {
+        false
+    }
+
+    /// The temperature that the record comes with, degrees Celsius.
+    fn temperature(&self) -> Option<&[f64]> {
+        None
+    }
+
+    /// What a reference record, made of the same noise, holds.
+    fn in_reference(&self) -> Option<Box<dyn Effect>> {
+        None
+    }
+
+    /// Where it shows, for what has no name in the catalogue.
+    fn place(&self) -> Option<Place> {
+        None
+    }
+}
+
+/// A kind of effect.
+pub struct Kind {
+    /// Its name in the report.
+    pub name: &'static str,
+    /// Axes of the records that it is hidden in.
+    pub axes: usize,
+    /// Draws one of any strength; the strength is settled afterwards.
+    pub draw: fn(&Scene, &mut Draw) -> Box<dyn Effect>,
+}
+
+/// Every kind of the catalogue.
+pub static KINDS: &[Kind] = &[
+    Kind {
+        name: "sinusoid",
+        axes: 1,
+        draw: sinusoid::draw,
+    },
+    Kind {
+        name: "hum",
+        axes: 1,
+        draw: hum::draw,
+    },
+    Kind {
+        name: "markov",
+        axes: 1,
+        draw: markov::draw,
+    },
+    Kind {
+        name: "resonance",
+        axes: 1,
+        draw: resonance::draw,
+    },
+    Kind {
+        name: "rolloff",
+        axes: 1,
+        draw: rolloff::draw,
+    },
+    Kind {
+        name: "telegraph",
+        axes: 1,
+        draw: telegraph::draw,
+    },
+    Kind {
+        name: "steps",
+        axes: 1,
+        draw: steps::draw,
+    },
+    Kind {
+        name: "outliers",
+        axes: 1,
+        draw: outliers::draw,
+    },
+    Kind {
+        name: "stale",
+        axes: 1,
+        draw: stale::draw,
+    },
+    Kind {
+        name: "dropped",
+        axes: 1,
+        draw: dropped::draw,
+    },
+    Kind {
+        name: "clipping",
+        axes: 1,
+        draw: clipping::draw,
+    },
+    Kind {
+        name: "quantisation",
+        axes: 1,
+        draw: quantisation::draw,
+    },
+    Kind {
+        name: "burst",
+        axes: 1,
+        draw: burst::draw,
+    },
+    Kind {
+        name: "warmup",
+        axes: 1,
+        draw: warmup::draw,
+    },
+    Kind {
+        name: "thermal",
+        axes: 1,
+        draw: thermal::draw,
+    },
+    Kind {
+        name: "common_mode",
+        axes: 3,
+        draw: common_mode::draw,
+    },
+    Kind {
+        name: "powerlaw",
+        axes: 1,
+        draw: powerlaw::draw,
+    },
+    Kind {
+        name: "timebase",
+        axes: 1,
+        draw: timebase::draw,
+    },
+];
+
+/// The kind of this name.
+pub fn find(name: &str) -> Option<&'static Kind> {
+    KINDS.iter().find(|kind| kind.name == name)
+}

@@ -1,0 +1,92 @@
+//! Exponential settling from the start of the record.
+
+use super::{Effect, Evidence, Scene, Truth};
+use crate::hidden::draw::Draw;
+use crate::hidden::ideal::detector::{Contrast, power};
+use crate::hidden::ideal::matched::{Whitened, energy};
+use crate::hidden::noise::chain::Chain;
+
+struct Warmup {
+    amplitude: f64,
+    time_s: f64,
+    /// Non-centrality with mean and ramp fitted, and what is left of it where the best of a row
+    /// of steps is fitted as well.
+    energy: f64,
+    beside_step: f64,
+}
+
+/// Time constants from a fiftieth to a fifth of the record: longer ones are a ramp.
+pub fn draw(scene: &Scene, draw: &mut Draw) -> Box<dyn Effect> {
+    let duration_s = scene.duration_s();
+    let time_s = draw.log_uniform(duration_s / 50.0, duration_s / 5.0);
+    let amplitude = 1e-3 * draw.sign();
+    let waveform = settling(amplitude, time_s, scene);
+    let energy = energy(&waveform, scene, scene.target);
+    // The record thinned to its slow part is enough here: a settling has no fast one.
+    let mut thinned = Scene {
+        samples: scene.samples / THIN,
+        rate_hz: scene.rate_hz / THIN as f64,
+        chain: Chain::None,
+        ..scene.clone()
+    };
+    thinned.axes[scene.target].q = 0.0;
+    let slow = |values: Vec<f64>| Whitened::new(&values, &thinned, scene.target);
+    let ramp = || slow((0..thinned.samples).map(|i| i as f64).collect());
+    let all = slow(settling(amplitude, time_s, &thinned)).without(&ramp());
+    let beside_step = (1..20)
+        .map(|i| {
+            let at = i * thinned.samples / 20;
+            let step = (0..thinned.samples).map(|j| f64::from(u8::from(j >= at)));
+            let step = slow(step.collect()).without(&ramp());
+            slow(settling(amplitude, time_s, &thinned))
+                .without(&ramp())
+                .without(&step)
+                .energy()
+        })
+        .fold(f64::INFINITY, f64::min);
+    Box::new(Warmup {
+        amplitude,
+        time_s,
+        energy,
+        beside_step: energy * beside_step / all.energy(),
+    })
+}
+
+/// Factor by which the rate is lowered to compare with steps.
+const THIN: usize = 1024;
+
+fn settling(amplitude: f64, time_s: f64, scene: &Scene) -> Vec<f64> {
+    (0..scene.samples)
+        .map(|i| amplitude * (-(i as f64) / (scene.rate_hz * time_s)).exp())
+        .collect()
+}
+
+impl Effect for Warmup {
+    fn truths(&self) -> Vec<Truth> {
+        vec![Truth::new(
+            "warmup",
+            &[("amplitude", self.amplitude), ("time_s", self.time_s)],
+        )]
+    }
+
+    fn scaled(&self, factor: f64) -> Box<dyn Effect> {
+        Box::new(Self {
+            amplitude: self.amplitude * factor,
+            energy: self.energy * factor * factor,
+            beside_step: self.beside_step * factor * factor,
+            ..*self
+        })
+    }
+
+    /// Trials: about five independent time constants. The rival is one step anywhere.
+    fn evidence(&self, _scene: &Scene) -> Evidence {
+        Evidence {
+            power: power(self.energy, 2.0, 5.0),
+            rival_error: Contrast::shift(self.beside_step).error(),
+        }
+    }
+
+    fn waveform(&self, scene: &Scene, _axis: usize, _draw: &mut Draw) -> Option<Vec<f64>> {
+        Some(settling(self.amplitude, self.time_s, scene))
+    }
+}

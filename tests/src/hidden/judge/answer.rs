@@ -1,0 +1,87 @@
+//! What `inm diagnose --json` says, as far as it is judged (schema 1).
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+
+/// The whole answer.
+#[derive(Debug, Clone, Default, Deserialize)]
+pub struct Answer {
+    /// One for each axis.
+    pub axes: Vec<Axis>,
+}
+
+/// What is said of one axis.
+#[derive(Debug, Clone, Default, Deserialize)]
+pub struct Axis {
+    /// Effects named.
+    pub findings: Vec<Finding>,
+    /// What is wrong without a name.
+    pub unexplained: Vec<Remark>,
+    /// The model after all findings.
+    #[serde(rename = "final")]
+    pub last: Option<Last>,
+}
+
+/// One effect named.
+#[derive(Debug, Clone, Default, Deserialize)]
+pub struct Finding {
+    /// Its name.
+    pub effect: String,
+    /// Its parameters.
+    #[serde(default)]
+    pub parameters: BTreeMap<String, Interval>,
+}
+
+/// A value with its 95 % interval. Null where it is not known.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Deserialize)]
+pub struct Interval {
+    /// Best estimate.
+    pub value: Option<f64>,
+    /// Lower end.
+    pub lo: Option<f64>,
+    /// Upper end.
+    pub hi: Option<f64>,
+    /// Upper bound of what cannot be told from zero.
+    pub upper: Option<f64>,
+}
+
+/// Something left unexplained. Kept as it comes: its words are looked through for the place.
+#[derive(Debug, Clone, Default, Deserialize)]
+#[serde(transparent)]
+pub struct Remark(pub serde_json::Value);
+
+/// The final model.
+#[derive(Debug, Clone, Default, Deserialize)]
+pub struct Last {
+    /// R, K, B, N, Q.
+    #[serde(default)]
+    pub coefficients: BTreeMap<String, Interval>,
+}
+
+impl Remark {
+    /// All its words and numbers, in lower case.
+    pub fn text(&self) -> String {
+        fn collect(value: &serde_json::Value, into: &mut String) {
+            match value {
+                serde_json::Value::String(text) => into.push_str(text),
+                serde_json::Value::Number(number) => into.push_str(&number.to_string()),
+                serde_json::Value::Array(values) => {
+                    values.iter().for_each(|value| collect(value, into));
+                }
+                serde_json::Value::Object(fields) => {
+                    for (name, value) in fields {
+                        into.push_str(name);
+                        into.push(' ');
+                        collect(value, into);
+                    }
+                }
+                _ => {}
+            }
+            into.push_str(" ; ");
+        }
+        let mut text = String::new();
+        collect(&self.0, &mut text);
+        text.to_lowercase()
+    }
+}

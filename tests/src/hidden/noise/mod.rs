@@ -1,0 +1,5 @@
+//! The noise of the records: five terms, the signal chain, and data of any spectrum.
+
+pub mod base;
+pub mod chain;
+pub mod gaussian;

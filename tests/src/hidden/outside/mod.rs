@@ -1,0 +1,66 @@
+//! What no catalogue holds: found, but not to be named.
+
+mod cyclic;
+mod lopsided;
+mod moving_corner;
+mod multiplicative;
+mod ringing;
+mod tone_bursts;
+mod wandering_tone;
+
+use super::effect::Kind;
+
+/// Where and how something without a name shows.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Place {
+    /// Power between these frequencies, hertz.
+    Band(f64, f64),
+    /// Noise whose strength changes in time.
+    Variance,
+    /// A law of amplitudes that is not normal.
+    Amplitude,
+}
+
+/// Every kind.
+pub static KINDS: &[Kind] = &[
+    Kind {
+        name: "wandering_tone",
+        axes: 1,
+        draw: wandering_tone::draw,
+    },
+    Kind {
+        name: "cyclic",
+        axes: 1,
+        draw: cyclic::draw,
+    },
+    Kind {
+        name: "multiplicative",
+        axes: 1,
+        draw: multiplicative::draw,
+    },
+    Kind {
+        name: "tone_bursts",
+        axes: 1,
+        draw: tone_bursts::draw,
+    },
+    Kind {
+        name: "moving_corner",
+        axes: 1,
+        draw: moving_corner::draw,
+    },
+    Kind {
+        name: "lopsided",
+        axes: 1,
+        draw: lopsided::draw,
+    },
+    Kind {
+        name: "ringing",
+        axes: 1,
+        draw: ringing::draw,
+    },
+];
+
+/// The kind of this name.
+pub fn find(name: &str) -> Option<&'static Kind> {
+    KINDS.iter().find(|kind| kind.name == name)
+}
