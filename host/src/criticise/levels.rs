@@ -44,3 +44,26 @@ pub fn largest_jump(
         p_value,
     })
 }
+
+/// A jump known to within `reach` samples, placed among the samples themselves.
+pub fn place(whole: &Whole, density: &[f64], jump: Jump, reach: usize) -> Jump {
+    let filter = matched(whole, density, &Step, Half::Both);
+    let from = jump.index.saturating_sub(reach);
+    let to = (jump.index + reach).min(whole.len() - 1);
+    let best = (from..=to)
+        .filter(|&index| filter.z[index] * jump.z > 0.0)
+        .max_by(|&a, &b| filter.z[a].abs().total_cmp(&filter.z[b].abs()));
+    let Some(index) = best else { return jump };
+    let z = filter.z[index];
+    Jump {
+        index,
+        height: z * filter.size_sd,
+        height_sd: filter.size_sd,
+        // Not finer than the samples.
+        index_sd: (std::f64::consts::TAU * filter.crossings * z.abs())
+            .recip()
+            .max(0.5),
+        z,
+        p_value: jump.p_value,
+    }
+}
