@@ -99,10 +99,16 @@ impl Input {
                     .and_then(|one| one.get(field))
                     .and_then(Value::as_f64)
             };
-            // The weighted fit gives a value to what it cannot tell from zero: its interval
-            // begins there.
-            let value = |one| number(one, "value").filter(|_| number(one, "lo") != Some(0.0));
-            // It calls its bound the end of the interval.
+            // The likelihood fit says so; the weighted one gives a value to what it cannot tell
+            // from zero, with an interval that begins there.
+            let told = |one: Coefficient| {
+                fit.get(one.symbol())
+                    .and_then(|one| one.get("identified"))
+                    .and_then(Value::as_bool)
+                    .unwrap_or(number(one, "lo") != Some(0.0))
+            };
+            let value = |one| number(one, "value").filter(|_| told(one));
+            // The weighted fit's bound is the end of its interval.
             let bound = |one| number(one, "upper").or_else(|| number(one, "hi"));
             bounds.push(PerCoefficient::from_fn(|one| {
                 bound(one).filter(|_| value(one).is_none())

@@ -222,10 +222,12 @@ impl Model {
             problem,
         };
         let text = std::fs::read_to_string(Path::new(name)).map_err(|cause| {
-            error(format!(
-                "cannot be read: {cause}; a model is published, published:X, published:Y, \
-                 published:Z or a JSON file"
-            ))
+            error(match cause.kind() {
+                std::io::ErrorKind::NotFound => "no such model; published, published:X, \
+                                                 published:Y, published:Z, or a JSON file"
+                    .to_owned(),
+                _ => format!("cannot be read: {cause}"),
+            })
         })?;
         Self::from_json(&text).map_err(error)
     }
