@@ -338,9 +338,14 @@ fn code_findings(
         stale: stale.map(|stale| (stale, repeats())),
         clipping: codes::clipping(measured, grid, level)
             .into_iter()
-            .map(|one| codes::Clipping {
-                level: one.level + mean,
-                ..one
+            .map(|one| {
+                let reached = |value: f64| one.side * value >= one.side * one.level;
+                let places = (0..measured.len()).filter(|&n| reached(measured[n]));
+                let about_zero = codes::Clipping {
+                    level: one.level + mean,
+                    ..one
+                };
+                (about_zero, places.collect())
             })
             .collect(),
         coarse,

@@ -16,12 +16,19 @@ impl Rounds<'_> {
         if let Some(departure) = departure.filter(|one| one.p_value < level) {
             remarks.push(spectrum_remark(&departure));
         }
+        let rings = |f_hz: f64| {
+            self.axis.laws.iter().any(|law| {
+                law.effect.name() == "resonance"
+                    && (law.values[0] - f_hz).abs() < 5.0 * law.values[1]
+            })
+        };
         for group in lines::lines(self.axis, level) {
             if let Group::Cluster {
                 f_hz,
                 width_hz,
                 lines,
             } = group
+                && !rings(f_hz)
             {
                 let p_value = lines
                     .iter()

@@ -11,7 +11,7 @@ use super::super::whole::{Transformer, held_out_gain};
 use super::{Accepted, Rounds, Snapshot, named};
 
 /// Jumps that are told one by one, at most.
-const MOST: usize = 40;
+const MOST: usize = 150;
 
 /// Jumps from which up and down by turns is a switch rather than steps.
 const SWITCHING: usize = 3;
@@ -53,14 +53,7 @@ impl Rounds<'_> {
             };
             let parameters = named([
                 ("gain", Value::normal(gain, change.size_sd)),
-                (
-                    "lag_s",
-                    Value {
-                        value: lag_s,
-                        lo: None,
-                        hi: None,
-                    },
-                ),
+                ("lag_s", Value::log_normal(lag_s, change.time_log_sd)),
             ]);
             return self.accept(
                 "thermal",
@@ -125,12 +118,14 @@ impl Rounds<'_> {
             Some(Wave::Steps(jumps)) => jumps,
             _ => Vec::new(),
         };
-        let mut next = Some(self.placed(first));
+        let place = self.placing();
+        let mut next = Some(first);
         let mut new = Vec::new();
         while let Some(jump) = next.filter(|_| jumps.len() + new.len() <= MOST) {
+            let jump = place(jump);
             Wave::Steps(vec![jump]).take_out(&mut self.axis.filled);
             new.push(jump);
-            next = self.largest_jump().map(|jump| self.placed(jump));
+            next = self.largest_jump();
         }
         new.sort_by_key(|jump| jump.index);
         let nats = self.jump_gain(&new);
@@ -214,14 +209,17 @@ impl Rounds<'_> {
         Some(true)
     }
 
-    /// A jump of the slow copy, placed among the samples themselves.
-    fn placed(&self, jump: Jump) -> Jump {
+    /// What places a jump of the slow copy among the samples themselves.
+    fn placing(&self) -> impl Fn(Jump) -> Jump + use<> {
         let factor = self.axis.slow_factor();
-        if factor > FINE {
-            return jump;
+        let filter = (factor > 1 && factor <= FINE).then(|| {
+            let (whole, density) = self.axis.whole();
+            levels::statistic(&whole, &density)
+        });
+        move |jump| match &filter {
+            Some(filter) => levels::place(filter, jump, 2 * factor),
+            None => jump,
         }
-        let (whole, density) = self.axis.whole();
-        levels::place(&whole, &density, jump, 2 * factor)
     }
 
     /// Two levels by their jumps.

@@ -121,7 +121,11 @@ pub fn run(
     rounds.note_base();
     rounds.take_codes(values)?;
     for _ in 0..ROUNDS {
-        if !(rounds.outliers()?
+        // A level that switches all the time looks like bad samples and bursts until its law is
+        // there.
+        let first = rounds.switching && rounds.axis.laws.is_empty() && rounds.laws()?;
+        if !(first
+            || rounds.outliers()?
             || rounds.lines()?
             || rounds.levels()?
             || rounds.bursts()?
@@ -143,8 +147,8 @@ pub fn run(
 pub struct CodeFindings {
     /// Repeats, and where they are.
     pub stale: Option<(codes::Stale, Vec<usize>)>,
-    /// Pile-ups.
-    pub clipping: Vec<codes::Clipping>,
+    /// Pile-ups, and where they are.
+    pub clipping: Vec<(codes::Clipping, Vec<usize>)>,
     /// Step of the values that is coarser than declared, beside the short-term noise.
     pub coarse: Option<f64>,
 }

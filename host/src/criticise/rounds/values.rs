@@ -21,15 +21,30 @@ impl Rounds<'_> {
                 axis.refresh(false)
             })?;
         }
-        for clipping in &values.clipping {
-            let parameters = [
-                ("level", Value::exact(clipping.level)),
+        for (clipping, places) in &values.clipping {
+            let slack = 1e-9 * clipping.level.abs();
+            let parameters = named([
+                ("level", Value::normal(clipping.level, slack)),
                 ("side", Value::exact(clipping.side)),
-            ];
-            self.plain("clipping", parameters, clipping.p_value);
+            ]);
+            let (whole, density) = self.axis.whole();
+            let replaced = impulses::sizes_at(&whole, &density, places);
+            self.accept(
+                "clipping",
+                parameters,
+                clipping.p_value,
+                1.0,
+                None,
+                |axis| {
+                    axis.mended.waves.push(Wave::Replaced(replaced));
+                    axis.refresh(false)
+                },
+            )?;
         }
         if let Some(step) = values.coarse {
-            self.plain("quantisation", [("step", Value::exact(step))], 0.0);
+            // Known as well as the values are written.
+            let step = Value::normal(step, 1e-6 * step);
+            self.plain("quantisation", [("step", step)], 0.0);
         }
         Some(())
     }

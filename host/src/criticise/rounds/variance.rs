@@ -47,7 +47,11 @@ impl Rounds<'_> {
             3.0,
             Some(burst.held_nats),
             |axis| {
-                axis.mended.masked.push(range);
+                // The ends are known to within some blocks.
+                let wide = 3.0 * burst.end_sd;
+                let from = (range.start as f64 - wide).max(0.0) as usize;
+                let to = ((range.end as f64 + wide) as usize).min(axis.mended.len());
+                axis.mended.masked.push(from..to);
                 axis.refresh(true)
             },
         )
