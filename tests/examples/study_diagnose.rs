@@ -6,7 +6,6 @@
 //! cargo xtask study diagnose --kind markov --first-seed 7 --seeds 1 --keep folder
 //! ```
 
-use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::{Parser, ValueEnum};
@@ -100,17 +99,10 @@ fn run(part: Part, arguments: &Arguments) -> Result<(), Box<dyn std::error::Erro
     if let Some(folder) = &arguments.keep {
         return keep(&tasks, folder);
     }
-    let progress = |trial: &Trial| {
-        if let Err(failure) = &trial.result {
-            eprintln!("{} seed {}: {failure}", trial.row, trial.seed);
-        }
-        eprint!(".");
-        // Dots are all the same if standard error is gone.
-        let _ = std::io::stderr().flush();
-    };
+    // A line a case, so that a study that is stopped early has still said what it found.
+    let progress = |trial: &Trial| eprintln!("{}", verdict(trial));
     let program = Program(arguments.inm.clone());
     let trials = run_all(&tasks, &program, arguments.at_once, &progress);
-    eprintln!();
     let (first, last) = (
         arguments.first_seed,
         arguments.first_seed + arguments.seeds - 1,
@@ -125,23 +117,31 @@ fn run(part: Part, arguments: &Arguments) -> Result<(), Box<dyn std::error::Erro
     }
     println!("{}", tally::confusion(&trials));
     println!("{}", tally::coverage(&trials));
-    for trial in &trials {
-        if let Ok((score, _)) = &trial.result
-            && !score.is_right()
-            && score.placed.is_none()
-        {
-            println!(
-                "not right: {} seed {} strength {:.2}: {:?}, beside {:?}, {} unexplained",
-                trial.row,
-                trial.seed,
-                trial.strength.unwrap_or(0.0),
-                score.named,
-                score.extra,
-                score.unexplained
-            );
-        }
-    }
     Ok(())
+}
+
+fn verdict(trial: &Trial) -> String {
+    let strength = trial.strength.unwrap_or(0.0);
+    let case = format!("{} seed {} strength {strength:.2}", trial.row, trial.seed);
+    let (score, time) = match &trial.result {
+        Ok(result) => result,
+        Err(failure) => return format!("{case}: FAILED, {failure}"),
+    };
+    let verdict = match (score.is_right(), score.placed) {
+        (_, Some(true)) if score.extra.is_empty() => "placed".to_owned(),
+        (true, None) => "right".to_owned(),
+        _ => {
+            let missed = score.named.iter().filter(|(_, named)| !named);
+            let missed: Vec<&str> = missed.map(|(name, _)| *name).collect();
+            format!(
+                "WRONG, not named [{}], named instead [{}], {} unexplained",
+                missed.join(" "),
+                score.extra.join(" "),
+                score.unexplained
+            )
+        }
+    };
+    format!("{case}: {verdict}, {:.2} s", time.as_secs_f64())
 }
 
 fn tasks(part: Part, arguments: &Arguments) -> Vec<Task> {
@@ -168,23 +168,14 @@ fn tasks(part: Part, arguments: &Arguments) -> Vec<Task> {
         if !kinds.is_empty() && !wanted(&kinds) {
             continue;
         }
-        let names: Vec<&str> = kinds.iter().map(|kind| kind.name).collect();
-        let row = if names.is_empty() {
-            "clean".to_owned()
-        } else {
-            names.join("+")
-        };
         for strength in &strengths {
             for seed in arguments.first_seed..arguments.first_seed + arguments.seeds {
-                tasks.push(Task {
-                    row: row.clone(),
-                    plan: Plan {
-                        kinds: kinds.clone(),
-                        strength: *strength,
-                        samples: arguments.samples,
-                    },
-                    seed,
-                });
+                let plan = Plan {
+                    kinds: kinds.clone(),
+                    strength: *strength,
+                    samples: arguments.samples,
+                };
+                tasks.push(Task { plan, seed });
             }
         }
     }
@@ -197,7 +188,7 @@ fn keep(tasks: &[Task], folder: &std::path::Path) -> Result<(), Box<dyn std::err
         let case = Case::draw(&task.plan, task.seed);
         let time_s = start.elapsed().as_secs_f64();
         let strength = case.strength.unwrap_or(0.0);
-        let here = folder.join(format!("{}-{}-{strength:.2}", task.row, task.seed));
+        let here = folder.join(format!("{}-{}-{strength:.2}", task.plan.name(), task.seed));
         std::fs::create_dir_all(&here)?;
         let files = case.write(&here)?;
         println!(

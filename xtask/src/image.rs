@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use anyhow::{Context, Result};
 
-use crate::run::{cargo, root, run};
+use crate::run::{cargo, run, target};
 use crate::tools::TARGET;
 
 /// Profile of the images; link-time optimisation cannot be set for one package.
@@ -59,10 +59,7 @@ impl Image {
             .args(["--bin", self.program()])
             .args(["--target", TARGET, "--profile", PROFILE])
             .args(self.features()))?;
-        let target = match std::env::var_os("CARGO_TARGET_DIR") {
-            Some(folder) => root().join(folder),
-            None => root().join("target"),
-        };
+        let target = target();
         let built = target.join(TARGET).join(PROFILE).join(self.program());
         let kept = target.join("image").join(self.name());
         fs::create_dir_all(target.join("image"))?;

@@ -38,6 +38,8 @@ usage: cargo xtask <command>
   bench      speed and memory of the estimators beside other programs; minutes
   study intervals
              coverage of the 95 % intervals over thousands of simulated records; minutes
+  study diagnose [--seeds N] [--part PART] [--kind KIND] [--strength M]
+             whether `inm diagnose` finds effects hidden in records; hours for 200 seeds
   study published [--records N]
              the published table simulated N times (400) an axis: published, weighted and likelihood
              fit beside the Cramér-Rao bound; a second and a half a record and axis
@@ -55,6 +57,7 @@ fn main() -> ExitCode {
         ["instructions"] => instructions::run(),
         ["bench"] => bench::run(),
         ["study", "intervals"] => study::intervals(),
+        ["study", "diagnose", ref options @ ..] => study::diagnose(options),
         ["study", "published"] => study::example("study_published", None),
         ["study", "published", "--records", count] => {
             study::example("study_published", Some(count))

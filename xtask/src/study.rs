@@ -5,7 +5,7 @@
 
 use anyhow::{Context, Result};
 
-use crate::run::{cargo, run as execute};
+use crate::run::{cargo, run as execute, target};
 
 /// Whether the 95 % intervals hold the truth in 95 % of simulated records; prints a table.
 ///
@@ -22,6 +22,28 @@ pub fn intervals() -> Result<()> {
         "--ignored",
         "--nocapture",
     ]))
+}
+
+/// How well `inm diagnose` finds hidden effects; prints tables. `options` go to the study:
+/// `--help` lists them.
+///
+/// # Errors
+/// It does not build, or the options are wrong.
+pub fn diagnose(options: &[&str]) -> Result<()> {
+    let build = [
+        "build",
+        "--release",
+        "--package",
+        "inm-host",
+        "--bin",
+        "inm",
+    ];
+    execute(&mut cargo(&build))?;
+    let program = target().join("release").join("inm");
+    let mut study = cargo(&["run", "--release", "--package", "inm-tests"]);
+    study.args(["--example", "study_diagnose", "--", "--inm"]);
+    study.arg(program.with_extension(std::env::consts::EXE_EXTENSION));
+    execute(study.args(options))
 }
 
 /// Runs an example of the host's library that simulates `records` records; its own number if

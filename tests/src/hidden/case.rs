@@ -25,6 +25,17 @@ pub struct Plan {
     pub samples: usize,
 }
 
+impl Plan {
+    /// The kinds' names, joined by `+`, or `clean`.
+    pub fn name(&self) -> String {
+        if self.kinds.is_empty() {
+            return "clean".to_owned();
+        }
+        let names: Vec<&str> = self.kinds.iter().map(|kind| kind.name).collect();
+        names.join("+")
+    }
+}
+
 /// A record as it goes to disk.
 pub struct Case {
     /// What settles it, with the plan.
@@ -59,8 +70,10 @@ impl Case {
     /// Draws the case of this seed. Scenes in which a kind cannot be seen at any strength, or
     /// not be told from its rival, are drawn again.
     pub fn draw(plan: &Plan, seed: u64) -> Self {
+        // Every kind has its own noise, or all rows of a study would share their luck.
+        let name = plan.name();
         let axes = plan.kinds.iter().map(|kind| kind.axes).max().unwrap_or(1);
-        let mut draw = Draw::new(seed, "scene");
+        let mut draw = Draw::new(seed, &format!("{name} scene"));
         let (scene, hidden) = loop {
             let scene = Scene::draw(plan.samples, axes, &mut draw);
             let units: Option<Vec<_>> = plan
@@ -72,7 +85,7 @@ impl Case {
                 break (scene, units);
             }
         };
-        let mut draw = Draw::new(seed, "strength");
+        let mut draw = Draw::new(seed, &format!("{name} strength"));
         let strengths: Vec<f64> = hidden
             .iter()
             .map(|_| match plan.strength {
@@ -96,18 +109,20 @@ impl Case {
             place: hidden.iter().find_map(|effect| effect.place()),
             scene,
         };
-        case.fill(&hidden);
+        case.fill(&hidden, &name);
         case
     }
 
-    fn fill(&mut self, hidden: &[Box<dyn Effect>]) {
+    fn fill(&mut self, hidden: &[Box<dyn Effect>], name: &str) {
+        let seed = self.seed;
+        let reference = format!("{name} reference");
         for axis in 0..self.scene.axes.len() {
             let here: Vec<&dyn Effect> = hidden
                 .iter()
                 .map(AsRef::as_ref)
                 .filter(|effect| effect.in_all_axes() || axis == self.scene.target)
                 .collect();
-            let (samples, settled) = axis_samples(&self.scene, axis, &here, self.seed, "record");
+            let (samples, settled) = axis_samples(&self.scene, axis, &here, seed, name);
             self.columns.push(samples);
             for (effect, parameters) in here.iter().zip(settled) {
                 let name = effect.truths().last().map(|truth| truth.effect);
@@ -121,16 +136,7 @@ impl Case {
         self.temperature = temperature.map(<[f64]>::to_vec);
         self.reference = hidden.iter().find_map(|e| e.in_reference()).map(|effect| {
             (0..self.scene.axes.len())
-                .map(|axis| {
-                    axis_samples(
-                        &self.scene,
-                        axis,
-                        &[effect.as_ref()],
-                        self.seed,
-                        "reference",
-                    )
-                    .0
-                })
+                .map(|axis| axis_samples(&self.scene, axis, &[effect.as_ref()], seed, &reference).0)
                 .collect()
         });
     }
@@ -170,7 +176,8 @@ impl Case {
 }
 
 /// One axis: Gaussian parts in one transform, waveforms through the chain, then what acts on
-/// finished samples, whose late parameters come back in the order of `effects`.
+/// finished samples, whose late parameters come back in the order of `effects`. The `record`'s
+/// name and `seed` name its random numbers.
 pub fn axis_samples(
     scene: &Scene,
     axis: usize,
@@ -179,6 +186,12 @@ pub fn axis_samples(
     record: &str,
 ) -> (Vec<f64>, Vec<Vec<(String, f64)>>) {
     let stream = |name: &str| Draw::new(seed, &format!("{record} {axis} {name}"));
+    // Everything happens in true time.
+    let clock: f64 = effects.iter().map(|effect| effect.clock()).product();
+    let scene = &Scene {
+        rate_hz: scene.rate_hz * clock,
+        ..scene.clone()
+    };
     let count = scene.samples;
     let power = |f_hz: f64| -> f64 { effects.iter().map(|effect| effect.power(f_hz)).product() };
     let added = |f_hz: f64| -> f64 {

@@ -19,7 +19,7 @@ mod steps;
 mod telegraph;
 mod thermal;
 mod timebase;
-mod tone;
+pub mod tone;
 mod warmup;
 
 use super::draw::Draw;
@@ -80,6 +80,11 @@ pub trait Effect: Send + Sync {
     /// Whether it is in all axes and not only in the target.
     fn in_all_axes(&self) -> bool {
         false
+    }
+
+    /// True rate over the rate that the record says.
+    fn clock(&self) -> f64 {
+        1.0
     }
 
     /// The temperature that the record comes with, degrees Celsius.

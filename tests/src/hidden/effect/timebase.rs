@@ -103,8 +103,13 @@ impl Effect for Timebase {
         here.and(Lines(self.lines.clone()).evidence(scene))
     }
 
+    /// In true time.
     fn waveform(&self, scene: &Scene, axis: usize, draw: &mut Draw) -> Option<Vec<f64>> {
-        Lines(self.apparent().collect()).waveform(scene, axis, draw)
+        Lines(self.lines.clone()).waveform(scene, axis, draw)
+    }
+
+    fn clock(&self) -> f64 {
+        self.ratio
     }
 
     fn in_reference(&self) -> Option<Box<dyn Effect>> {

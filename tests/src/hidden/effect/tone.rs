@@ -9,8 +9,11 @@ use crate::hidden::scene::Scene;
 /// `amplitude cos(2 pi f t + phase)`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tone {
+    /// Frequency, hertz.
     pub f_hz: f64,
+    /// Amplitude.
     pub amplitude: f64,
+    /// Phase at the start of the record, radians.
     pub phase: f64,
 }
 
@@ -64,7 +67,7 @@ pub fn frequency(scene: &Scene, draw: &mut Draw) -> f64 {
             let nearest = (f_hz / mains).round().max(1.0) * mains;
             (f_hz - nearest).abs() > 1.0
         });
-        // Where the chain stops nine tenths of the power, a line is a matter of the chain.
+        // In the converter's transition band the amplitude is a matter of the chain.
         if clear && scene.chain.power(f_hz, scene.rate_hz) > 0.9 * one_pole(f_hz, 300.0) {
             return f_hz;
         }

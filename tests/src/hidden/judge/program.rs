@@ -48,7 +48,8 @@ impl Diagnose for Program {
         let time = start.elapsed();
         if !matches!(output.status.code(), Some(0 | 1)) {
             let said = String::from_utf8_lossy(&output.stderr);
-            let said = said.lines().last().unwrap_or_default();
+            let said = said.lines().find(|line| !line.is_empty());
+            let said = said.unwrap_or_default();
             return Err(Failure::Status(output.status.to_string(), said.to_owned()));
         }
         Ok(Outcome {

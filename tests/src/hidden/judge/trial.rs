@@ -12,8 +12,6 @@ use crate::hidden::case::{Case, Plan};
 /// A case to be run.
 #[derive(Clone)]
 pub struct Task {
-    /// The row of the tables that it belongs to.
-    pub row: String,
     /// What to hide.
     pub plan: Plan,
     /// Its seed.
@@ -39,7 +37,7 @@ pub struct Trial {
 pub fn run_one(task: &Task, program: &dyn Diagnose) -> Trial {
     let case = Case::draw(&task.plan, task.seed);
     Trial {
-        row: task.row.clone(),
+        row: task.plan.name(),
         seed: task.seed,
         strength: case.strength,
         ideal_power: case.ideal.map(|evidence| evidence.power),
