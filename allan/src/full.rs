@@ -10,7 +10,12 @@
 //! E[j+1] = E[j] + H[j]                      because D[j+m] - D[j] = H[j]
 //! ```
 //!
-//! which is exact in integers and would drift in floating point.
+//! which is exact in integers and would drift in floating point. [`Cumulated`] takes memory for
+//! cumulative sums, and less time for it.
+
+mod cumulated;
+
+pub use cumulated::{Cumulated, cumulate};
 
 use crate::fixed_point::FixedPoint;
 use crate::wide::Wide;
@@ -155,6 +160,13 @@ impl Sums {
     fn push(&mut self, difference: i128) {
         self.terms += 1;
         self.sum_of_squares.add_square(difference);
+    }
+
+    /// Adds `terms` squared differences that sum to `squares`.
+    #[inline]
+    fn add_total(&mut self, squares: u128, terms: usize) {
+        self.terms += terms as u64;
+        self.sum_of_squares.add_u128(squares);
     }
 
     fn estimate(&self) -> Option<Estimate> {

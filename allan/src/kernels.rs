@@ -20,7 +20,7 @@ pub(crate) fn with_vectors<R>(work: impl FnOnce() -> R) -> R {
 }
 
 /// Squares summed before a partial sum is moved to a wider one: 2^8 of 2^56 fit 64 bits.
-const CHUNK: usize = 256;
+pub(crate) const CHUNK: usize = 256;
 /// Largest magnitude whose square is taken in 32-bit arithmetic.
 pub(crate) const NARROW: u64 = 1 << 28;
 /// Largest magnitude at all: 2^11 squares of 2^116 fit 128 bits.
@@ -123,6 +123,16 @@ pub(crate) fn third_differences(row: Row<'_>, lag: usize, from: usize, bound: u6
                 )
             },
         )
+    }
+}
+
+/// Squares of at most [`CHUNK`] numbers of magnitude up to `bound`, itself at most [`WIDEST`].
+#[inline(always)]
+pub(crate) fn squares(bound: u64, differences: impl Iterator<Item = i64>) -> u128 {
+    if bound <= NARROW {
+        narrow(differences.map(|difference| difference as i32))
+    } else {
+        wider(bound, differences)
     }
 }
 

@@ -1,5 +1,6 @@
 //! Full-overlap estimates against published values, the definitions and closed forms.
 
+use inm_allan::fixed_point::FixedPoint;
 use inm_allan::{Estimate, Statistic, full};
 use proptest::prelude::*;
 
@@ -218,6 +219,98 @@ proptest! {
                 let expected = total as f64 / terms as f64 / scale;
                 prop_assert!((estimate.variance - expected).abs() <= 1e-15 * expected);
             }
+        }
+    }
+}
+
+/// The cumulative sums of `codes`, with their mean taken off.
+fn cumulated(codes: impl ExactSizeIterator<Item = i64> + Clone) -> Vec<i64> {
+    let level = codes.clone().map(i128::from).sum::<i128>() / (codes.len() as i128).max(1);
+    let mut sums = vec![0; codes.len() + 1];
+    full::cumulate(codes, level as i64, &mut sums);
+    sums
+}
+
+proptest! {
+    /// Codes of any size, from those that are squared in 32 bits to full scale.
+    #[test]
+    fn cumulative_sums_give_the_same_bits(
+        codes in prop::collection::vec(any::<i32>(), 0..1200),
+        shift in 0_u32..31,
+        split in any::<prop::sample::Index>(),
+        m in prop_oneof![1_u64..8, 1_u64..700],
+    ) {
+        let codes: Vec<i32> = codes.iter().map(|code| code >> shift).collect();
+        let (left, right) = codes.split_at(split.index(codes.len() + 1));
+        let [left_sums, right_sums] =
+            [left, right].map(|part| cumulated(part.iter().map(|&code| i64::from(code))));
+        let segments = [&left_sums[..], &right_sums];
+        for statistic in ALL {
+            prop_assert_eq!(
+                full::Cumulated::new(&segments).estimate(statistic, m),
+                full::integers(statistic, &[left, right], m),
+                "{:?}", statistic
+            );
+        }
+    }
+}
+
+/// Codes as large as a grid has them, in sums that stray so far that inner sums are rounded.
+#[test]
+fn rounded_inner_sums_are_as_near_as_stated() {
+    let mut state = 1_u64;
+    let mut step = || {
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
+        (state >> 32) as f64 / 2.0_f64.powi(32) - 0.5
+    };
+    let mut value = 0.0;
+    let samples: Vec<f64> = (0..60_000)
+        .map(|_| {
+            value += step();
+            value
+        })
+        .collect();
+    let grid = FixedPoint::covering(samples.iter().copied(), 1.0);
+    let sums = cumulated(samples.iter().map(|&sample| grid.code(sample).unwrap()));
+    let segments = [&sums[..]];
+    let record = full::Cumulated::new(&segments);
+    let range = sums.iter().max().unwrap() - sums.iter().min().unwrap();
+    // Not so far that they would be taken the slow way; rounded from m = 300 on.
+    assert!(range < 1 << 56 && range > (1 << 57) / 300, "{range:e}");
+    for m in [1, 10, 300, 5000, 19_999] {
+        for statistic in ALL {
+            let exact = full::floats(statistic, &[&samples], m).unwrap();
+            let found = record.estimate(statistic, m).unwrap();
+            let found_deviation = grid.scale_variance(found.variance).sqrt();
+            let off = (found_deviation - exact.deviation()).abs();
+            // A step over m, and the last places of two results.
+            let allowed = grid.resolution() / m as f64 + 4.0 * f64::EPSILON * exact.deviation();
+            assert_eq!(found.terms, exact.terms);
+            assert!(
+                off <= allowed,
+                "{statistic:?} m={m}: {off:e} of {allowed:e}"
+            );
+        }
+    }
+}
+
+/// Sums that leave 64 bits are taken the slow way.
+#[test]
+fn sums_that_wrap_are_exact_too() {
+    let codes: Vec<i64> = (0..1 << 21).map(|i| (1 << 42) - i % 1000).collect();
+    let mut wrapped = vec![0; codes.len() + 1];
+    full::cumulate(codes.iter().copied(), -1 << 42, &mut wrapped);
+    assert!(wrapped.iter().any(|&sum| sum < 0), "ascending but for that");
+    let sums = cumulated(codes.iter().copied());
+    for statistic in ALL {
+        for m in [1, 777, 600_000] {
+            assert_eq!(
+                full::Cumulated::new(&[&wrapped]).estimate(statistic, m),
+                full::Cumulated::new(&[&sums]).estimate(statistic, m),
+                "{statistic:?} m={m}"
+            );
         }
     }
 }

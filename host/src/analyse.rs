@@ -123,8 +123,9 @@ pub struct AxisAnalysis {
 pub struct CurveModel {
     /// Averaging time, seconds.
     pub tau_s: f64,
-    /// Deviation that the weighted fit expects, chain and sampling included.
-    pub weighted: Option<f64>,
+    /// Deviation that the likelihood fit expects, or the weighted fit where there is none; chain and
+    /// sampling included.
+    pub fitted: Option<f64>,
     /// Deviation of the published fit's curve; `None` where its square is negative.
     pub published: Option<f64>,
 }
@@ -161,6 +162,8 @@ pub struct SpectrumPoint {
     pub lo: f64,
     /// Upper end of its 95 % interval.
     pub hi: f64,
+    /// Degrees of freedom behind it.
+    pub edf: f64,
 }
 
 /// The fits of one axis; `None` where the record is too short for one.
@@ -175,6 +178,17 @@ pub struct Fits {
     pub weighted_allowance_percent: Option<f64>,
     /// By likelihood, from the spectrum.
     pub likelihood: Option<LikelihoodFit>,
+}
+
+impl Fits {
+    /// Squares of the model to go by: that of the likelihood fit, else of the weighted one.
+    pub fn squares(&self) -> Option<PerCoefficient<f64>> {
+        let likelihood = self.likelihood.as_ref().map(LikelihoodFit::squares);
+        likelihood.or_else(|| {
+            let weighted = self.weighted.as_ref()?;
+            Some(PerCoefficient::from_fn(|one| weighted.get(one).squared))
+        })
+    }
 }
 
 /// A coefficient of the published fit.
@@ -337,6 +351,7 @@ fn spectrum(estimate: &Estimate, units_per_count: f64) -> Vec<SpectrumPoint> {
             psd,
             lo: lo * lo,
             hi: hi * hi,
+            edf: bin.edf,
         }
     };
     estimate.bins.iter().map(point).collect()
@@ -361,10 +376,11 @@ fn curves(points: &[Point], fits: &Fits, design: &Design) -> Vec<CurveModel> {
         let variance: f64 = Coefficient::ALL.into_iter().map(part).sum();
         (variance > 0.0).then(|| variance.sqrt())
     };
+    let squares = fits.squares();
     let curve = |point: &Point| CurveModel {
         tau_s: point.tau_s,
-        weighted: fits.weighted.as_ref().and_then(|fit| {
-            sum(&|one| match fit.get(one).squared {
+        fitted: squares.and_then(|squares| {
+            sum(&|one| match *squares.get(one) {
                 0.0 => 0.0,
                 squared => squared * design.unit_variance(Kernel::Allan, one, point.m),
             })

@@ -13,6 +13,7 @@ pub mod capture;
 pub mod chain;
 pub mod cli;
 pub mod criticise;
+pub mod data_sheet;
 pub mod export;
 pub mod fit;
 #[cfg(feature = "flash")]
@@ -20,6 +21,7 @@ pub mod flash;
 pub mod link;
 pub mod live;
 pub mod model;
+pub mod navigate;
 pub mod report;
 pub mod signal;
 pub mod simulate;

@@ -6,7 +6,10 @@ use inm_allan::Statistic;
 use inm_host::bins::strided::Strided;
 use inm_host::model::law::Law;
 use inm_host::model::whole::Model;
+use inm_host::simulate::capture::write_capture;
 use inm_host::simulate::source::Simulation;
+use inm_host::source::capture::CaptureSource;
+use inm_host::source::{Chunk, Source, Values};
 use inm_host::spectrum::{Cascade, Estimate, Plan, Settings};
 
 const RATE_HZ: f64 = 2000.0;
@@ -203,4 +206,50 @@ fn data_do_not_depend_on_how_they_are_read() {
         pieces.extend(piece);
     }
     assert!(whole == pieces);
+}
+
+#[test]
+fn a_capture_holds_the_simulation_in_codes() {
+    let mut model = Model::published(None);
+    for axis in &mut model.axes[..2] {
+        axis.chain = Some("ads1281:linear+400hz".parse().expect("a chain"));
+    }
+    // Beyond full scale, some 8.1 g.
+    model.axes[2].mean = 200.0;
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("simulated.inmcap");
+    let length = 1000;
+    let mut simulation = Simulation::new(&model, length, SEED).expect("a model");
+    write_capture(&mut simulation, &path).expect("written");
+
+    let mut expected = Simulation::new(&model, length, SEED).expect("a model");
+    let mut source = CaptureSource::open(&path).expect("a capture");
+    let signal = source.signal().clone();
+    let chains: Vec<_> = signal.axes.iter().map(|axis| axis.chain.clone()).collect();
+    let given: Vec<_> = model.axes.iter().map(|axis| axis.chain.clone()).collect();
+    assert_eq!(chains, given);
+    let mut read = 0;
+    while let Some(chunk) = source.next_chunk().expect("readable") {
+        let Chunk::Samples(block) = chunk else {
+            continue;
+        };
+        read += block.len() as u64;
+        let columns = expected.next_columns(block.len());
+        for (axis, (found, wanted)) in block.columns.iter().zip(&columns).enumerate() {
+            let Values::Codes(codes) = &found.values else {
+                panic!("a capture holds codes");
+            };
+            if axis == 2 {
+                assert_eq!(found.invalid, [0..block.len()], "clipped from end to end");
+                continue;
+            }
+            let described = &signal.axes[axis];
+            for (code, wanted) in codes.iter().zip(wanted) {
+                let value = described.scale * (f64::from(*code) - described.zero);
+                // Half a step of two counts, and the sign bit.
+                assert!((value - wanted).abs() <= 2.0 * described.scale);
+            }
+        }
+    }
+    assert_eq!(read, length);
 }

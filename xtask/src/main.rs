@@ -40,6 +40,12 @@ usage: cargo xtask <command>
              coverage of the 95 % intervals over thousands of simulated records; minutes
   study diagnose [--seeds N] [--part PART] [--kind KIND] [--strength M]
              whether `inm diagnose` finds effects hidden in records; hours for 200 seeds
+  study published [--records N]
+             the published table simulated N times (400) an axis: published, weighted and likelihood
+             fit beside the Cramér-Rao bound; a second and a half a record and axis
+  study false-terms [--records N]
+             terms claimed that are not there, intervals and bounds at the edge of being seen, over N
+             (1000) records a case; half a minute for a hundred
 ";
 
 fn main() -> ExitCode {
@@ -52,6 +58,14 @@ fn main() -> ExitCode {
         ["bench"] => bench::run(),
         ["study", "intervals"] => study::intervals(),
         ["study", "diagnose", ref options @ ..] => study::diagnose(options),
+        ["study", "published"] => study::example("study_published", None),
+        ["study", "published", "--records", count] => {
+            study::example("study_published", Some(count))
+        }
+        ["study", "false-terms"] => study::example("study_false_terms", None),
+        ["study", "false-terms", "--records", count] => {
+            study::example("study_false_terms", Some(count))
+        }
         [] | ["help" | "--help" | "-h"] => {
             print!("{USAGE}");
             return ExitCode::SUCCESS;

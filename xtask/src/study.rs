@@ -1,8 +1,9 @@
 //! `cargo xtask study NAME`: the simulations that are too long for every test run.
 //!
-//! Each shares its code with the short form of itself among the tests.
+//! Those that judge are ignored tests beside the short form of themselves, so that both share their
+//! code; those that measure are examples of the host's library, and print a table.
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 
 use crate::run::{cargo, run as execute, target};
 
@@ -43,4 +44,27 @@ pub fn diagnose(options: &[&str]) -> Result<()> {
     study.args(["--example", "study_diagnose", "--", "--inm"]);
     study.arg(program.with_extension(std::env::consts::EXE_EXTENSION));
     execute(study.args(options))
+}
+
+/// Runs an example of the host's library that simulates `records` records; its own number if
+/// `None`.
+///
+/// # Errors
+/// It does not build or fails, or `records` is no number.
+pub fn example(name: &str, records: Option<&str>) -> Result<()> {
+    let mut command = cargo(&[
+        "run",
+        "--release",
+        "--package",
+        "inm-host",
+        "--example",
+        name,
+    ]);
+    if let Some(records) = records {
+        records
+            .parse::<u64>()
+            .with_context(|| format!("`{records}` is no number of records"))?;
+        command.args(["--", records]);
+    }
+    execute(&mut command)
 }

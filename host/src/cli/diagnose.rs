@@ -8,7 +8,7 @@ use clap::Args;
 
 use super::input::InputOptions;
 use super::output::write_to;
-use crate::criticise::diagnose::diagnose_axis;
+use crate::criticise::diagnose::diagnose;
 use crate::criticise::finding::Diagnosis;
 use crate::criticise::rounds::Options;
 use crate::criticise::samples::Samples;
@@ -58,9 +58,7 @@ impl DiagnoseCommand {
             family_level: self.level,
             covariate,
         };
-        let axes = (0..samples.axes.len())
-            .map(|number| diagnose_axis(&samples, number, &options))
-            .collect::<Result<Vec<_>, _>>()
+        let axes = diagnose(&samples, &options, |_| {})
             .map_err(|refused| anyhow::anyhow!("{}: {refused}", self.file))?;
         let diagnosis = Diagnosis {
             schema: crate::analyse::SCHEMA,

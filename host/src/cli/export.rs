@@ -9,7 +9,7 @@ use crate::export::{Format, export};
 /// Arguments of `inm export`.
 #[derive(Debug, Args)]
 pub struct Export {
-    /// published, published:X (Y, Z), a model file, or the JSON of inm analyze.
+    /// published, published:X (Y, Z), a model file, or the JSON of inm analyze or inm diagnose.
     model: String,
     /// Format to write.
     #[arg(long)]

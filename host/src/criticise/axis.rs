@@ -7,7 +7,6 @@ use super::laws::{self, Law};
 use super::mend::{Mended, block_means, bridge};
 use super::whole::{Transformer, Whole};
 use crate::chain::Chain;
-use crate::fit::likelihood::components::SEEN;
 use crate::fit::likelihood::{Data, Fit};
 use crate::model::effect::Part;
 
@@ -20,8 +19,14 @@ const SLOW: usize = 1 << 18;
 /// Samples on either side of a bridge or a mask that tests of single moments leave out.
 const GUARD: usize = 64;
 
+/// Samples at both ends of the record that they leave out: the ring closes there.
+const SEAM: usize = 1024;
+
 /// Degrees of freedom from which a bin's own ratio to the model counts rather than the model.
 const OWN_RATIO: f64 = 40.0;
+
+/// Least density that whitens, over that in the middle of the band.
+const LEAST_SHARE: f64 = 1e-5;
 
 /// One axis with what is known about it so far.
 pub struct AxisState {
@@ -93,6 +98,9 @@ impl AxisState {
 
     /// Whether tests of single moments may look at a sample.
     pub fn usable(&self, index: usize) -> bool {
+        if index < SEAM || index + SEAM >= self.fast.len() {
+            return false;
+        }
         let next = self.unusable.partition_point(|range| range.end <= index);
         self.unusable
             .get(next)
@@ -109,17 +117,13 @@ impl AxisState {
 
     /// Two-sided density of the fitted model at `f_hz`, chain and filters included.
     pub fn density(&self, f_hz: f64) -> f64 {
-        let mut sum = 0.0;
-        for (one, squared) in SEEN.iter().zip(&self.fit.squared) {
-            if *squared > 0.0 {
-                sum += squared * self.frame.unit_density(*one, f_hz);
-            }
-        }
+        let mut sum = self.frame.base_density(&self.fit.squared, f_hz);
         let mut power = 1.0;
         for (which, law) in self.laws.iter().enumerate() {
             match law.effect.part(&law.values) {
                 Part::Term(term) => {
-                    let squared = self.fit.squared[laws::component_of(&self.laws, which)];
+                    let squared =
+                        self.fit.squared[laws::component_of(&self.frame, &self.laws, which)];
                     sum += squared
                         * self.frame.term_density(&*term, f_hz)
                         * self.frame.chain_power(f_hz);
@@ -167,9 +171,8 @@ impl AxisState {
                 density(log.exp()).max(f64::MIN_POSITIVE).ln()
             })
             .collect();
-        // The floor under it, a hundredth of what the middle of the band has.
-        let middle = density(0.2 * whole.frequency(count - 1));
-        let floor = 0.01 * middle;
+        // What lies further below the middle of the band is hidden by the ends' own leakage.
+        let floor = LEAST_SHARE * density(0.2 * whole.frequency(count - 1));
         (0..count)
             .map(|k| {
                 let log = whole.frequency(k.max(1)).ln();

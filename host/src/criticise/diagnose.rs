@@ -1,8 +1,12 @@
 //! From a record in memory to what is wrong with its model and why.
 
+use std::collections::BTreeMap;
+
 use super::axis::AxisState;
 use super::codes;
-use super::finding::{AxisDiagnosis, Base, Coefficient, Final, Finding, Gain};
+use super::coherence::{self, Common};
+use super::finding::{AxisDiagnosis, Base, Coefficient, Final, Finding, Gain, Value};
+use super::frame::Frame;
 use super::gain::{self, Halves, HeldCurve};
 use super::impulses::middle_spread;
 use super::laws;
@@ -23,6 +27,9 @@ const LEAST: usize = 1 << 13;
 /// Standard deviations of a one-sided 5 % test, and of a 95 % interval.
 const ONE_SIDED: f64 = 1.644_854;
 const TWO_SIDED: f64 = 1.959_964;
+
+/// Effects that may be refused before the rest is taken as it is.
+const MOST_REFUSED: usize = 4;
 
 /// A record that cannot be diagnosed.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -45,15 +52,62 @@ pub enum Refused {
     },
 }
 
-/// Diagnoses one axis.
+/// Diagnoses all axes, and what they have in common. `progress` is told each axis that is done.
+///
+/// # Errors
+/// [`Refused`] where an axis holds too little.
+pub fn diagnose(
+    samples: &Samples,
+    options: &Options,
+    mut progress: impl FnMut(usize),
+) -> Result<Vec<AxisDiagnosis>, Refused> {
+    let (mut axes, mut residuals) = (Vec::new(), Vec::new());
+    for number in 0..samples.axes.len() {
+        let (axis, residual) = diagnose_axis(samples, number, options)?;
+        axes.push(axis);
+        residuals.push(residual);
+        progress(number);
+    }
+    for common in coherence::common(&residuals, samples.signal.rate_hz, options.level()) {
+        axes[common.axis].findings.push(common_finding(&common));
+    }
+    Ok(axes)
+}
+
+fn common_finding(common: &Common) -> Finding {
+    let kind = catalogue::find("common_mode");
+    let gain = common.gain.unwrap_or(f64::NAN);
+    let mut parameters = BTreeMap::new();
+    if let Some(gain) = common.gain {
+        parameters.insert(
+            "gain".to_owned(),
+            Value::normal(gain, gain.abs() * common.gain_log_sd),
+        );
+    }
+    Finding {
+        effect: "common_mode".to_owned(),
+        cause: kind.map_or_else(String::new, |kind| kind.meaning().to_owned()),
+        check: kind.map_or_else(String::new, |kind| kind.check(&[gain])),
+        parameters,
+        p_value: common.p_value,
+        rivals: Vec::new(),
+        gain: Gain {
+            heldout_nats: None,
+            ..Gain::default()
+        },
+        without: PerCoefficient::default(),
+    }
+}
+
+/// Diagnoses one axis; also hands over what is left of it.
 ///
 /// # Errors
 /// [`Refused`] where the record holds too little.
-pub fn diagnose_axis(
+fn diagnose_axis(
     samples: &Samples,
     number: usize,
     options: &Options,
-) -> Result<AxisDiagnosis, Refused> {
+) -> Result<(AxisDiagnosis, Vec<f32>), Refused> {
     let signal = &samples.signal.axes[number];
     let record = &samples.axes[number];
     let rate_hz = samples.signal.rate_hz;
@@ -69,16 +123,35 @@ pub fn diagnose_axis(
         axis: signal.name.clone(),
     };
     let mean = mean - signal.zero * signal.scale;
-    let values = code_findings(record, signal, options.level(), &measured);
-    let mut axis = AxisState::new(measured, rate_hz, signal.chain.as_ref()).ok_or_else(constant)?;
-    let base_fit = axis.fit.clone();
+    let values = code_findings(record, signal, options.level(), &measured, mean);
+    let mut refused: Vec<&'static str> = Vec::new();
+    let (axis, base_fit, outcome, nats) = loop {
+        let mut axis = AxisState::new(measured.clone(), rate_hz, signal.chain.as_ref())
+            .ok_or_else(constant)?;
+        let base_fit = axis.fit.clone();
+        let outcome = rounds::run(&mut axis, options, &values, &refused).ok_or_else(constant)?;
+        let mut halves = Halves::new(&axis);
+        let nats: Vec<Option<f64>> = outcome
+            .accepted
+            .iter()
+            .map(|one| halves.as_mut().and_then(|halves| halves.nats(one)))
+            .collect();
+        // What gains nothing on data that it was not fitted to is no effect.
+        let losers = outcome.accepted.iter().zip(&nats);
+        let losers: Vec<&'static str> = losers
+            .filter(|(_, nats)| nats.is_some_and(|nats| nats <= 0.0))
+            .map(|(one, _)| one.effect)
+            .collect();
+        if losers.is_empty() || refused.len() > MOST_REFUSED {
+            break (axis, base_fit, outcome, nats);
+        }
+        refused.extend(losers);
+    };
     let base_snapshot = Snapshot {
         waves: Vec::new(),
         laws: Vec::new(),
     };
-    let outcome = rounds::run(&mut axis, options, &values).ok_or_else(constant)?;
     let held = HeldCurve::new(&axis);
-    let mut halves = Halves::new(&axis);
     let model = |snapshot: &Snapshot, fit: &Fit, effects: Vec<ModelEffect>| ModelAxis {
         name: signal.name.clone(),
         unit: signal.unit,
@@ -87,7 +160,7 @@ pub fn diagnose_axis(
         coefficients: gain::coefficients(&fit.squared),
         effects: effects
             .into_iter()
-            .chain(law_effects(snapshot, fit))
+            .chain(law_effects(&axis.frame, snapshot, fit))
             .collect(),
     };
     let error =
@@ -111,14 +184,15 @@ pub fn diagnose_axis(
         findings.push(finding(
             one,
             Gain {
-                heldout_nats: halves.as_mut().and_then(|halves| halves.nats(one)),
+                heldout_nats: nats[index],
                 allan_error_percent_before: error(&before, &one.without).map(|error| error.0),
                 allan_error_percent_after: error(&after, &one.with).map(|error| error.0),
             },
         ));
     }
     let named = named_effects(&findings);
-    Ok(AxisDiagnosis {
+    let residual = axis.mended.values().iter().map(|&v| v as f32).collect();
+    let diagnosis = AxisDiagnosis {
         name: signal.name.clone(),
         unit: signal.unit,
         base: Base {
@@ -138,7 +212,8 @@ pub fn diagnose_axis(
             allan_error_sampling_percent: last_error.map(|error| error.1),
         },
         findings,
-    })
+    };
+    Ok((diagnosis, residual))
 }
 
 /// Effects as a model file has them, where the catalogue can make them.
@@ -157,14 +232,14 @@ fn named_effects(findings: &[Finding]) -> Vec<ModelEffect> {
 }
 
 /// The laws of a snapshot with the sizes of a fit that has them.
-fn law_effects(snapshot: &Snapshot, fit: &Fit) -> Vec<ModelEffect> {
+fn law_effects(frame: &Frame, snapshot: &Snapshot, fit: &Fit) -> Vec<ModelEffect> {
     let laws = rounds::laws_of(snapshot);
     (0..laws.len())
         .filter_map(|which| {
             let law = &laws[which];
             let mut values = law.values.clone();
             if let Some(size) = law.effect.size() {
-                let squared = *fit.squared.get(laws::component_of(&laws, which))?;
+                let squared = *fit.squared.get(laws::component_of(frame, &laws, which))?;
                 values[size] = squared.powf(1.0 / laws::squared_power(law));
             }
             let parameters = law
@@ -229,6 +304,7 @@ fn code_findings(
     signal: &Axis,
     level: f64,
     measured: &[f64],
+    mean: f64,
 ) -> CodeFindings {
     let declared = matches!(record.raw(), Values::Codes(_)).then_some(signal.scale);
     let grid = codes::grid(measured);
@@ -260,7 +336,18 @@ fn code_findings(
     };
     CodeFindings {
         stale: stale.map(|stale| (stale, repeats())),
-        clipping: codes::clipping(measured, grid, level),
+        clipping: codes::clipping(measured, grid, level)
+            .into_iter()
+            .map(|one| {
+                let reached = |value: f64| one.side * value >= one.side * one.level;
+                let places = (0..measured.len()).filter(|&n| reached(measured[n]));
+                let about_zero = codes::Clipping {
+                    level: one.level + mean,
+                    ..one
+                };
+                (about_zero, places.collect())
+            })
+            .collect(),
         coarse,
     }
 }

@@ -8,7 +8,7 @@ use crate::chain::Chain;
 use crate::fit::design::Design;
 use crate::fit::likelihood::Data;
 use crate::fit::likelihood::components::{SEEN, unit_expectations};
-use crate::model::{Coefficient, Term};
+use crate::model::Term;
 use crate::spectrum::estimate::{self, Estimate};
 use crate::spectrum::{Cascade, Plan, Settings};
 
@@ -20,7 +20,8 @@ pub struct Frame {
     settings: Settings,
     estimate: Estimate,
     design: Design,
-    /// Expectations of the bins for each of [`SEEN`] at coefficient 1.
+    /// Expectations of the bins for each of [`SEEN`] at coefficient 1; behind a converter also for
+    /// white noise that joins after its filter, such as rounding.
     units: Vec<Vec<f64>>,
     /// Power of the signal chain at the nodes.
     chain_power: Vec<f64>,
@@ -47,7 +48,11 @@ impl Frame {
         let design = Design::new(rate_hz, chain);
         let nodes = estimate.operator.nodes_hz();
         let chain_power: Vec<f64> = nodes.iter().map(|&f_hz| design.power(f_hz)).collect();
-        let units = unit_expectations(&estimate, &design);
+        let mut units = unit_expectations(&estimate, &design);
+        let band_limited = chain.is_some_and(|chain| chain.converter.is_some());
+        if band_limited {
+            units.push(estimate.operator.apply(&vec![1.0; nodes.len()]));
+        }
         let data = Data::new(&estimate, 1.0)?;
         Some(Self {
             settings,
@@ -57,7 +62,7 @@ impl Frame {
             chain_power,
             data,
             rate_hz,
-            band_limited: chain.is_some_and(|chain| chain.converter.is_some()),
+            band_limited,
             plan,
         })
     }
@@ -90,16 +95,35 @@ impl Frame {
         self.estimate.operator.apply(&densities)
     }
 
-    /// Expectations for each of [`SEEN`] at coefficient 1.
+    /// Expectations for each of [`SEEN`] at coefficient 1, and behind a converter for white noise of
+    /// density 1 that joins after its filter.
     pub fn units(&self) -> &[Vec<f64>] {
         &self.units
     }
 
-    /// The same through one more filter.
+    /// The same through one more filter, ahead of what joins behind the converter.
     pub fn units_through(&self, power: impl Fn(f64) -> f64) -> Vec<Vec<f64>> {
-        SEEN.iter()
-            .map(|&one| self.expect(|f_hz| self.design.unit_spectrum(one, f_hz) * power(f_hz)))
-            .collect()
+        let through = SEEN
+            .iter()
+            .map(|&one| self.expect(|f_hz| self.design.unit_spectrum(one, f_hz) * power(f_hz)));
+        let behind = self.units.iter().skip(SEEN.len()).cloned();
+        through.chain(behind).collect()
+    }
+
+    /// Two-sided density of the base components with these squares, chain included.
+    pub fn base_density(&self, squared: &[f64], f_hz: f64) -> f64 {
+        let terms: f64 = SEEN
+            .iter()
+            .zip(squared)
+            .filter(|(_, squared)| **squared > 0.0)
+            .map(|(&one, squared)| squared * self.design.unit_spectrum(one, f_hz))
+            .sum();
+        let behind = if self.band_limited {
+            squared[SEEN.len()]
+        } else {
+            0.0
+        };
+        terms * self.design.power(f_hz) + behind
     }
 
     /// Two-sided density of a term ahead of the chain's power.
@@ -119,10 +143,5 @@ impl Frame {
     /// Samples a second.
     pub fn rate_hz(&self) -> f64 {
         self.rate_hz
-    }
-
-    /// Two-sided density of the samples at `f_hz` for coefficient 1, chain included.
-    pub fn unit_density(&self, coefficient: Coefficient, f_hz: f64) -> f64 {
-        self.design.unit_spectrum(coefficient, f_hz) * self.design.power(f_hz)
     }
 }

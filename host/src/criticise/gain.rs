@@ -88,6 +88,10 @@ impl Halves {
         if one.nats.is_some() {
             return one.nats;
         }
+        if one.with.waves == one.without.waves && one.with.laws == one.without.laws {
+            // Nothing that a likelihood of the noise would see.
+            return None;
+        }
         let gain = self.score(&one.with)? - self.score(&one.without)?;
         Some(gain - SEEN_COST * one.freedom)
     }

@@ -255,7 +255,7 @@ pub fn log_deviations(
             let number = places.iter().position(|&one| one == (which, place));
             return number.map_or(f64::NAN, variance);
         }
-        let component = component_of(laws, which);
+        let component = component_of(frame, laws, which);
         let squared = best.squared[component];
         let mut total = best.covariance[(component, component)] / (squared * squared);
         // What the shapes' own uncertainty adds.
@@ -292,9 +292,8 @@ pub fn log_deviations(
 }
 
 /// Place of a law's component in a fit.
-pub fn component_of(laws: &[Law], which: usize) -> usize {
-    crate::fit::likelihood::components::SEEN.len()
-        + laws[..which].iter().filter(|law| law.adds()).count()
+pub fn component_of(frame: &Frame, laws: &[Law], which: usize) -> usize {
+    frame.units().len() + laws[..which].iter().filter(|law| law.adds()).count()
 }
 
 /// With which power of its size a law's density grows.

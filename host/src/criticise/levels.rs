@@ -1,7 +1,7 @@
 //! Jumps of the level that stay: the matched filter for a step, at every moment.
 
 use super::tail;
-use super::whole::{Half, Step, Whole, matched};
+use super::whole::{Half, Match, Step, Whole, matched};
 
 /// A jump of the level.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,7 +27,7 @@ pub fn largest_jump(
     level: f64,
     usable: impl Fn(usize) -> bool,
 ) -> Option<Jump> {
-    let filter = matched(whole, density, &Step, Half::Both);
+    let filter = statistic(whole, density);
     // On the ring, what happens at the ends is no event of the record.
     let margin = whole.len() / 200 + 16;
     let index = (margin..whole.len() - margin)
@@ -43,4 +43,28 @@ pub fn largest_jump(
         z,
         p_value,
     })
+}
+
+/// The statistic of a jump at every moment.
+pub fn statistic(whole: &Whole, density: &[f64]) -> Match {
+    matched(whole, density, &Step, Half::Both)
+}
+
+/// A jump known to within `reach` samples, placed among the samples themselves.
+pub fn place(filter: &Match, jump: Jump, reach: usize) -> Jump {
+    let from = jump.index.saturating_sub(reach);
+    let to = (jump.index + reach).min(filter.z.len() - 1);
+    let index = (from..=to)
+        .max_by(|&a, &b| {
+            let along = |index: usize| filter.z[index] * jump.z.signum();
+            along(a).total_cmp(&along(b))
+        })
+        .unwrap_or(jump.index);
+    let crossings = std::f64::consts::TAU * filter.crossings * jump.z.abs();
+    Jump {
+        index,
+        // Not finer than the samples.
+        index_sd: crossings.recip().max(0.5),
+        ..jump
+    }
 }

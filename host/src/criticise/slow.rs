@@ -132,7 +132,7 @@ pub fn follows(axis: &AxisState, column: &[f64], level: f64) -> Option<(SlowChan
         wave.close(&density);
         wave
     };
-    let (projection, lag) = lags
+    let (mut projection, mut lag) = lags
         .iter()
         .map(|&lag| {
             (
@@ -141,8 +141,40 @@ pub fn follows(axis: &AxisState, column: &[f64], level: f64) -> Option<(SlowChan
             )
         })
         .max_by(|a, b| a.0.z().abs().total_cmp(&b.0.z().abs()))?;
+    // The top between the steps.
+    let mut step = 0.35;
+    while lag > 0.0 && step > 5e-3 {
+        let best = [f64::exp(step), f64::exp(-step)]
+            .into_iter()
+            .map(|factor| {
+                let lag = lag * factor;
+                (
+                    Projection::new(&record, &density, &wave(lag), Half::Both),
+                    lag,
+                )
+            })
+            .max_by(|a, b| a.0.z().abs().total_cmp(&b.0.z().abs()))?;
+        if best.0.z().abs() > projection.z().abs() {
+            (projection, lag) = best;
+        } else {
+            step *= 0.5;
+        }
+    }
     let z = projection.z();
     let p_value = tail::searched(tail::two_sided(z), lags.len() as f64);
+    // The square of z falls as a parabola in the logarithm of the lag.
+    let lag_log_sd = if lag > 0.0 {
+        let h = 0.1_f64;
+        let square = |lag: f64| {
+            Projection::new(&record, &density, &wave(lag), Half::Both)
+                .z()
+                .powi(2)
+        };
+        let bend = (2.0 * z * z - square(lag * h.exp()) - square(lag * (-h).exp())) / (2.0 * h * h);
+        bend.max(1e-9).recip().sqrt()
+    } else {
+        f64::INFINITY
+    };
     if p_value >= level || !z.is_finite() {
         return None;
     }
@@ -168,7 +200,7 @@ pub fn follows(axis: &AxisState, column: &[f64], level: f64) -> Option<(SlowChan
             },
             z,
             size_sd: projection.size_sd(),
-            time_log_sd: f64::INFINITY,
+            time_log_sd: lag_log_sd,
             p_value,
             nats: held_out_gain(&record, &density, &wave(lag)),
         },

@@ -28,17 +28,12 @@ pub struct Factor {
     left: DMatrix<f64>,
     right: DMatrix<f64>,
     values: DVector<f64>,
-    sections: Vec<f64>,
 }
 
 impl Factor {
-    /// The factor of the two-sided density `spectrum` of samples at `rate_hz`. What low-passes at
-    /// `poles_hz` do to it is left to recursive sections, so that the rest is short.
-    pub fn new(spectrum: impl Fn(f64) -> f64, poles_hz: &[f64], rate_hz: f64) -> Self {
-        let sections: Vec<f64> = poles_hz
-            .iter()
-            .map(|pole_hz| -(-TAU * pole_hz / rate_hz).exp_m1())
-            .collect();
+    /// The factor of the two-sided density `spectrum` of samples at `rate_hz`, without what the
+    /// `sections` do ([`StateSpace::cascade`]): their memory may be long, that of the rest is short.
+    pub fn new(spectrum: impl Fn(f64) -> f64, sections: &[f64], rate_hz: f64) -> Self {
         let rest = |f_hz: f64| {
             let sine = (0.5 * TAU * f_hz / rate_hz).sin();
             let passed: f64 = sections
@@ -56,14 +51,13 @@ impl Factor {
             left: parts.u.unwrap_or_default(),
             right: parts.v_t.unwrap_or_default(),
             values: parts.singular_values,
-            sections,
         }
     }
 
-    /// Most states that make sense ahead of the sections.
+    /// Most states that make sense.
     pub const MOST: usize = 40;
 
-    /// The system of `order` states and one for each pole; `None` if truncation made it unstable.
+    /// The system of `order` states; `None` if truncation made it unstable.
     pub fn truncated(&self, order: usize, name: &str) -> Option<StateSpace> {
         let root = |k: usize| self.values[k].sqrt();
         let left = self.left.columns(0, order);
@@ -74,35 +68,17 @@ impl Factor {
                 f[(i, j)] /= root(i) * root(j);
             }
         }
-        let mut g = DMatrix::from_fn(order, 1, |i, _| root(i) * right[(i, 0)]);
-        let mut h = DVector::from_fn(order, |j, _| root(j) * left[(0, j)]);
-        // A section `s[k+1] = (1 - c) s[k] + c y[k]` after what there is.
-        for c in &self.sections {
-            let n = h.len();
-            f = f.resize(n + 1, n + 1, 0.0);
-            for k in 0..n {
-                f[(n, k)] = c * h[k];
-            }
-            f[(n, n)] = 1.0 - c;
-            g = g.resize_vertically(n + 1, 0.0);
-            h = DVector::zeros(n + 1);
-            h[n] = 1.0;
-        }
-        let n = h.len();
         let stable = f.complex_eigenvalues().iter().all(|one| one.norm() < 1.0);
-        let mut system = StateSpace {
+        let system = StateSpace {
             f,
-            g,
-            h,
+            g: DMatrix::from_fn(order, 1, |i, _| root(i) * right[(i, 0)]),
+            h: DVector::from_fn(order, |j, _| root(j) * left[(0, j)]),
             q: DVector::from_element(1, 1.0),
-            x0: DVector::zeros(n),
-            p0: DMatrix::zeros(n, n),
-            names: (1..=n).map(|k| format!("{name} {k}")).collect(),
+            x0: DVector::zeros(order),
+            p0: DMatrix::zeros(order, order),
+            names: (1..=order).map(|k| format!("{name} {k}")).collect(),
         };
-        stable.then(|| {
-            system.p0 = system.stationary();
-            system
-        })
+        stable.then(|| system.settled())
     }
 }
 

@@ -1,4 +1,4 @@
-//! What is exported: a model, or what an analysis found.
+//! What is exported: a model, or what an analysis or a diagnosis found.
 
 use std::collections::BTreeMap;
 
@@ -53,28 +53,31 @@ struct AnalysisFits {
 }
 
 impl Input {
-    /// Opens `published`, `published:X` (Y, Z), a model file, or the JSON of `inm analyze`.
+    /// Opens `published`, `published:X` (Y, Z), a model file, or the JSON of `inm analyze` or
+    /// `inm diagnose`.
     ///
     /// # Errors
     /// [`ModelError`] if it is none of them.
     pub fn open(name: &str) -> Result<Self, ModelError> {
+        let mut longest_s = DURATION_S / 2.0;
         if let Ok(text) = std::fs::read_to_string(name) {
-            let is_analysis = serde_json::from_str::<Value>(&text)
-                .is_ok_and(|value| value.get("source").is_some() && value.get("axes").is_some());
-            if is_analysis {
+            let value = serde_json::from_str(&text).unwrap_or(Value::Null);
+            if value.pointer("/axes/0/fits").is_some() {
                 let error = |problem| ModelError {
                     place: name.to_owned(),
                     problem,
                 };
                 return Self::from_analysis(name, &text).map_err(error);
             }
+            let duration_s = value.pointer("/source/duration_s").and_then(Value::as_f64);
+            longest_s = duration_s.map_or(longest_s, |duration_s| duration_s / 2.0);
         }
         let model = Model::open(name)?;
         Ok(Self {
             name: name.to_owned(),
             bounds: vec![PerCoefficient::default(); model.axes.len()],
             model,
-            longest_s: DURATION_S / 2.0,
+            longest_s,
         })
     }
 
@@ -96,19 +99,26 @@ impl Input {
                     .and_then(|one| one.get(field))
                     .and_then(Value::as_f64)
             };
+            // The likelihood fit says so; the weighted one gives a value to what it cannot tell
+            // from zero, with an interval that begins there.
+            let told = |one: Coefficient| {
+                fit.get(one.symbol())
+                    .and_then(|one| one.get("identified"))
+                    .and_then(Value::as_bool)
+                    .unwrap_or(number(one, "lo") != Some(0.0))
+            };
+            let value = |one| number(one, "value").filter(|_| told(one));
+            // The weighted fit's bound is the end of its interval.
+            let bound = |one| number(one, "upper").or_else(|| number(one, "hi"));
             bounds.push(PerCoefficient::from_fn(|one| {
-                let value = number(one, "value");
-                // The weighted fit calls its bound the end of the interval.
-                number(one, "upper")
-                    .or_else(|| number(one, "hi"))
-                    .filter(|_| value.is_none())
+                bound(one).filter(|_| value(one).is_none())
             }));
             axes.push(ModelAxis {
                 name: axis.name,
                 unit: axis.unit,
                 mean: axis.mean.unwrap_or(0.0),
                 chain: axis.chain,
-                coefficients: PerCoefficient::from_fn(|one| number(one, "value").unwrap_or(0.0)),
+                coefficients: PerCoefficient::from_fn(|one| value(one).unwrap_or(0.0)),
                 effects: Vec::new(),
             });
         }

@@ -3,8 +3,8 @@
 //! Without a signal chain white, quantisation, walk and Markov noise, ramp and sinusoid are
 //! exact. Flicker noise is a bank of first-order Markov processes with correlation times a factor
 //! [`SPACING`] apart. With a chain, white and quantisation noise and Markov noise of a few samples
-//! go together through a low-order filter with the chain's spectrum; what is slow passes any
-//! chain unchanged. How good all this is is computed, not assumed: [`ShapingFilter::accuracy`]
+//! go together through a low-order filter with the chain's spectrum; what is slow passes its poles
+//! alone. How good all this is is computed, not assumed: [`ShapingFilter::accuracy`]
 //! compares the Allan deviation of the very matrices with the model's.
 
 use std::f64::consts::TAU;
@@ -13,15 +13,15 @@ use nalgebra::{DMatrix, DVector};
 
 use super::factor::Factor;
 use super::state_space::StateSpace;
-use crate::model::Term;
+use crate::model::effect::Part;
 use crate::model::flicker::Flicker;
 use crate::model::kernel::{self, Kernel};
 use crate::model::law::Law;
 use crate::model::markov::Markov;
 use crate::model::quantisation::Quantisation;
-use crate::model::sinusoid::Sinusoid;
 use crate::model::white::White;
 use crate::model::whole::{ModelAxis, ModelEffect};
+use crate::model::{Line, Term};
 
 /// Ratio of neighbouring correlation times of the flicker bank: 0.5 % of ripple in deviation.
 const SPACING: f64 = 6.0;
@@ -63,45 +63,50 @@ impl ShapingFilter {
     /// The filter of `axis` at `rate_hz`, for averaging times up to `longest_s`.
     pub fn new(axis: &ModelAxis, rate_hz: f64, longest_s: f64) -> Self {
         let known = Known::new(axis);
-        let mut system = StateSpace::empty();
         let coefficients = &axis.coefficients;
-        let mut fast: Vec<Box<dyn Term>> = Vec::new();
+        let sections = sections(axis, rate_hz);
+        let (mut stable, mut fast) = (StateSpace::empty(), Vec::<Box<dyn Term>>::new());
+        let white = White {
+            root_density: coefficients.n,
+        };
+        let quantisation = Quantisation {
+            step: coefficients.q,
+        };
         if axis.chain.is_some() {
             if coefficients.n != 0.0 {
-                fast.push(Box::new(White {
-                    root_density: coefficients.n,
-                }));
+                fast.push(Box::new(white));
             }
             if coefficients.q != 0.0 {
-                fast.push(Box::new(Quantisation {
-                    step: coefficients.q,
-                }));
+                fast.push(Box::new(quantisation));
             }
         } else {
             if coefficients.n != 0.0 {
-                let variance = coefficients.n.powi(2) * rate_hz;
-                system = system.plus(&StateSpace::first_order("white", 0.0, variance, variance));
+                stable = stable.plus(&white_block(white, rate_hz));
             }
             if coefficients.q != 0.0 {
-                system = system.plus(&quantisation(coefficients.q * rate_hz));
+                stable = stable.plus(&quantisation_block(quantisation, rate_hz));
             }
         }
         for markov in &known.markov {
             if axis.chain.is_some() && markov.time_s * rate_hz < FAST_SAMPLES {
                 fast.push(Box::new(*markov));
             } else {
-                system = system.plus(&markov_block("markov", *markov, rate_hz));
+                let name = format!("markov, {:.3e} s", markov.time_s);
+                stable = stable.plus(&markov_block(&name, *markov, rate_hz));
             }
         }
         if !fast.is_empty() {
-            system = system.plus(&chained(axis, &fast, rate_hz));
+            stable = stable.plus(&chained(axis, &fast, &sections, rate_hz));
         }
         if coefficients.b != 0.0 {
-            system = system.plus(&flicker(coefficients.b, rate_hz, longest_s));
+            stable = stable.plus(&flicker(coefficients.b, rate_hz, longest_s));
+        }
+        let mut system = stable;
+        if !sections.is_empty() && system.order() > 0 {
+            system = system.cascade(&sections).settled();
         }
         if coefficients.k != 0.0 {
-            let variance = coefficients.k.powi(2) / rate_hz;
-            system = system.plus(&StateSpace::first_order("walk", 1.0, variance, 0.0));
+            system = system.plus(&walk(coefficients.k.powi(2) / rate_hz, &sections));
         }
         if coefficients.r != 0.0 {
             system = system.plus(&ramp(coefficients.r / rate_hz));
@@ -125,7 +130,7 @@ impl ShapingFilter {
 /// The effects that a linear system can hold, and the names of the others.
 struct Known {
     markov: Vec<Markov>,
-    lines: Vec<Sinusoid>,
+    lines: Vec<Line>,
     effects: Vec<ModelEffect>,
     left_out: Vec<&'static str>,
 }
@@ -139,12 +144,15 @@ impl Known {
             left_out: Vec::new(),
         };
         for effect in &axis.effects {
-            match (effect.kind().name(), effect.values()) {
-                ("markov", &[deviation, time_s]) => known.markov.push(Markov { deviation, time_s }),
-                ("sinusoid", &[f_hz, amplitude]) => {
-                    known.lines.push(Sinusoid { f_hz, amplitude });
+            match (effect.kind().name(), effect.values(), effect.part()) {
+                ("markov", &[deviation, time_s], _) => {
+                    known.markov.push(Markov { deviation, time_s });
                 }
-                (name, _) => {
+                // A sinusoid, or the harmonics of a hum.
+                (_, _, Part::Term(term)) if !term.lines().is_empty() => {
+                    known.lines.extend(term.lines());
+                }
+                (name, ..) => {
                     known.left_out.push(name);
                     continue;
                 }
@@ -155,9 +163,23 @@ impl Known {
     }
 }
 
+/// `1 - a` of the sections `(1 - a) / (1 - a/z)` that stand for the poles of the chain.
+fn sections(axis: &ModelAxis, rate_hz: f64) -> Vec<f64> {
+    let poles_hz = axis.chain.as_ref().map_or(&[][..], |chain| &chain.poles_hz);
+    poles_hz
+        .iter()
+        .map(|pole_hz| -(-TAU * pole_hz / rate_hz).exp_m1())
+        .collect()
+}
+
+fn white_block(white: White, rate_hz: f64) -> StateSpace {
+    let variance = white.root_density.powi(2) * rate_hz;
+    StateSpace::first_order("white", 0.0, variance, variance)
+}
+
 /// Differenced white noise: the last two of a white sequence are the states.
-fn quantisation(deviation: f64) -> StateSpace {
-    let variance = deviation * deviation;
+fn quantisation_block(quantisation: Quantisation, rate_hz: f64) -> StateSpace {
+    let variance = (quantisation.step * rate_hz).powi(2);
     StateSpace {
         f: DMatrix::from_row_slice(2, 2, &[0.0, 0.0, 1.0, 0.0]),
         g: DMatrix::from_row_slice(2, 1, &[1.0, 0.0]),
@@ -170,6 +192,38 @@ fn quantisation(deviation: f64) -> StateSpace {
             "quantisation, one sample before".to_owned(),
         ],
     }
+}
+
+/// A walk from zero with steps of variance `q`. How far the sections lag behind it is stationary,
+/// though the walk is not.
+fn walk(q: f64, sections: &[f64]) -> StateSpace {
+    let mut system = StateSpace::first_order("walk", 1.0, q, 0.0).cascade(sections);
+    let n = sections.len();
+    if n == 0 {
+        return system;
+    }
+    // In the lags s - x, which the walk x drives by its steps alone, the sections are stable.
+    let mut to_lags = DMatrix::identity(n + 1, n + 1);
+    let mut from_lags = to_lags.clone();
+    for k in 1..=n {
+        to_lags[(k, 0)] = -1.0;
+        from_lags[(k, 0)] = 1.0;
+    }
+    let (f, g) = (&to_lags * &system.f * from_lags, &to_lags * &system.g);
+    let lags = StateSpace {
+        f: f.view((1, 1), (n, n)).into_owned(),
+        g: g.rows(1, n).into_owned(),
+        h: DVector::zeros(n),
+        q: system.q.clone(),
+        x0: DVector::zeros(n),
+        p0: DMatrix::zeros(n, n),
+        names: Vec::new(),
+    };
+    system
+        .p0
+        .view_mut((1, 1), (n, n))
+        .copy_from(&lags.settled().p0);
+    system
 }
 
 fn markov_block(name: &str, markov: Markov, rate_hz: f64) -> StateSpace {
@@ -193,7 +247,7 @@ fn ramp(slope_per_sample: f64) -> StateSpace {
 }
 
 /// A rotation that nothing drives; its phase is any.
-fn sinusoid(line: Sinusoid, passed: f64, rate_hz: f64) -> StateSpace {
+fn sinusoid(line: Line, passed: f64, rate_hz: f64) -> StateSpace {
     let (sine, cosine) = (TAU * line.f_hz / rate_hz).sin_cos();
     let name = format!("sinusoid of {} Hz", line.f_hz);
     StateSpace {
@@ -202,7 +256,7 @@ fn sinusoid(line: Sinusoid, passed: f64, rate_hz: f64) -> StateSpace {
         h: DVector::from_row_slice(&[1.0, 0.0]),
         q: DVector::zeros(0),
         x0: DVector::zeros(2),
-        p0: DMatrix::from_diagonal_element(2, 2, 0.5 * line.amplitude.powi(2) * passed),
+        p0: DMatrix::from_diagonal_element(2, 2, line.power * passed),
         names: vec![name.clone(), format!("{name}, a quarter period before")],
     }
 }
@@ -236,7 +290,8 @@ fn flicker(level: f64, rate_hz: f64, longest_s: f64) -> StateSpace {
             deviation: variance.sqrt(),
             ..unit(k)
         };
-        system = system.plus(&markov_block("flicker", markov, rate_hz));
+        let name = format!("flicker, {:.3e} s", markov.time_s);
+        system = system.plus(&markov_block(&name, markov, rate_hz));
     }
     system
 }
@@ -255,8 +310,14 @@ fn non_negative(a: &DMatrix<f64>) -> DVector<f64> {
     x
 }
 
-/// White noises behind the chain, by a filter of the lowest order that is good enough.
-fn chained(axis: &ModelAxis, terms: &[Box<dyn Term>], rate_hz: f64) -> StateSpace {
+/// Fast noises behind the chain, up to its low-pass `sections`, by a filter of the lowest order
+/// that is good enough.
+fn chained(
+    axis: &ModelAxis,
+    terms: &[Box<dyn Term>],
+    sections: &[f64],
+    rate_hz: f64,
+) -> StateSpace {
     let law = Law::new(
         &ModelAxis {
             effects: Vec::new(),
@@ -271,8 +332,7 @@ fn chained(axis: &ModelAxis, terms: &[Box<dyn Term>], rate_hz: f64) -> StateSpac
             .sum();
         ahead * law.power(f_hz)
     };
-    let poles_hz = axis.chain.as_ref().map_or(&[][..], |chain| &chain.poles_hz);
-    let factor = Factor::new(density, poles_hz, rate_hz);
+    let factor = Factor::new(density, sections, rate_hz);
     // Longer than any memory of the chain's; beyond, the density at zero alone counts.
     let taus: Vec<u64> = (0..18).map(|k| 1 << k).collect();
     let wanted: Vec<f64> = taus
@@ -280,6 +340,7 @@ fn chained(axis: &ModelAxis, terms: &[Box<dyn Term>], rate_hz: f64) -> StateSpac
         .map(|&m| kernel::variance(Kernel::Allan, m, rate_hz, density))
         .collect();
     let error = |system: &StateSpace| {
+        let system = system.cascade(sections).settled();
         taus.iter()
             .zip(&wanted)
             .map(|(&m, wanted)| ((system.allan_variance(m) / wanted).sqrt() - 1.0).abs())
@@ -376,6 +437,16 @@ mod tests {
             (
                 "slow pole",
                 percent(|axis| axis.chain = chain("ads1281:minimum+10hz")),
+            ),
+            (
+                "walk behind poles",
+                percent(|axis| {
+                    axis.coefficients = PerCoefficient {
+                        k: 1.0,
+                        ..PerCoefficient::default()
+                    };
+                    axis.chain = chain("50hz+100hz");
+                }),
             ),
             ("pole alone", percent(|axis| axis.chain = chain("400hz"))),
             (

@@ -72,9 +72,40 @@ impl StateSpace {
         }
     }
 
+    /// This with its output through low-pass sections `s[k+1] = (1 - c) s[k] + c y[k]`, one after
+    /// the other; their states start at zero.
+    #[must_use]
+    pub fn cascade(&self, sections: &[f64]) -> Self {
+        let mut system = self.clone();
+        for c in sections {
+            let n = system.order();
+            system.f = system.f.resize(n + 1, n + 1, 0.0);
+            for k in 0..n {
+                system.f[(n, k)] = c * system.h[k];
+            }
+            system.f[(n, n)] = 1.0 - c;
+            system.g = system.g.resize_vertically(n + 1, 0.0);
+            system.h = DVector::zeros(n + 1);
+            system.h[n] = 1.0;
+            system.x0 = system.x0.resize_vertically(n + 1, 0.0);
+            system.p0 = system.p0.resize(n + 1, n + 1, 0.0);
+            system.names.push("low-pass of the chain".to_owned());
+        }
+        system
+    }
+
+    /// This, starting after a long past; for stable systems.
+    #[must_use]
+    pub fn settled(self) -> Self {
+        Self {
+            p0: self.stationary(),
+            ..self
+        }
+    }
+
     /// Covariance of the states after a past that is long against every time constant; for
     /// stable systems.
-    pub fn stationary(&self) -> DMatrix<f64> {
+    fn stationary(&self) -> DMatrix<f64> {
         let (mut power, mut covariance) = (self.f.clone(), self.noise());
         // 2^40 samples are past every time constant that matters; a stable system is there
         // sooner.

@@ -1,8 +1,10 @@
-//! The bench view: what is being recorded, what was lost, the Allan table as it grows.
+//! The bench view: what is being recorded, what was lost, the Allan table and the
+//! coefficients as they grow.
 //!
 //! [`Snapshot`] is the plain state; [`render`](Snapshot::render) makes it text, and
 //! [`Screen`] keeps that text in one place of the terminal.
 
+mod noise;
 mod observe;
 mod screen;
 mod snapshot;
@@ -10,5 +12,5 @@ mod watch;
 
 pub use observe::Observed;
 pub use screen::Screen;
-pub use snapshot::{Cell, Row, Snapshot};
+pub use snapshot::{Cell, Noise, NoiseRow, Row, Snapshot};
 pub use watch::watch;

@@ -34,6 +34,8 @@ pub struct Snapshot {
     pub axes: Vec<String>,
     /// The Allan table, shortest averaging time first.
     pub table: Vec<Row>,
+    /// The coefficients of the likelihood fit, once there is one.
+    pub noise: Vec<NoiseRow>,
     /// The last things that happened, oldest first.
     pub news: Vec<String>,
 }
@@ -45,6 +47,24 @@ pub struct Row {
     pub tau_s: f64,
     /// One cell an axis; `None` where there is no estimate yet.
     pub cells: Vec<Option<Cell>>,
+}
+
+/// One coefficient.
+#[derive(Debug, Clone)]
+pub struct NoiseRow {
+    /// Its letter.
+    pub symbol: &'static str,
+    /// One cell an axis; `None` where there is no fit yet.
+    pub cells: Vec<Option<Noise>>,
+}
+
+/// What the record tells of a coefficient up to now.
+#[derive(Debug, Clone, Copy)]
+pub enum Noise {
+    /// Its value, and half the width of its 95 % interval as a fraction of it.
+    Value(f64, f64),
+    /// Not told from zero; its 95 % bound.
+    Below(f64),
 }
 
 /// One Allan deviation.
@@ -149,6 +169,22 @@ impl Snapshot {
             }
             writeln!(out)?;
         }
+        for row in &self.noise {
+            write!(out, "{:>11}", row.symbol)?;
+            for cell in &row.cells {
+                match cell {
+                    Some(Noise::Value(value, relative)) => {
+                        let percent = format!("{:.2} %", 100.0 * relative);
+                        write!(out, "{value:>12.3e} ±{percent:>8}")?;
+                    }
+                    Some(Noise::Below(bound)) => {
+                        write!(out, "{:>22}", format!("below {bound:.2e}"))?;
+                    }
+                    None => write!(out, "{:>22}", "-")?,
+                }
+            }
+            writeln!(out)?;
+        }
         for line in &self.news {
             writeln!(out, "! {line}")?;
         }
@@ -211,6 +247,10 @@ mod tests {
                     relative: 0.02,
                 })],
             }],
+            noise: vec![NoiseRow {
+                symbol: "N",
+                cells: vec![Some(Noise::Below(1.25e-4))],
+            }],
             news: vec!["sample 7: X: the converter clips".into()],
             ..Snapshot::default()
         };
@@ -219,6 +259,7 @@ mod tests {
         assert!(text.contains(" 50 %"), "{text}");
         assert!(text.contains("lost 32 samples in 1 gaps"), "{text}");
         assert!(text.contains("3.900e-4 ±  2.00 %"), "{text}");
+        assert!(text.contains("N        below 1.25e-4"), "{text}");
         assert!(text.contains("! sample 7"), "{text}");
     }
 }

@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use inm_allan::Statistic;
 
+use super::noise::Noises;
 use super::{Cell, Observed, Row, Screen};
 use crate::bins::point;
 use crate::bins::record::Record;
@@ -24,6 +25,7 @@ pub fn watch(
     screen: &mut Screen,
 ) -> Result<(), SourceError> {
     let mut news = VecDeque::new();
+    let mut noise = Noises::default();
     let result = loop {
         let chunk = match source.next_chunk() {
             Ok(Some(chunk)) => chunk,
@@ -42,10 +44,18 @@ pub fn watch(
             record.push(chunk);
         }
         if screen.is_due() {
-            show(source, record.as_deref(), &news, screen);
+            if let Some(record) = &record
+                && noise.is_due()
+            {
+                noise.fit(source, record);
+            }
+            show(source, record.as_deref(), &news, &noise, screen);
         }
     };
-    show(source, record.as_deref(), &news, screen);
+    if let Some(record) = &record {
+        noise.fit(source, record);
+    }
+    show(source, record.as_deref(), &news, &noise, screen);
     result
 }
 
@@ -60,6 +70,7 @@ fn show(
     source: &dyn Observed,
     record: Option<&Record>,
     news: &VecDeque<String>,
+    noise: &Noises,
     screen: &mut Screen,
 ) {
     let mut snapshot = source.snapshot();
@@ -71,6 +82,7 @@ fn show(
         .collect();
     if let Some(record) = record {
         snapshot.table = table(source, record);
+        snapshot.noise.clone_from(&noise.rows);
     }
     // A terminal that went away is no reason to stop a recording.
     let _ = screen.show(&snapshot.render());

@@ -85,8 +85,7 @@ impl Effect for Kind {
     fn check(&self, values: &[f64]) -> String {
         format!(
             "recall what went on from {:.2} s to {:.2} s, and compare the spectrum of that part \
-             with the rest: peaks are machines, more of everything is the supply; --from and --to \
-             cut the part out",
+             (--from, --to) with the rest: peaks are machines, more of everything is the supply",
             values[0], values[1]
         )
     }

@@ -157,7 +157,7 @@ mod tests {
 
     #[test]
     fn allan_variance_follows_the_law() {
-        let outliers = r#"{ "effect": "outliers", "parameters": { "rate_hz": 5, "size": 10 } }"#;
+        let outliers = r#"{ "effect": "outliers", "parameters": { "rate_hz": 200, "size": 3 } }"#;
         let axis = trial::axis(r#""N": 0.01"#, outliers);
         trial::assert_allan_variance(&axis, 1000.0, &[1, 2, 7, 64]);
     }

@@ -10,6 +10,7 @@
 //! ```
 //!
 //! `mean`, `chain`, `coefficients` (each of them), `effects` and `correlation` may be left out.
+//! The JSON of a diagnosis is read as well, for the models that it ends with.
 
 use std::collections::{BTreeMap, HashSet};
 use std::path::Path;
@@ -42,6 +43,40 @@ pub struct Model {
     /// symmetric, 1 on the diagonal, no negative eigenvalue. `None` for none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub correlation: Option<Vec<Vec<f64>>>,
+}
+
+/// The part of a diagnosis that is a model.
+#[derive(Deserialize)]
+struct Diagnosed {
+    source: DiagnosedSource,
+    axes: Vec<DiagnosedAxis>,
+}
+
+#[derive(Deserialize)]
+struct DiagnosedSource {
+    rate_hz: f64,
+}
+
+#[derive(Deserialize)]
+struct DiagnosedAxis {
+    #[serde(rename = "final")]
+    last: DiagnosedFinal,
+}
+
+#[derive(Deserialize)]
+struct DiagnosedFinal {
+    model: ModelAxis,
+}
+
+impl Diagnosed {
+    fn model(self) -> Model {
+        Model {
+            schema: SCHEMA,
+            rate_hz: self.source.rate_hz,
+            axes: self.axes.into_iter().map(|axis| axis.last.model).collect(),
+            correlation: None,
+        }
+    }
 }
 
 /// One axis of a model.
@@ -187,20 +222,25 @@ impl Model {
             problem,
         };
         let text = std::fs::read_to_string(Path::new(name)).map_err(|cause| {
-            error(format!(
-                "cannot be read: {cause}; a model is published, published:X, published:Y, \
-                 published:Z or a JSON file"
-            ))
+            error(match cause.kind() {
+                std::io::ErrorKind::NotFound => "no such model; published, published:X, \
+                                                 published:Y, published:Z, or a JSON file"
+                    .to_owned(),
+                _ => format!("cannot be read: {cause}"),
+            })
         })?;
         Self::from_json(&text).map_err(error)
     }
 
-    /// Reads the text of a model file.
+    /// Reads the text of a model file, or of a diagnosis.
     ///
     /// # Errors
     /// In words: the place in the text, what was found and what was expected.
     pub fn from_json(text: &str) -> Result<Self, String> {
-        let model: Self = serde_json::from_str(text).map_err(|cause| cause.to_string())?;
+        let model = match serde_json::from_str::<Diagnosed>(text) {
+            Ok(diagnosed) => diagnosed.model(),
+            Err(_) => serde_json::from_str(text).map_err(|cause| cause.to_string())?,
+        };
         model.check()?;
         Ok(model)
     }
@@ -371,6 +411,21 @@ mod tests {
         assert_eq!(model.axes[0].effects[1].values(), [2e-4, 0.1]);
         let text = serde_json::to_string(&model).expect("serialisable");
         assert_eq!(Model::from_json(&text), Ok(model));
+    }
+
+    #[test]
+    fn a_diagnosis_holds_a_model() {
+        let mut model = Model::from_json(FILE).expect("a model");
+        model.correlation = None;
+        let axes: Vec<_> = model
+            .axes
+            .iter()
+            .map(|axis| serde_json::json!({ "name": axis.name, "final": { "model": axis } }))
+            .collect();
+        let diagnosis = serde_json::json!({
+            "schema": 1, "source": { "rate_hz": model.rate_hz, "file": "x" }, "axes": axes
+        });
+        assert_eq!(Model::from_json(&diagnosis.to_string()), Ok(model));
     }
 
     #[test]

@@ -1,9 +1,10 @@
 //! The Allan plot of one axis: measured deviation with its 95 % band, the fits and their terms,
-//! and below it how far the measurement lies from the weighted fit.
+//! and below it how far the measurement lies from the fit.
 
 use std::fmt::{Result, Write};
 
 use super::svg::{LogScale, Theme, escape, path, power_of_ten, typeset};
+use super::verdict;
 use crate::analyse::{AxisAnalysis, CurveModel, CurvePoint};
 use crate::model::Coefficient;
 
@@ -23,13 +24,21 @@ pub(super) const STRIP: (f64, f64) = (418.0, 508.0);
 const MARGIN: f64 = 0.15;
 
 /// Colours of the five terms, told apart by colour-blind eyes too (Okabe and Ito 2008).
-const fn term_colour(coefficient: Coefficient) -> &'static str {
+pub(super) const fn term_colour(coefficient: Coefficient) -> &'static str {
     match coefficient {
         Coefficient::Q => "#cc79a7",
         Coefficient::N => "#009e73",
         Coefficient::B => "#c98a00",
         Coefficient::K => "#3d9bd6",
         Coefficient::R => "#8a8f98",
+    }
+}
+
+/// Name of the fit that is drawn.
+pub(super) const fn fitted_by(axis: &AxisAnalysis) -> &'static str {
+    match axis.fits.likelihood {
+        Some(_) => "likelihood fit",
+        None => "weighted fit",
     }
 }
 
@@ -154,7 +163,7 @@ impl Plot<'_> {
         )
     }
 
-    /// The straight lines of eq. 8 for the coefficients that the weighted fit found.
+    /// The straight lines of eq. 8 for the coefficients that were told from zero.
     fn terms(&self, svg: &mut String) -> Result {
         for (coefficient, line) in self.lines() {
             write!(
@@ -169,11 +178,8 @@ impl Plot<'_> {
     }
 
     fn lines(&self) -> Vec<(Coefficient, [(f64, f64); 2])> {
-        let Some(fit) = &self.axis.fits.weighted else {
-            return Vec::new();
-        };
         let line = |coefficient: Coefficient| {
-            let term = coefficient.term(fit.get(coefficient).value?);
+            let term = coefficient.term(verdict::drawn(self.axis, coefficient)?);
             let ends = [self.x.decades.0, self.x.decades.1].map(|decade| 10_f64.powf(decade));
             let at = |tau_s| {
                 (
@@ -280,7 +286,7 @@ impl Plot<'_> {
              stroke-dasharray=\"1.5 3.5\" stroke-linecap=\"round\"/>\
              <path d=\"{}\" fill=\"none\" stroke=\"{fitted}\" stroke-width=\"1.8\"/>",
             curve(&|model| model.published),
-            curve(&|model| model.weighted)
+            curve(&|model| model.fitted)
         )
     }
 
@@ -317,7 +323,7 @@ impl Plot<'_> {
         entry(
             svg,
             362.0,
-            "weighted fit",
+            fitted_by(self.axis),
             line(362.0, format!("stroke=\"{fitted}\" stroke-width=\"1.8\"")),
         )?;
         entry(

@@ -4,9 +4,10 @@ use std::fmt::{Result, Write};
 
 use super::allan_plot::{self, HEIGHT, WIDTH};
 use super::number::{duration, grouped, plain, significant};
+use super::spectrum_plot;
 use super::svg::{PAGE, escape, typeset};
 use super::verdict::{self, Trust};
-use crate::analyse::{Analysis, AxisAnalysis, PublishedValue, SourceSummary, WeightedValue};
+use crate::analyse::{Analysis, AxisAnalysis, LikelihoodValue, PublishedValue, SourceSummary};
 use crate::model::Coefficient;
 
 const STYLE: &str = include_str!("page.css");
@@ -41,9 +42,10 @@ fn write_page(page: &mut String, analysis: &Analysis) -> Result {
 
 const FOOTER: &str = "<footer><p>Intervals are 95 %: chi-squared with the equivalent degrees of \
     freedom of the noise type that the local slope of the curve shows; for coefficients from the \
-    covariance of all points under the fitted model. The weighted fit weighs each point by its \
-    own uncertainty and keeps squares from becoming negative. The published fit is unweighted \
-    least squares at 17 averaging times (Pavlov and Petrov, eq. 9 to 11), squares as they come \
+    profile of the likelihood of the spectrum, and a coefficient counts as told from zero by a test \
+    of 5 %. The weighted fit weighs each point of the modified Allan variance by its own \
+    uncertainty and keeps squares from becoming negative. The published fit is unweighted least \
+    squares at 17 averaging times (Pavlov and Petrov, eq. 9 to 11), squares as they come \
     out.</p><p>Spectral densities behind the coefficients are two-sided. N in the one-sided \
     convention of data sheets is larger by the root of two.</p></footer>";
 
@@ -160,6 +162,16 @@ fn axis(page: &mut String, index: usize, axis: &AxisAnalysis) -> Result {
         "<svg viewBox=\"0 0 {WIDTH} {HEIGHT}\" font-size=\"12\" role=\"img\" \
          aria-label=\"Allan deviation\">{plot}</svg>"
     )?;
+    if !axis.spectrum.is_empty() {
+        let decades = spectrum_plot::decades(std::iter::once(axis));
+        let plot = spectrum_plot::panel(axis, &format!("spectrum{index}"), decades, &PAGE);
+        write!(
+            page,
+            "<svg viewBox=\"0 0 {WIDTH} {}\" font-size=\"12\" role=\"img\" \
+             aria-label=\"spectrum\">{plot}</svg>",
+            spectrum_plot::HEIGHT
+        )?;
+    }
     if let Some(warning) = verdict::misfit(axis) {
         write!(page, "<p class=\"warning\">{}</p>", escape(&warning))?;
     }
@@ -169,49 +181,62 @@ fn axis(page: &mut String, index: usize, axis: &AxisAnalysis) -> Result {
 }
 
 fn coefficients(page: &mut String, axis: &AxisAnalysis) -> Result {
-    let Some(weighted) = &axis.fits.weighted else {
+    let (likelihood, weighted) = (&axis.fits.likelihood, &axis.fits.weighted);
+    if likelihood.is_none() && weighted.is_none() {
         return write!(page, "<p>Too short for a fit of five coefficients.</p>");
-    };
+    }
     write!(
         page,
-        "<div class=\"scroll\"><table><tr><th>coefficient</th><th>weighted fit</th>\
+        "<div class=\"scroll\"><table><tr><th>coefficient</th><th>likelihood fit</th>\
          <th>95 % interval</th><th class=\"words\">unit</th><th class=\"words\">verdict</th>\
-         <th>published fit</th></tr>"
+         <th>weighted fit</th><th>published fit</th></tr>"
     )?;
+    let number =
+        |value: Option<f64>| value.map_or("\u{2013}".into(), |value| significant(value, 4));
     for coefficient in Coefficient::ALL.into_iter().rev() {
-        let value = weighted.get(coefficient);
+        let value = likelihood
+            .as_ref()
+            .map(|fit| fit.coefficients.get(coefficient));
         let published = axis.fits.published.as_ref().map(|fit| fit.get(coefficient));
         write!(
             page,
             "<tr title=\"{}\"><td><b>{}</b> {}</td><td>{}</td><td>{}</td>\
-             <td class=\"words unit\" style=\"min-width:0\">{}</td><td class=\"words {}\">{}</td><td>{}</td></tr>",
+             <td class=\"words unit\" style=\"min-width:0\">{}</td><td class=\"words {}\">{}</td>\
+             <td>{}</td><td>{}</td></tr>",
             escape(coefficient.meaning()),
             coefficient.symbol(),
             coefficient.name(),
-            value
-                .value
-                .map_or("\u{2013}".into(), |value| significant(value, 4)),
-            interval(value),
+            number(value.and_then(|value| value.value)),
+            value.map_or("\u{2013}".into(), interval),
             escape(&typeset(&coefficient.unit(axis.unit))),
-            class(verdict::trust(value)),
-            escape(&verdict::sentence(value)),
+            value.map_or("", |value| class(verdict::trust(value))),
+            value.map_or(String::new(), |value| escape(&verdict::sentence(value))),
+            number(weighted.as_ref().and_then(|fit| fit.get(coefficient).value)),
             published.map_or("\u{2013}".into(), |published| published_value(
                 published, value
             )),
         )?;
     }
-    write!(page, "</table></div>")
+    write!(page, "</table></div>")?;
+    if let Some(tied) = likelihood.as_ref().and_then(verdict::tied) {
+        write!(page, "<p>{}</p>", escape(&tied))?;
+    }
+    if likelihood.is_none() {
+        write!(page, "<p>{}</p>", verdict::NO_SPECTRUM)?;
+    }
+    Ok(())
 }
 
-fn interval(value: &WeightedValue) -> String {
-    if value.lo > 0.0 {
-        format!(
+fn interval(value: &LikelihoodValue) -> String {
+    match (value.identified, value.hi, value.upper) {
+        (true, Some(hi), _) => format!(
             "{} \u{2026} {}",
             significant(value.lo, 4),
-            significant(value.hi, 4)
-        )
-    } else {
-        format!("&lt; {}", significant(value.hi, 3))
+            significant(hi, 4)
+        ),
+        (true, None, _) => format!("&gt; {}", significant(value.lo, 4)),
+        (false, _, Some(upper)) => format!("&lt; {}", significant(upper, 3)),
+        (false, _, None) => "\u{2013}".into(),
     }
 }
 
@@ -223,12 +248,12 @@ const fn class(trust: Trust) -> &'static str {
     }
 }
 
-fn published_value(published: &PublishedValue, weighted: &WeightedValue) -> String {
+fn published_value(published: &PublishedValue, value: Option<&LikelihoodValue>) -> String {
     let text = match published.value {
         Some(value) => significant(value, 4),
         None => format!("square {}", significant(published.squared, 3)),
     };
-    match verdict::published(published, weighted) {
+    match value.and_then(|value| verdict::published(published, value)) {
         Some(remark) => {
             format!(
                 "<span class=\"negative\" title=\"{}\">{text}</span>",

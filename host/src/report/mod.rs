@@ -8,6 +8,7 @@ pub mod json;
 pub mod number;
 pub mod png;
 mod residual_strip;
+pub mod spectrum_plot;
 pub mod svg;
 pub mod text;
 pub mod verdict;

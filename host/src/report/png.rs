@@ -1,4 +1,4 @@
-//! The Allan plots of all axes as one bitmap, drawn from the same SVG as the page's.
+//! The Allan plots and spectra of all axes as one bitmap, drawn from the same SVG as the page's.
 //!
 //! The typeface (DejaVu Sans) is part of the program, so that a bare machine draws the same.
 
@@ -7,6 +7,7 @@ use std::sync::Arc;
 use resvg::{tiny_skia, usvg};
 
 use super::allan_plot::{self, HEIGHT, WIDTH};
+use super::spectrum_plot;
 use super::svg::{LIGHT, escape};
 use crate::analyse::Analysis;
 
@@ -68,16 +69,20 @@ fn drawing(analysis: &Analysis) -> String {
     let columns = analysis.axes.len().clamp(1, PER_ROW);
     let rows = analysis.axes.len().div_ceil(columns).max(1);
     let decades = allan_plot::decades(analysis.axes.iter());
-    let (width, height) = (columns as f64 * WIDTH, rows as f64 * HEIGHT);
+    let spectra = spectrum_plot::decades(analysis.axes.iter());
+    let tall = HEIGHT + spectrum_plot::HEIGHT;
+    let (width, height) = (columns as f64 * WIDTH, rows as f64 * tall);
     let panels = analysis.axes.iter().enumerate().map(|(index, axis)| {
         let (x, y) = (
             (index % columns) as f64 * WIDTH,
-            (index / columns) as f64 * HEIGHT,
+            (index / columns) as f64 * tall,
         );
         let panel = allan_plot::panel(axis, &format!("p{index}"), decades, &LIGHT);
+        let spectrum = spectrum_plot::panel(axis, &format!("s{index}"), spectra, &LIGHT);
         format!(
             "<g transform=\"translate({x} {y})\">{panel}<text x=\"64\" y=\"23\" font-size=\"15\" \
-             font-weight=\"bold\" fill=\"{}\">Axis {}</text></g>",
+             font-weight=\"bold\" fill=\"{}\">Axis {}</text>\
+             <g transform=\"translate(0 {HEIGHT})\">{spectrum}</g></g>",
             LIGHT.ink,
             escape(&axis.name)
         )

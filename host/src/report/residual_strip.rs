@@ -1,8 +1,8 @@
-//! The strip below the Allan plot: how far the measurement lies from the weighted fit.
+//! The strip below the Allan plot: how far the measurement lies from the fit.
 
 use std::fmt::{Result, Write};
 
-use super::allan_plot::{LEFT, Plot, RIGHT, STRIP};
+use super::allan_plot::{LEFT, Plot, RIGHT, STRIP, fitted_by};
 use super::svg::Theme;
 
 /// Degrees of freedom from which a point has a say in the scale of the strip.
@@ -24,7 +24,7 @@ impl Plot<'_> {
             .iter()
             .zip(&self.axis.curves)
             .filter_map(|(point, model)| {
-                let expected = model.weighted?;
+                let expected = model.fitted?;
                 let percent = |value: f64| 100.0 * (value / expected - 1.0);
                 Some((
                     point,
@@ -82,9 +82,10 @@ impl Plot<'_> {
         }
         write!(
             svg,
-            "<text x=\"{}\" y=\"{}\" fill=\"{ink}\">measured over weighted fit, percent</text>",
+            "<text x=\"{}\" y=\"{}\" fill=\"{ink}\">measured over {}, percent</text>",
             LEFT + 8.0,
-            STRIP.0 + 15.0
+            STRIP.0 + 15.0,
+            fitted_by(self.axis)
         )
     }
 }

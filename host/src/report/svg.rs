@@ -15,7 +15,7 @@ pub struct Theme {
     pub paper: &'static str,
     /// Measured data.
     pub measured: &'static str,
-    /// The weighted fit.
+    /// The fit.
     pub fitted: &'static str,
 }
 

@@ -4,7 +4,9 @@ use std::fmt::Write;
 
 use super::number::{duration, grouped, plain, significant};
 use super::verdict;
-use crate::analyse::{Analysis, AxisAnalysis, CurvePoint, PublishedValue, SourceSummary};
+use crate::analyse::{
+    Analysis, AxisAnalysis, CurvePoint, LikelihoodValue, PublishedValue, SourceSummary,
+};
 use crate::model::Coefficient;
 
 /// Rows of the Allan table at most; JSON and HTML have every point.
@@ -95,9 +97,10 @@ fn coefficients(text: &mut String, axis: &AxisAnalysis) -> std::fmt::Result {
         write!(text, "; the fit knows its chain {chain}")?;
     }
     writeln!(text)?;
-    let Some(weighted) = &axis.fits.weighted else {
+    let (likelihood, weighted) = (&axis.fits.likelihood, &axis.fits.weighted);
+    if likelihood.is_none() && weighted.is_none() {
         return writeln!(text, "  Too short for a fit of five coefficients.");
-    };
+    }
     let width = Coefficient::ALL
         .iter()
         .map(|one| one.unit(axis.unit).len())
@@ -105,41 +108,54 @@ fn coefficients(text: &mut String, axis: &AxisAnalysis) -> std::fmt::Result {
         .unwrap_or_default();
     writeln!(
         text,
-        "  {:<22} {:>14} {:>11} {:>23}  {:<width$}",
-        "", "published fit", "weighted", "95 % interval", "unit"
+        "  {:<22} {:>11} {:>23} {:>11} {:>13}  {:<width$}",
+        "", "likelihood", "95 % interval", "weighted", "published", "unit"
     )?;
     for coefficient in Coefficient::ALL.into_iter().rev() {
-        let value = weighted.get(coefficient);
+        let value = likelihood
+            .as_ref()
+            .map(|fit| fit.coefficients.get(coefficient));
         let published = axis.fits.published.as_ref().map(|fit| fit.get(coefficient));
-        let interval = if value.lo > 0.0 {
-            format!(
-                "{} .. {}",
-                significant(value.lo, 4),
-                significant(value.hi, 4)
-            )
-        } else {
-            format!("below {}", significant(value.hi, 3))
-        };
-        let remark = published.and_then(|published| verdict::published(published, value));
-        writeln!(
-            text,
-            "  {} {:<20} {:>14} {:>11} {:>23}  {:<width$}  {}{}",
+        let number = |value: Option<f64>| value.map_or("-".into(), |value| significant(value, 4));
+        let remark = value
+            .zip(published)
+            .and_then(|(value, published)| verdict::published(published, value));
+        let line = format!(
+            "  {} {:<20} {:>11} {:>23} {:>11} {:>13}  {:<width$}  {}{}",
             coefficient.symbol(),
             coefficient.name(),
+            number(value.and_then(|value| value.value)),
+            value.map_or("-".into(), interval),
+            number(weighted.as_ref().and_then(|fit| fit.get(coefficient).value)),
             published.map_or("-".into(), published_value),
-            value
-                .value
-                .map_or("-".into(), |value| significant(value, 4)),
-            interval,
             coefficient.unit(axis.unit),
-            verdict::sentence(value),
+            value.map_or(String::new(), verdict::sentence),
             remark.map_or(String::new(), |remark| format!(" ({remark})")),
-        )?;
+        );
+        writeln!(text, "{}", line.trim_end())?;
     }
-    if let Some(warning) = verdict::misfit(axis) {
-        writeln!(text, "  {warning}")?;
+    let tied = likelihood.as_ref().and_then(verdict::tied);
+    let stands_in = likelihood
+        .is_none()
+        .then(|| verdict::NO_SPECTRUM.to_owned());
+    for note in [tied, stands_in, verdict::misfit(axis)]
+        .into_iter()
+        .flatten()
+    {
+        writeln!(text, "  {note}")?;
     }
     Ok(())
+}
+
+fn interval(value: &LikelihoodValue) -> String {
+    match (value.identified, value.hi, value.upper) {
+        (true, Some(hi), _) => {
+            format!("{} .. {}", significant(value.lo, 4), significant(hi, 4))
+        }
+        (true, None, _) => format!("above {}", significant(value.lo, 4)),
+        (false, _, Some(upper)) => format!("below {}", significant(upper, 3)),
+        (false, _, None) => "-".into(),
+    }
 }
 
 fn published_value(value: &PublishedValue) -> String {

@@ -1,7 +1,7 @@
 //! One simulated axis: terms, signal chain, distortions.
 
 use super::Generator;
-use super::shaping::Shape;
+use super::shaping::{Shape, Shaper};
 use crate::model::effect::{Distorter, Part};
 use crate::model::whole::ModelAxis;
 use crate::model::{Coefficient, Seed, Term};
@@ -26,11 +26,11 @@ pub struct AxisSimulation {
 }
 
 impl AxisSimulation {
-    /// Axis `index` of a model at a nominal `rate_hz`, without what follows a leader. `mixing` weighs the random numbers of the axes up
-    /// to this one.
+    /// Axis `index` of a model at a nominal `rate_hz`, without what follows a leader. `mixing`
+    /// weighs the random numbers of the axes up to this one.
     pub fn new(axis: &ModelAxis, index: u64, mixing: &[f64], rate_hz: f64, seed: u64) -> Self {
         let rate_hz = axis.clock() * rate_hz;
-        let mut parts = Parts::default();
+        let mut parts = Parts::new(axis, rate_hz);
         for (term_index, coefficient) in (0..).zip(Coefficient::ALL) {
             let value = *axis.coefficients.get(coefficient);
             if value == 0.0 {
@@ -42,13 +42,13 @@ impl AxisSimulation {
             };
             if coefficient == Coefficient::R {
                 // Nothing random in it.
-                parts.add(axis, &*coefficient.term(value), stream(index), rate_hz);
+                parts.add(&*coefficient.term(value), stream(index));
                 continue;
             }
             // Every term is linear in its random numbers: weights on them are weights on it.
             for (source, weight) in (0..).zip(mixing).filter(|(_, weight)| **weight != 0.0) {
                 let term = coefficient.term(value * weight);
-                parts.add(axis, &*term, stream(source), rate_hz);
+                parts.add(&*term, stream(source));
             }
         }
         let mut distorters = Vec::new();
@@ -58,7 +58,7 @@ impl AxisSimulation {
                 stream: EFFECT_STREAMS + index * EFFECTS_PER_AXIS + effect_index,
             };
             match effect.part() {
-                Part::Term(term) => parts.add(axis, &*term, stream, rate_hz),
+                Part::Term(term) => parts.add(&*term, stream),
                 Part::Distortion(one) => distorters.push(one.distorter(rate_hz, stream)),
                 // The clock is in the rate. What follows something needs a leader.
                 Part::Clock(_) | Part::Follows(_) => {}
@@ -90,20 +90,30 @@ impl AxisSimulation {
 }
 
 /// Generators, those with the same shape together.
-#[derive(Default)]
-struct Parts {
+struct Parts<'a> {
+    rate_hz: f64,
+    shaper: Option<Shaper<'a>>,
     plain: Vec<Box<dyn Generator>>,
     shaped: Vec<(Shape, Vec<Box<dyn Generator>>)>,
 }
 
-impl Parts {
-    fn add(&mut self, axis: &ModelAxis, term: &dyn Term, seed: Seed, rate_hz: f64) {
-        let generator = term.generator(rate_hz, seed);
-        let Some(chain) = axis.chain.as_ref().filter(|_| !term.is_drift()) else {
+impl<'a> Parts<'a> {
+    fn new(axis: &'a ModelAxis, rate_hz: f64) -> Self {
+        Self {
+            rate_hz,
+            shaper: axis.chain.as_ref().map(|chain| Shaper::new(chain, rate_hz)),
+            plain: Vec::new(),
+            shaped: Vec::new(),
+        }
+    }
+
+    fn add(&mut self, term: &dyn Term, seed: Seed) {
+        let generator = term.generator(self.rate_hz, seed);
+        let Some(shaper) = self.shaper.as_ref().filter(|_| !term.is_drift()) else {
             self.plain.push(generator);
             return;
         };
-        let shape = Shape::new(chain, term, rate_hz);
+        let shape = shaper.shape(term);
         match self.shaped.iter_mut().find(|(known, _)| *known == shape) {
             Some((_, generators)) => generators.push(generator),
             None => self.shaped.push((shape, vec![generator])),

@@ -39,8 +39,11 @@ pub fn write_capture(simulation: &mut Simulation, path: &Path) -> anyhow::Result
     loop {
         let columns = simulation.next_columns(CONVERSIONS);
         let count = columns.first().map_or(0, Vec::len);
-        for row in 0..count {
-            batches.push(std::array::from_fn(|axis| columns[axis][row]))?;
+        let mut axes = columns.iter().map(|column| column.iter().copied());
+        let mut next = || axes.next().into_iter().flatten();
+        let rows = next().zip(next()).zip(next());
+        for ((x, y), z) in rows {
+            batches.push([x, y, z])?;
         }
         if count == 0 {
             batches.send()?;

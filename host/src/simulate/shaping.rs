@@ -26,7 +26,7 @@ use crate::chain::Chain;
 use crate::model::Term;
 
 /// Points of the transform.
-const GRID: usize = 8192;
+const GRID: usize = 4096;
 
 /// Part of the impulse response's absolute sum that is cut off.
 const CUT: f64 = 1e-6;
@@ -44,50 +44,85 @@ const LONGEST_START: usize = 1 << 22;
 /// Samples that pass the sections at a time.
 const BLOCK: usize = 512;
 
-/// The shape that the chain gives to one term.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Shape {
-    taps: Vec<f64>,
-    /// `1 - a` of each recursive section `(1 - a) / (1 - a/z)`.
+/// A chain at a data rate, ready to shape terms.
+pub struct Shaper<'a> {
+    chain: &'a Chain,
+    rate_hz: f64,
+    /// `1 - a` of each recursive section `(1 - a) / (1 - a/z)`, one a pole.
     sections: Vec<f64>,
+    /// Response of the chain over that of the sections, on the grid.
+    rest: Vec<Complex<f64>>,
 }
 
-impl Shape {
-    /// What `chain` does to `term` at `rate_hz` samples a second.
-    pub fn new(chain: &Chain, term: &dyn Term, rate_hz: f64) -> Self {
+impl<'a> Shaper<'a> {
+    /// `chain` at `rate_hz` samples a second.
+    pub fn new(chain: &'a Chain, rate_hz: f64) -> Self {
         let sections: Vec<f64> = chain
             .poles_hz
             .iter()
             .map(|pole_hz| -(-TAU * pole_hz / rate_hz).exp_m1())
             .collect();
-        let response = |f_hz: f64| {
-            let recursive: Complex<f64> = sections
-                .iter()
-                .map(|&section| {
-                    let turn = Complex::from_polar(1.0, -TAU * f_hz / rate_hz);
-                    Complex::from(section) / (Complex::from(1.0) - turn * (1.0 - section))
-                })
-                .product();
-            if chain.converter.is_none() {
-                return Complex::from(chain.power(f_hz, rate_hz).sqrt() / recursive.norm());
-            }
-            let (ahead, sampled) = (
-                term.spectrum_ahead(f_hz, rate_hz),
-                term.spectrum(f_hz, rate_hz),
-            );
-            let shape = if sampled > 0.0 {
-                (ahead / sampled).sqrt()
+        let rest = |bin| {
+            let f_hz = grid_hz(bin, rate_hz);
+            let recursive = recursive(&sections, f_hz, rate_hz);
+            if chain.converter.is_some() {
+                chain.response(f_hz, rate_hz) / recursive
             } else {
-                1.0
-            };
-            chain.response(f_hz, rate_hz) * shape / recursive
+                Complex::from(chain.power(f_hz, rate_hz).sqrt() / recursive.norm())
+            }
         };
         Self {
-            taps: impulse_response(response, rate_hz),
+            chain,
+            rate_hz,
+            rest: (0..=GRID / 2).map(rest).collect(),
             sections,
         }
     }
 
+    /// What the chain does to `term`.
+    pub fn shape(&self, term: &dyn Term) -> Shape {
+        let ratio = |f_hz: f64| {
+            let sampled = term.spectrum(f_hz, self.rate_hz);
+            if self.chain.converter.is_none() || sampled == 0.0 {
+                return 1.0;
+            }
+            (term.spectrum_ahead(f_hz, self.rate_hz) / sampled).sqrt()
+        };
+        let response = self
+            .rest
+            .iter()
+            .enumerate()
+            .map(|(bin, rest)| rest * ratio(grid_hz(bin, self.rate_hz)));
+        Shape {
+            taps: impulse_response(response),
+            sections: self.sections.clone(),
+        }
+    }
+}
+
+/// Frequency of a point of the grid. At zero itself the ratio of a drifting term's spectra is
+/// that of two infinities.
+fn grid_hz(bin: usize, rate_hz: f64) -> f64 {
+    (bin as f64).max(1e-3) / GRID as f64 * rate_hz
+}
+
+/// Response of recursive sections at `f_hz`.
+fn recursive(sections: &[f64], f_hz: f64, rate_hz: f64) -> Complex<f64> {
+    let turn = Complex::from_polar(1.0, -TAU * f_hz / rate_hz);
+    sections
+        .iter()
+        .map(|&section| Complex::from(section) / (Complex::from(1.0) - turn * (1.0 - section)))
+        .product()
+}
+
+/// The shape that the chain gives to one term.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Shape {
+    taps: Vec<f64>,
+    sections: Vec<f64>,
+}
+
+impl Shape {
     /// Filters what `generators` make together. The start-up is over at the first sample.
     pub fn shaped(self, generators: Vec<Box<dyn Generator>>) -> Box<dyn Generator> {
         let slowest = self.sections.iter().copied().fold(1.0, f64::min);
@@ -114,15 +149,14 @@ impl Shape {
     }
 }
 
-/// The taps of a response, newest sample first, without what does not matter at either end.
-fn impulse_response(response: impl Fn(f64) -> Complex<f64>, rate_hz: f64) -> Vec<f64> {
+/// The taps of a response on the grid, newest sample first, without what does not matter at
+/// either end.
+fn impulse_response(response: impl Iterator<Item = Complex<f64>>) -> Vec<f64> {
     let mut planner = RealFftPlanner::new();
     let inverse = planner.plan_fft_inverse(GRID);
     let mut spectrum = inverse.make_input_vec();
-    for (bin, value) in spectrum.iter_mut().enumerate() {
-        // At zero itself the ratio of a drifting term's spectra is that of two infinities.
-        let f_hz = (bin as f64).max(1e-3) / GRID as f64 * rate_hz;
-        *value = response(f_hz) / GRID as f64;
+    for (value, response) in spectrum.iter_mut().zip(response) {
+        *value = response / GRID as f64;
     }
     // Real at either end, as the spectrum of real numbers is.
     for end in [0, GRID / 2] {
@@ -216,11 +250,7 @@ mod tests {
             .iter()
             .rev()
             .fold(Complex::from(0.0), |sum, &tap| sum * turn + tap);
-        let recursive: Complex<f64> = shape
-            .sections
-            .iter()
-            .map(|&section| Complex::from(section) / (Complex::from(1.0) - turn * (1.0 - section)))
-            .product();
+        let recursive = recursive(&shape.sections, f_hz, rate_hz);
         (finite * recursive).norm_sqr()
     }
 
@@ -235,9 +265,10 @@ mod tests {
             ("40hz+5000hz", 1e-2),
         ] {
             let (chain, rate_hz) = (chain.parse::<Chain>().expect(chain), 2000.0);
+            let shaper = Shaper::new(&chain, rate_hz);
             for coefficient in [Coefficient::N, Coefficient::Q, Coefficient::K] {
                 let term = coefficient.term(1.0);
-                let shape = Shape::new(&chain, &*term, rate_hz);
+                let shape = shaper.shape(&*term);
                 for step in 1..2000 {
                     let f_hz = f64::from(step) * 0.5;
                     let sampled = term.spectrum(f_hz, rate_hz);

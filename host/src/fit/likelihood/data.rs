@@ -85,6 +85,27 @@ impl Data {
         data
     }
 
+    /// The bins with the numbers `kept`, each allowed an error of the model of its own, a fraction
+    /// `allowance` of it.
+    #[must_use]
+    pub fn select(&self, kept: &[usize], allowance: f64) -> Self {
+        if kept.len() == self.len() && allowance == 0.0 {
+            return self.clone();
+        }
+        let mut covariance = self.covariance.select_rows(kept).select_columns(kept);
+        for i in 0..kept.len() {
+            covariance[(i, i)] += allowance * allowance;
+        }
+        let of = |all: &[f64]| kept.iter().map(|&b| all[b]).collect();
+        Self {
+            f_hz: of(&self.f_hz),
+            psd: of(&self.psd),
+            dof: claims(&covariance),
+            covariance,
+            unit: self.unit,
+        }
+    }
+
     /// The same bins with other densities: another draw.
     #[must_use]
     pub fn with_psd(&self, psd: Vec<f64>) -> Self {

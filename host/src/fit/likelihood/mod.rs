@@ -26,6 +26,7 @@ pub mod components;
 pub mod data;
 pub mod information;
 pub mod longer;
+pub mod misfit;
 pub mod non_negative;
 pub mod profile;
 pub mod ramp;
@@ -34,6 +35,9 @@ pub mod shape;
 pub mod slope;
 pub mod terms;
 pub mod whittle;
+
+#[cfg(test)]
+mod measure;
 
 pub use data::Data;
 pub use scoring::{Fit, log_likelihood, maximise};

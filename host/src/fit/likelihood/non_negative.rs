@@ -16,18 +16,7 @@ const RIDGE: f64 = 1e-12;
 /// positive wherever an unknown may be anything but zero.
 pub fn solve(gram: &DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
     let size = right.len();
-    // Unknowns in units in which every column has length one.
-    let unit = gram.diagonal().map(|length| {
-        if length > 0.0 {
-            1.0 / length.sqrt()
-        } else {
-            0.0
-        }
-    });
-    let g = DMatrix::from_fn(size, size, |i, j| {
-        gram[(i, j)] * unit[i] * unit[j] + if i == j { RIDGE } else { 0.0 }
-    });
-    let h = right.component_mul(&unit);
+    let (unit, g, h) = normalised(gram, right);
     let threshold = SLOPE * h.amax();
     let mut x = DVector::zeros(size);
     let mut free: Vec<usize> = Vec::new();
@@ -67,6 +56,36 @@ pub fn solve(gram: &DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
         }
     }
     x.component_mul(&unit)
+}
+
+/// Minimises `x' G x / 2 - h' x` without bounds; zero for unknowns that do not appear in it.
+pub fn solve_any(gram: &DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
+    let (unit, g, h) = normalised(gram, right);
+    let free: Vec<usize> = (0..right.len()).filter(|&i| unit[i] > 0.0).collect();
+    let mut x = DVector::zeros(right.len());
+    if let Some(plain) = plain(&g, &h, &free) {
+        free.iter().zip(plain).for_each(|(&i, value)| x[i] = value);
+    }
+    x.component_mul(&unit)
+}
+
+/// The problem in unknowns whose columns have length one: their units, and both sides.
+fn normalised(
+    gram: &DMatrix<f64>,
+    right: &DVector<f64>,
+) -> (DVector<f64>, DMatrix<f64>, DVector<f64>) {
+    let unit = gram.diagonal().map(|length| {
+        if length > 0.0 {
+            1.0 / length.sqrt()
+        } else {
+            0.0
+        }
+    });
+    let g = DMatrix::from_fn(right.len(), right.len(), |i, j| {
+        gram[(i, j)] * unit[i] * unit[j] + if i == j { RIDGE } else { 0.0 }
+    });
+    let h = right.component_mul(&unit);
+    (unit, g, h)
 }
 
 /// Solution in the unknowns `free` alone.

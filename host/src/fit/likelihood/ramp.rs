@@ -11,8 +11,7 @@ use nalgebra::DVector;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::data::Data;
-use super::information;
-use super::scoring::{Fit, greatest_beside};
+use super::scoring::{Fit, Range, greatest_beside};
 use super::slope::Slope;
 
 /// Doublings and halvings of the bracket around an end of an interval.
@@ -20,6 +19,10 @@ const STEPS: usize = 60;
 
 /// Relative accuracy of an end.
 const CLOSE: f64 = 1e-3;
+
+/// Least degrees of freedom of the slope's variance: about as many ordinates tell of a walk too
+/// weak to be seen.
+const LEAST_DOF: f64 = 3.0;
 
 /// What a record tells of a ramp.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,7 +60,7 @@ impl Ramp {
             start: &fit.squared,
             unit,
         };
-        let dof = dof(data, components, fit, slope);
+        let dof = dof(fit, slope);
         let law = StudentsT::new(0.0, 1.0, dof).ok()?;
         let end = |share: f64| {
             let t = law.inverse_cdf(share);
@@ -96,7 +99,9 @@ impl Profile<'_> {
         }
         let nothing = vec![0.0; psd.len()];
         let data = self.data.with_psd(psd);
-        greatest_beside(&data, &self.components, &nothing, Some(self.start))
+        let range = Range::NonNegative;
+        greatest_beside(&data, &self.components, &nothing, Some(self.start), range)
+            .map_or(f64::NEG_INFINITY, |(_, value)| value)
     }
 
     /// Distance from the estimate at which twice the log-likelihood has fallen by `fall`, near
@@ -131,21 +136,12 @@ impl Profile<'_> {
     }
 }
 
-/// Degrees of freedom of the slope's variance: twice its square over its own variance, at least 1
-/// (F. E. Satterthwaite, *An approximate distribution of estimates of variance components*,
-/// Biometrics 2, 1946). Terms at their bound are taken as known to be absent; the profile lets
-/// them in where they are needed.
-fn dof(data: &Data, components: &[Vec<f64>], fit: &Fit, slope: &Slope) -> f64 {
-    let present: Vec<usize> = (0..components.len())
-        .filter(|&i| fit.squared[i] > 0.0)
-        .collect();
-    let parts: Vec<Vec<f64>> = present.iter().map(|&i| components[i].clone()).collect();
-    let covariance = information::covariance(data, &parts, &fit.expected);
-    let gradient = DVector::from_iterator(
-        present.len(),
-        present.iter().map(|&i| slope.unit_variances[i]),
-    );
-    let scatter = gradient.dot(&(covariance * &gradient));
+/// Degrees of freedom of the slope's variance: twice its square over its own variance (F. E.
+/// Satterthwaite, *An approximate distribution of estimates of variance components*, Biometrics 2,
+/// 1946).
+fn dof(fit: &Fit, slope: &Slope) -> f64 {
+    let gradient = DVector::from_row_slice(&slope.unit_variances);
+    let scatter = gradient.dot(&(&fit.covariance * &gradient));
     let variance = slope.variance(&fit.squared);
-    (2.0 * variance * variance / scatter).clamp(1.0, 1e6)
+    (2.0 * variance * variance / scatter).clamp(LEAST_DOF, 1e6)
 }

@@ -22,6 +22,16 @@ const ARRIVED: f64 = 1e-10;
 /// Bins on either side that the first guess of a bin's expectation averages.
 const NEIGHBOURS: usize = 4;
 
+/// What squares may be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Range {
+    /// Not negative, as squares are.
+    NonNegative,
+    /// Any number that leaves every bin a positive expectation: for the law of estimates that a
+    /// bound would cut off.
+    Any,
+}
+
 /// The best fit of a set of components.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fit {
@@ -70,7 +80,7 @@ pub fn maximise_beside(
     fixed: &[f64],
     start: Option<&[f64]>,
 ) -> Option<Fit> {
-    let search = Search::new(data, components, fixed);
+    let search = Search::new(data, components, fixed, Range::NonNegative);
     let (x, log_likelihood) = search.best(start)?;
     let squared: Vec<f64> = x.iter().zip(&search.scale).map(|(x, s)| x / s).collect();
     let expected = search.expected(&x);
@@ -83,16 +93,18 @@ pub fn maximise_beside(
     })
 }
 
-/// The log-likelihood of [`maximise_beside`] alone; minus infinity where there is no fit.
+/// The squares of [`maximise_beside`], in a range, with their log-likelihood alone.
 pub fn greatest_beside(
     data: &Data,
     components: &[Vec<f64>],
     fixed: &[f64],
     start: Option<&[f64]>,
-) -> f64 {
-    Search::new(data, components, fixed)
-        .best(start)
-        .map_or(f64::NEG_INFINITY, |(_, value)| value)
+    range: Range,
+) -> Option<(Vec<f64>, f64)> {
+    let search = Search::new(data, components, fixed, range);
+    let (x, log_likelihood) = search.best(start)?;
+    let squared = x.iter().zip(&search.scale).map(|(x, s)| x / s).collect();
+    Some((squared, log_likelihood))
 }
 
 struct Search<'a> {
@@ -101,10 +113,11 @@ struct Search<'a> {
     /// Each component over what it may reach at most, so that unknowns are of order one.
     components: Vec<Vec<f64>>,
     scale: Vec<f64>,
+    range: Range,
 }
 
 impl<'a> Search<'a> {
-    fn new(data: &'a Data, components: &[Vec<f64>], fixed: &'a [f64]) -> Self {
+    fn new(data: &'a Data, components: &[Vec<f64>], fixed: &'a [f64], range: Range) -> Self {
         let level = smooth(data);
         let scale: Vec<f64> = components
             .iter()
@@ -124,6 +137,7 @@ impl<'a> Search<'a> {
             fixed,
             components,
             scale,
+            range,
         }
     }
 
@@ -182,7 +196,10 @@ impl<'a> Search<'a> {
                 })
                 .sum();
         }
-        non_negative::solve(&gram, &right)
+        match self.range {
+            Range::NonNegative => non_negative::solve(&gram, &right),
+            Range::Any => non_negative::solve_any(&gram, &right),
+        }
     }
 
     fn run(&self, start: DVector<f64>) -> Option<(DVector<f64>, f64)> {
@@ -239,12 +256,12 @@ fn smooth(data: &Data) -> Vec<f64> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use rand_distr::{Distribution, Gamma};
 
     /// Independent bins at sixteen an octave with the degrees of freedom of `span_s` of data.
-    fn synthetic(seed: u64, span_s: f64, truth: impl Fn(f64) -> f64) -> Data {
+    pub(in super::super) fn synthetic(seed: u64, span_s: f64, truth: impl Fn(f64) -> f64) -> Data {
         let mut random = rand_pcg::Pcg64::new(u128::from(seed), 9);
         let f_hz: Vec<f64> = (0..200)
             .map(|k| 1e-3 * (f64::from(k) / 16.0).exp2())

@@ -4,9 +4,10 @@ use serde::Serialize;
 
 use super::components::{SEEN, unit_expectations};
 use super::data::Data;
+use super::misfit::{Tolerant, maximise_tolerant};
 use super::profile::{FALL_ONE_SIDED, FALL_TWO_SIDED, Profile};
 use super::ramp::Ramp;
-use super::scoring::{Fit, maximise};
+use super::scoring::Fit;
 use super::slope::{Slope, blocks};
 use super::{information, longer};
 use crate::fit::design::Design;
@@ -49,6 +50,37 @@ pub struct LikelihoodFit {
     /// Pairs whose squares have a correlation beyond [`TIED`]: the data tell their combination
     /// better than either.
     pub tied: Vec<[&'static str; 2]>,
+    /// Error of the model's deviation that had to be allowed for at every frequency, percent; zero
+    /// where the record follows the five terms.
+    pub allowance_percent: f64,
+    /// Mean frequencies of bins that were left out because no chance explains them, hertz.
+    pub left_out_hz: Vec<f64>,
+    /// What each of [`SEEN`] adds to the expectation of every bin of the spectrum, squared unit of
+    /// the signal per hertz.
+    #[serde(skip)]
+    pub parts: [Vec<f64>; SEEN.len()],
+}
+
+impl LikelihoodFit {
+    /// Squares of the best estimates that make the model; a ramp only where it was told from zero.
+    pub fn squares(&self) -> PerCoefficient<f64> {
+        PerCoefficient::from_fn(|one| {
+            let value = self.coefficients.get(one);
+            if one == Coefficient::R && !value.identified {
+                0.0
+            } else {
+                value.squared
+            }
+        })
+    }
+
+    /// Expectation of every bin of the spectrum.
+    pub fn expected(&self) -> Vec<f64> {
+        let bins = self.parts[0].len();
+        (0..bins)
+            .map(|b| self.parts.iter().map(|part| part[b]).sum())
+            .collect()
+    }
 }
 
 /// Fits the five terms to what `cascade` has seen of an axis, in counts of `units_per_count`;
@@ -66,12 +98,18 @@ pub fn fit(
     }
     let rate_hz = design.rate_hz();
     let data = Data::new(estimate, units_per_count)?;
-    let components = unit_expectations(estimate, design);
-    let fit = maximise(&data, &components)?;
+    let units = unit_expectations(estimate, design);
+    let tolerant = maximise_tolerant(&data, &units)?;
+    let Tolerant {
+        data,
+        components,
+        fit,
+        ..
+    } = &tolerant;
     let duration_s = cascade.samples() as f64 / rate_hz;
     let squares = per_coefficient(&fit.squared);
     let square = |index: usize| {
-        let profile = Profile::new(&data, &components, &fit, index);
+        let profile = Profile::new(data, components, fit, index);
         let identified = profile.fall(0.0) > FALL_ONE_SIDED;
         let hi = profile.upper(FALL_TWO_SIDED).sqrt();
         let bound = || profile.upper(FALL_ONE_SIDED).sqrt();
@@ -92,17 +130,21 @@ pub fn fit(
     };
     let blocks = blocks(cascade, rate_hz, units_per_count);
     let ramp = Slope::new(&blocks, &fit.squared)
-        .and_then(|slope| Ramp::new(&data, &components, &fit, &slope));
+        .and_then(|slope| Ramp::new(data, components, fit, &slope));
     let coefficients = PerCoefficient {
-        r: of_ramp(ramp, &fit, duration_s),
+        r: of_ramp(ramp, fit, duration_s),
         k: square(0),
         b: square(1),
         n: square(2),
         q: square(3),
     };
+    let squared = &fit.squared;
     Some(LikelihoodFit {
         coefficients,
-        tied: tied(&fit),
+        tied: tied(fit),
+        allowance_percent: 50.0 * tolerant.allowance,
+        parts: std::array::from_fn(|i| units[i].iter().map(|one| squared[i] * one).collect()),
+        left_out_hz: tolerant.left_out_hz.clone(),
     })
 }
 

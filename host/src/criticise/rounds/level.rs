@@ -1,0 +1,302 @@
+//! The level in time: settling, what follows a covariate, jumps.
+
+use std::collections::BTreeMap;
+
+use super::super::axis::AxisState;
+use super::super::finding::Value;
+use super::super::levels::{self, Jump};
+use super::super::mend::{Wave, block_means};
+use super::super::slow;
+use super::super::whole::{Transformer, held_out_gain};
+use super::{Accepted, Rounds, Snapshot, named};
+
+/// Jumps that are told one by one, at most.
+const MOST: usize = 150;
+
+/// Jumps from which up and down by turns is a switch rather than steps.
+const SWITCHING: usize = 3;
+
+/// Samples in one of the slow copy up to which jumps are placed to the sample.
+const FINE: usize = 8;
+
+impl Rounds<'_> {
+    /// Takes out the slow change that shows most: what follows the covariate, settling, or jumps.
+    pub(super) fn levels(&mut self) -> Option<bool> {
+        let level = self.level();
+        let has =
+            |wanted: &str, accepted: &[Accepted]| accepted.iter().any(|one| one.effect == wanted);
+        let thermal = match &self.options.covariate {
+            Some(column) if !has("thermal", &self.accepted) => {
+                slow::follows(self.axis, column, level)
+            }
+            _ => None,
+        };
+        let warm_up = if has("warmup", &self.accepted) {
+            None
+        } else {
+            slow::warm_up(self.axis, level)
+        };
+        let jump = if self.switching {
+            None
+        } else {
+            self.largest_jump()
+        };
+        let size = |z: Option<f64>| z.map_or(0.0, f64::abs);
+        let (t, w, j) = (
+            size(thermal.as_ref().map(|(change, _)| change.z)),
+            size(warm_up.as_ref().map(|change| change.z)),
+            size(jump.map(|jump| jump.z)),
+        );
+        if let Some((change, lag_s)) = thermal.filter(|_| t >= w && t >= j) {
+            let Wave::Follows { gain, .. } = change.wave else {
+                return Some(false);
+            };
+            let parameters = named([
+                ("gain", Value::normal(gain, change.size_sd)),
+                ("lag_s", Value::log_normal(lag_s, change.time_log_sd)),
+            ]);
+            return self.accept(
+                "thermal",
+                parameters,
+                change.p_value,
+                2.0,
+                Some(change.nats),
+                |axis| {
+                    axis.mended.waves.push(change.wave);
+                    axis.refresh(false)
+                },
+            );
+        }
+        if let Some(change) = warm_up.filter(|_| w > 0.0 && w >= j) {
+            let Wave::WarmUp { amplitude, samples } = change.wave else {
+                return Some(false);
+            };
+            let parameters = named([
+                ("amplitude", Value::normal(amplitude, change.size_sd)),
+                (
+                    "time_s",
+                    Value::log_normal(samples / self.axis.rate_hz, change.time_log_sd),
+                ),
+            ]);
+            return self.accept(
+                "warmup",
+                parameters,
+                change.p_value,
+                2.0,
+                Some(change.nats),
+                |axis| {
+                    axis.mended.waves.push(change.wave);
+                    axis.refresh(false)
+                },
+            );
+        }
+        let Some(jump) = jump else {
+            return Some(false);
+        };
+        self.jumps(jump)
+    }
+
+    fn largest_jump(&self) -> Option<Jump> {
+        let factor = self.axis.slow_factor();
+        let (whole, density) = self.axis.slow(&self.axis.filled);
+        let axis = &*self.axis;
+        let jump = levels::largest_jump(&whole, &density, self.level(), |n| {
+            axis.usable(n * factor) && axis.usable((n + 1) * factor - 1)
+        })?;
+        Some(Jump {
+            index: jump.index * factor,
+            index_sd: (jump.index_sd * factor as f64).max(0.3 * factor as f64),
+            ..jump
+        })
+    }
+
+    /// Takes out the jumps, largest first, beginning with `first`.
+    fn jumps(&mut self, first: Jump) -> Option<bool> {
+        let waves = &mut self.axis.mended.waves;
+        let place = waves.iter().position(|wave| matches!(wave, Wave::Steps(_)));
+        let mut jumps = match place.map(|place| waves.remove(place)) {
+            Some(Wave::Steps(jumps)) => jumps,
+            _ => Vec::new(),
+        };
+        let place = self.placing();
+        let mut next = Some(first);
+        let mut new = Vec::new();
+        while let Some(jump) = next.filter(|_| jumps.len() + new.len() <= MOST) {
+            let jump = place(jump);
+            Wave::Steps(vec![jump]).take_out(&mut self.axis.filled);
+            new.push(jump);
+            next = self.largest_jump();
+        }
+        new.sort_by_key(|jump| jump.index);
+        let nats = self.jump_gain(&new);
+        let reach = 4 * self.axis.slow_factor();
+        for jump in new {
+            match jumps
+                .iter_mut()
+                .find(|old| old.index.abs_diff(jump.index) <= reach)
+            {
+                // The same one again: what was left of its height.
+                Some(old) => old.height += jump.height,
+                None => jumps.push(jump),
+            }
+        }
+        jumps.sort_by_key(|jump| jump.index);
+        let switching = to_and_fro(&jumps);
+        let found = self.accepted.iter().position(|one| {
+            one.effect == "steps" || (one.effect == "telegraph" && !self.switching)
+        });
+        if jumps.len() > MOST {
+            // Too many to be told one by one: their spectrum tells.
+            self.switching = true;
+            if let Some(found) = found {
+                self.accepted.remove(found);
+            }
+            self.axis.refresh(false)?;
+            return Some(true);
+        }
+        let (effect, parameters) = if switching {
+            ("telegraph", self.switch_parameters(&jumps))
+        } else {
+            ("steps", self.step_parameters(&jumps))
+        };
+        if self.refused.contains(&effect) {
+            self.axis.refresh(false)?;
+            return Some(false);
+        }
+        let freedom = 2.0 * jumps.len() as f64;
+        let change = |axis: &mut AxisState| {
+            axis.mended.waves.push(Wave::Steps(jumps));
+            axis.refresh(false)
+        };
+        let Some(found) = found else {
+            return self.accept(
+                effect,
+                parameters,
+                first.p_value,
+                freedom,
+                Some(nats),
+                change,
+            );
+        };
+        change(self.axis)?;
+        let with = Snapshot::of(self.axis);
+        let one = &mut self.accepted[found];
+        one.nats = one.nats.map(|before| before + nats);
+        (one.effect, one.parameters, one.with, one.freedom) = (effect, parameters, with, freedom);
+        Some(true)
+    }
+
+    /// Gives up jumps that were told one by one and belong to a switching of which more is left.
+    /// Whether there were any.
+    pub(super) fn drop_switching(&mut self) -> Option<bool> {
+        if self.switching {
+            return Some(false);
+        }
+        let Some(found) = self
+            .accepted
+            .iter()
+            .position(|one| one.effect == "telegraph")
+        else {
+            return Some(false);
+        };
+        self.accepted.remove(found);
+        self.switching = true;
+        self.axis
+            .mended
+            .waves
+            .retain(|wave| !matches!(wave, Wave::Steps(_)));
+        self.axis.refresh(false)?;
+        Some(true)
+    }
+
+    /// What places a jump of the slow copy among the samples themselves.
+    fn placing(&self) -> impl Fn(Jump) -> Jump + use<> {
+        let factor = self.axis.slow_factor();
+        let filter = (factor > 1 && factor <= FINE).then(|| {
+            let (whole, density) = self.axis.whole();
+            levels::statistic(&whole, &density)
+        });
+        move |jump| match &filter {
+            Some(filter) => levels::place(filter, jump, 2 * factor),
+            None => jump,
+        }
+    }
+
+    /// Two levels by their jumps.
+    fn switch_parameters(&self, jumps: &[Jump]) -> BTreeMap<String, Value> {
+        let count = jumps.len() as f64;
+        let heights: Vec<f64> = jumps.iter().map(|jump| jump.height.abs()).collect();
+        let height = heights.iter().sum::<f64>() / count;
+        let scatter = heights
+            .iter()
+            .map(|one| (one - height).powi(2))
+            .sum::<f64>()
+            / count;
+        let own = jumps.iter().map(|jump| jump.height_sd.powi(2)).sum::<f64>() / count;
+        let duration_s = self.axis.filled.len() as f64 / self.axis.rate_hz;
+        named([
+            (
+                "height",
+                Value::normal(height, (scatter.max(own) / count).sqrt()),
+            ),
+            (
+                "dwell_s",
+                Value::log_normal(duration_s / count, count.sqrt().recip()),
+            ),
+        ])
+    }
+
+    /// Gain of jumps that were taken out just now.
+    fn jump_gain(&self, jumps: &[Jump]) -> f64 {
+        let mut waveform = vec![0.0; self.axis.filled.len()];
+        Wave::Steps(jumps.to_vec()).take_out(&mut waveform);
+        // They are taken out of the record already; for a comparison they go back in.
+        let before: Vec<f64> = self
+            .axis
+            .filled
+            .iter()
+            .zip(&waveform)
+            .map(|(left, wave)| left - wave)
+            .collect();
+        let (record, density) = self.axis.slow(&before);
+        let means = block_means(&waveform, self.axis.slow_factor());
+        let rate_hz = self.axis.rate_hz / self.axis.slow_factor() as f64;
+        let mut wave = Transformer::new(means.len()).transform(&means, rate_hz);
+        wave.close(&density);
+        held_out_gain(&record, &density, &wave)
+    }
+
+    fn step_parameters(&self, jumps: &[Jump]) -> BTreeMap<String, Value> {
+        let rate_hz = self.axis.rate_hz;
+        let rows = (1..).zip(jumps).flat_map(|(number, jump): (u32, &Jump)| {
+            [
+                (
+                    format!("time_s_{number}"),
+                    Value::normal(jump.index as f64 / rate_hz, jump.index_sd / rate_hz),
+                ),
+                (
+                    format!("height_{number}"),
+                    Value::normal(jump.height, jump.height_sd),
+                ),
+            ]
+        });
+        rows.collect()
+    }
+}
+
+/// Whether jumps go up and down by turns, by about as much: two levels.
+fn to_and_fro(jumps: &[Jump]) -> bool {
+    if jumps.len() < SWITCHING {
+        return false;
+    }
+    let turns = jumps
+        .windows(2)
+        .filter(|pair| pair[0].height * pair[1].height < 0.0)
+        .count();
+    let mean = jumps.iter().map(|jump| jump.height.abs()).sum::<f64>() / jumps.len() as f64;
+    let alike = jumps
+        .iter()
+        .filter(|jump| (0.6..1.6).contains(&(jump.height.abs() / mean)))
+        .count();
+    5 * turns >= 4 * (jumps.len() - 1) && 5 * alike >= 4 * jumps.len()
+}

@@ -1,0 +1,255 @@
+//! The loop: look, name, extend, fit again, look again, until nothing significant is left.
+//!
+//! Within a round the views are taken from the most local to the most general: single values, lines,
+//! level, variance, shape of the spectrum. The first that finds something extends the model, and
+//! the next round begins with everything fitted anew, so that what one effect hid from another
+//! shows. An effect that turns out to gain nothing on held-out data is refused from the outset.
+//!
+//! One file a view; each extends [`Rounds`].
+
+mod left_over;
+mod level;
+mod lines;
+mod shape;
+mod values;
+mod variance;
+
+use std::collections::BTreeMap;
+
+use super::axis::AxisState;
+use super::codes;
+use super::finding::{Remark, Rival, Value};
+use super::laws::{self, Law};
+use super::mend::Wave;
+use crate::fit::likelihood::Fit;
+use crate::model::catalogue;
+use crate::model::effect::Part;
+
+/// Tests that share the family's level evenly.
+const TESTS: f64 = 14.0;
+
+/// Rounds, at most: far more than effects that one record can tell apart.
+const ROUNDS: usize = 24;
+
+/// What the diagnosis is told.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// Probability at most of any finding or remark where nothing is hidden.
+    pub family_level: f64,
+    /// A covariate, such as the temperature, one value a sample.
+    pub covariate: Option<Vec<f64>>,
+}
+
+impl Options {
+    /// Level of one test.
+    pub fn level(&self) -> f64 {
+        self.family_level / TESTS
+    }
+}
+
+/// An effect that was accepted.
+#[derive(Debug, Clone)]
+pub struct Accepted {
+    /// Its name.
+    pub effect: &'static str,
+    /// Its parameters.
+    pub parameters: BTreeMap<String, Value>,
+    /// Probability of as much without it.
+    pub p_value: f64,
+    /// Other names.
+    pub rivals: Vec<Rival>,
+    /// Numbers that were fitted to all of the record for it.
+    pub freedom: f64,
+    /// Fit without it.
+    pub before: Fit,
+    /// Gain in log-likelihood on held-out data, where it was measured as the effect was found.
+    pub nats: Option<f64>,
+    /// What the record and the model were with it.
+    pub with: Snapshot,
+    /// And without.
+    pub without: Snapshot,
+}
+
+/// State of record and model at some moment.
+#[derive(Clone, Debug)]
+pub struct Snapshot {
+    /// What is taken out.
+    pub waves: Vec<Wave>,
+    /// Laws beside the five terms, by their place in the catalogue.
+    pub laws: Vec<(&'static str, Vec<f64>)>,
+}
+
+impl Snapshot {
+    fn of(axis: &AxisState) -> Self {
+        Self {
+            waves: axis.mended.waves.clone(),
+            laws: axis
+                .laws
+                .iter()
+                .map(|law| (law.effect.name(), law.values.clone()))
+                .collect(),
+        }
+    }
+}
+
+/// The outcome for one axis.
+pub struct Outcome {
+    /// Effects, in the order in which they were found.
+    pub accepted: Vec<Accepted>,
+    /// What is left.
+    pub unexplained: Vec<Remark>,
+    /// What the five terms alone get wrong.
+    pub discrepancies: Vec<Remark>,
+}
+
+/// Runs the loop on an axis, without the effects `refused`; `values` is what its values themselves
+/// say. `None` where a fit fails.
+pub fn run(
+    axis: &mut AxisState,
+    options: &Options,
+    values: &CodeFindings,
+    refused: &[&'static str],
+) -> Option<Outcome> {
+    let mut rounds = Rounds {
+        axis,
+        options,
+        refused,
+        accepted: Vec::new(),
+        discrepancies: Vec::new(),
+        switching: false,
+    };
+    rounds.note_base();
+    rounds.take_codes(values)?;
+    for _ in 0..ROUNDS {
+        // A level that switches all the time looks like bad samples and bursts until its law is
+        // there.
+        let first = rounds.switching && rounds.axis.laws.is_empty() && rounds.laws()?;
+        if !(first
+            || rounds.outliers()?
+            || rounds.lines()?
+            || rounds.levels()?
+            || rounds.bursts()?
+            || rounds.laws()?)
+        {
+            break;
+        }
+    }
+    let unexplained = rounds.left_over();
+    Some(Outcome {
+        accepted: rounds.accepted,
+        unexplained,
+        discrepancies: rounds.discrepancies,
+    })
+}
+
+/// What the values themselves say.
+#[derive(Debug, Clone, Default)]
+pub struct CodeFindings {
+    /// Repeats, and where they are.
+    pub stale: Option<(codes::Stale, Vec<usize>)>,
+    /// Pile-ups, and where they are.
+    pub clipping: Vec<(codes::Clipping, Vec<usize>)>,
+    /// Step of the values that is coarser than declared, beside the short-term noise.
+    pub coarse: Option<f64>,
+}
+
+struct Rounds<'a> {
+    axis: &'a mut AxisState,
+    options: &'a Options,
+    refused: &'a [&'static str],
+    accepted: Vec<Accepted>,
+    discrepancies: Vec<Remark>,
+    /// Whether the level switches to and fro: no business of single steps.
+    switching: bool,
+}
+
+impl Rounds<'_> {
+    fn level(&self) -> f64 {
+        self.options.level()
+    }
+
+    /// Accepts an effect, unless it is refused, and makes its `change` to the record or the laws.
+    fn accept(
+        &mut self,
+        effect: &'static str,
+        parameters: BTreeMap<String, Value>,
+        p_value: f64,
+        freedom: f64,
+        nats: Option<f64>,
+        change: impl FnOnce(&mut AxisState) -> Option<()>,
+    ) -> Option<bool> {
+        if self.refused.contains(&effect) {
+            return Some(false);
+        }
+        let (before, without) = (self.axis.fit.clone(), Snapshot::of(self.axis));
+        change(self.axis)?;
+        self.accepted.push(Accepted {
+            effect,
+            parameters,
+            p_value,
+            rivals: Vec::new(),
+            freedom,
+            before,
+            nats,
+            with: Snapshot::of(self.axis),
+            without,
+        });
+        Some(true)
+    }
+
+    fn find(&mut self, effect: &str) -> Option<&mut Accepted> {
+        self.accepted.iter_mut().find(|one| one.effect == effect)
+    }
+
+    fn note_base(&mut self) {
+        let level = self.level();
+        let departure = laws::departure(&self.axis.data, &self.axis.fit.expected);
+        if let Some(departure) = departure.filter(|one| one.p_value < level) {
+            self.discrepancies.push(spectrum_remark(&departure));
+        }
+    }
+}
+
+/// Values of a law with its fitted size.
+pub fn law_values(axis: &AxisState, which: usize) -> Vec<f64> {
+    let law: &Law = &axis.laws[which];
+    let mut values = law.values.clone();
+    if let (Some(size), Part::Term(_)) = (law.effect.size(), law.effect.part(&law.values)) {
+        let squared = axis.fit.squared[laws::component_of(&axis.frame, &axis.laws, which)];
+        values[size] = squared.powf(1.0 / laws::squared_power(law));
+    }
+    values
+}
+
+/// The laws of a snapshot.
+pub fn laws_of(snapshot: &Snapshot) -> Vec<Law> {
+    snapshot
+        .laws
+        .iter()
+        .filter_map(|(name, values)| {
+            Some(Law {
+                effect: catalogue::find(name)?,
+                values: values.clone(),
+            })
+        })
+        .collect()
+}
+
+fn named<const N: usize>(values: [(&str, Value); N]) -> BTreeMap<String, Value> {
+    values
+        .into_iter()
+        .map(|(name, value)| (name.to_owned(), value))
+        .collect()
+}
+
+fn spectrum_remark(departure: &laws::Departure) -> Remark {
+    Remark {
+        test: "spectrum".into(),
+        place: format!("{:.5} to {:.5} Hz", departure.from_hz, departure.to_hz),
+        p_value: departure.p_value,
+        description: format!(
+            "{:.3} times the power that the model expects there",
+            departure.ratio
+        ),
+    }
+}

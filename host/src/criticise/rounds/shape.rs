@@ -1,0 +1,125 @@
+//! Laws that change the spectrum's shape.
+
+use std::collections::BTreeMap;
+
+use super::super::finding::{Rival, Value};
+use super::super::laws::{self, Law};
+use super::super::telegraph;
+use super::{Accepted, Rounds, law_values, named};
+use crate::fit::likelihood::Fit;
+use crate::model::catalogue::CATALOGUE;
+use crate::model::effect::Part;
+
+impl Rounds<'_> {
+    /// Adds the law that is worth most.
+    pub(super) fn laws(&mut self) -> Option<bool> {
+        let level = self.level();
+        let axis = &*self.axis;
+        let mut found: Vec<laws::Found> = CATALOGUE
+            .iter()
+            .filter(|effect| !self.refused.contains(&effect.name()))
+            .filter_map(|&effect| {
+                laws::search(&axis.frame, &axis.data, &axis.laws, &axis.fit, effect)
+            })
+            .collect();
+        // Each parameter has to be paid for.
+        let worth = |one: &laws::Found| one.nats - one.law.values.len() as f64;
+        found.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
+        if found.first().is_none_or(|best| best.p_value >= level) {
+            return Some(false);
+        }
+        let best = found.remove(0);
+        let mut rivals: Vec<Rival> = found
+            .iter()
+            .filter(|other| other.p_value < level)
+            .map(|other| Rival {
+                effect: other.law.effect.name().to_owned(),
+                log_odds: worth(&best) - worth(other),
+            })
+            .collect();
+        let (law, p_value) = (best.law, best.p_value);
+        let freedom = law.values.len() as f64;
+        let mut effect = law.effect.name();
+        if effect == "markov" && self.drop_switching()? {
+            // Jumps seen one by one were a part of it; now all of it is.
+            return Some(true);
+        }
+        if effect == "markov"
+            && let Some(two) = self.two_levels(&law, &best.fit)
+        {
+            let other = |name: &str, log_odds| Rival {
+                effect: name.to_owned(),
+                log_odds,
+            };
+            if two > 0.0 {
+                effect = "telegraph";
+                self.switching = true;
+                rivals.insert(0, other("markov", two));
+            } else {
+                rivals.insert(0, other("telegraph", -two));
+            }
+        }
+        let accepted = self.accept(effect, BTreeMap::new(), p_value, freedom, None, |axis| {
+            axis.laws.push(law);
+            axis.refresh(false)
+        })?;
+        if let Some(one) = self.accepted.last_mut().filter(|_| accepted) {
+            one.rivals = rivals;
+        }
+        Some(accepted)
+    }
+
+    /// Logarithm of the odds that what looks like Markov noise in the spectrum switches between
+    /// two levels.
+    fn two_levels(&self, law: &Law, fit: &Fit) -> Option<f64> {
+        let axis = &*self.axis;
+        let squared = fit.squared[laws::component_of(&axis.frame, &axis.laws, axis.laws.len())];
+        let place = law.effect.parameters(&law.values);
+        let time_s = law.values[place.iter().position(|one| one.name == "time_s")?];
+        let Part::Term(term) = law.effect.part(&law.values) else {
+            return None;
+        };
+        let wander = |f_hz: f64| {
+            squared * axis.frame.term_density(&*term, f_hz) * axis.frame.chain_power(f_hz)
+        };
+        let rest = |f_hz: f64| axis.frame.base_density(&fit.squared, f_hz);
+        telegraph::log_odds(axis, squared.sqrt(), time_s, wander, rest)
+    }
+
+    /// Parameters of the laws as finally fitted, with their intervals.
+    pub(super) fn describe_laws(&mut self) {
+        let axis = &*self.axis;
+        for (which, law) in axis.laws.iter().enumerate() {
+            let log_sd =
+                laws::log_deviations(&axis.frame, &axis.data, &axis.laws, which, &axis.fit);
+            let values = law_values(axis, which);
+            let parameters: BTreeMap<String, Value> = law
+                .effect
+                .parameters(&law.values)
+                .iter()
+                .zip(values.iter().zip(&log_sd))
+                .map(|(parameter, (value, sd))| {
+                    (parameter.name.to_string(), Value::log_normal(*value, *sd))
+                })
+                .collect();
+            let name = law.effect.name();
+            let switching = |one: &Accepted| one.effect == "telegraph" && name == "markov";
+            if let Some(one) = self
+                .accepted
+                .iter_mut()
+                .find(|one| (one.effect == name || switching(one)) && one.parameters.is_empty())
+            {
+                one.parameters = if switching(one) {
+                    // Two levels of the same spectrum: twice the deviation apart, kept for twice
+                    // the correlation time.
+                    named([
+                        ("height", Value::log_normal(2.0 * values[0], log_sd[0])),
+                        ("dwell_s", Value::log_normal(2.0 * values[1], log_sd[1])),
+                    ])
+                } else {
+                    parameters
+                };
+            }
+        }
+    }
+}

@@ -1,0 +1,134 @@
+//! Single values: repeats, pile-ups, coarse steps, outliers.
+
+use super::super::axis::AxisState;
+use super::super::bursts;
+use super::super::finding::Value;
+use super::super::impulses::{self, Outlier};
+use super::super::mend::Wave;
+use super::{CodeFindings, Rounds, Snapshot, named};
+
+impl Rounds<'_> {
+    /// Takes over what the values themselves say.
+    pub(super) fn take_codes(&mut self, values: &CodeFindings) -> Option<()> {
+        if let Some((stale, places)) = &values.stale {
+            let share = Value::normal(stale.share, stale.share_sd);
+            let (whole, density) = self.axis.whole();
+            let replaced = impulses::sizes_at(&whole, &density, places);
+            let parameters = named([("share", share)]);
+            let p_value = stale.p_value;
+            self.accept("stale", parameters, p_value, 1.0, None, |axis| {
+                axis.mended.waves.push(Wave::Replaced(replaced));
+                axis.refresh(false)
+            })?;
+        }
+        for (clipping, places) in &values.clipping {
+            let slack = 1e-9 * clipping.level.abs();
+            let parameters = named([
+                ("level", Value::normal(clipping.level, slack)),
+                ("side", Value::exact(clipping.side)),
+            ]);
+            let (whole, density) = self.axis.whole();
+            let replaced = impulses::sizes_at(&whole, &density, places);
+            self.accept(
+                "clipping",
+                parameters,
+                clipping.p_value,
+                1.0,
+                None,
+                |axis| {
+                    axis.mended.waves.push(Wave::Replaced(replaced));
+                    axis.refresh(false)
+                },
+            )?;
+        }
+        if let Some(step) = values.coarse {
+            // Known as well as the values are written.
+            let step = Value::normal(step, 1e-6 * step);
+            self.plain("quantisation", [("step", step)], 0.0);
+        }
+        Some(())
+    }
+
+    /// An effect that changes neither record nor law.
+    fn plain<const N: usize>(
+        &mut self,
+        effect: &'static str,
+        parameters: [(&str, Value); N],
+        p_value: f64,
+    ) {
+        let parameters = named(parameters);
+        let _ = self.accept(effect, parameters, p_value, N as f64, None, |_| Some(()));
+    }
+
+    /// Takes out samples that do not belong.
+    pub(super) fn outliers(&mut self) -> Option<bool> {
+        let (whole, density) = self.axis.whole();
+        let axis = &*self.axis;
+        let found = impulses::outliers(&whole, &density, self.level(), |n| axis.usable(n));
+        if found.found.is_empty() {
+            return Some(false);
+        }
+        // Where a whole stretch is noisier, its large samples are no outliers.
+        let powers = bursts::powers(&whole, &density, |n| axis.usable(n));
+        let burst = bursts::burst(&powers, self.level()).map(|burst| burst.range);
+        let inside = |one: &Outlier| {
+            burst
+                .as_ref()
+                .is_some_and(|range| range.contains(&one.index))
+        };
+        let within = found.found.iter().filter(|one| inside(one)).count();
+        if within > 1 && 3 * within >= 2 * found.found.len() {
+            return Some(false);
+        }
+        let mut all = found.found;
+        let before = self
+            .axis
+            .mended
+            .waves
+            .iter()
+            .position(|wave| matches!(wave, Wave::Outliers(_)));
+        let old = before.map(|place| self.axis.mended.waves.remove(place));
+        if let Some(Wave::Outliers(old)) = old {
+            for one in old {
+                match all.iter_mut().find(|new| new.index == one.index) {
+                    Some(new) => new.size += one.size,
+                    None => all.push(one),
+                }
+            }
+            all.sort_by_key(|one| one.index);
+        }
+        let duration_s = self.axis.filled.len() as f64 / self.axis.rate_hz;
+        let law = impulses::law_of(&all, found.threshold);
+        let count = all.len() as f64;
+        let parameters = named([
+            (
+                "rate_hz",
+                Value::log_normal(law.count / duration_s, law.count_log_sd),
+            ),
+            ("size", Value::log_normal(law.size, law.size_log_sd)),
+        ]);
+        let nats = found.nats;
+        let change = |axis: &mut AxisState| {
+            axis.mended.waves.push(Wave::Outliers(all));
+            axis.refresh(false)
+        };
+        if self.find("outliers").is_some() {
+            change(self.axis)?;
+            let with = Snapshot::of(self.axis);
+            let one = self.find("outliers")?;
+            (one.parameters, one.with, one.freedom) = (parameters, with, 2.0 * count);
+            one.nats = one.nats.map(|before| before + nats);
+        } else {
+            let p_value = found.p_value;
+            self.accept(
+                "outliers",
+                parameters,
+                p_value,
+                2.0 * count,
+                Some(nats),
+                change,
+            )?;
+        }
+        Some(true)
+    }
+}
