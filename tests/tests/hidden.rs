@@ -78,7 +78,7 @@ fn wrong(trials: &[Trial], is_good: impl Fn(&Trial) -> bool) -> Vec<String> {
 }
 
 #[test]
-#[ignore = "inm diagnose is not there yet"]
+#[ignore = "the diagnosis does not name every kind yet"]
 fn each_kind_is_named() {
     let kinds: Vec<&[&str]> = SUPPORTED.chunks(1).collect();
     let trials = run(&kinds, 1..=1);
@@ -93,7 +93,7 @@ fn each_kind_is_named() {
 }
 
 #[test]
-#[ignore = "inm diagnose is not there yet"]
+#[ignore = "the diagnosis does not name every kind yet"]
 fn clean_records_are_left_in_peace() {
     let trials = run(&[&[]], 1..=CLEAN);
     let wrong = wrong(&trials, |trial| {
