@@ -19,7 +19,7 @@ pub struct ResultOptions {
     /// Write a self-contained page with plots to this file.
     #[arg(long, value_name = "OUT.html")]
     pub report: Option<String>,
-    /// Write the Allan plots to this file as a bitmap.
+    /// Write the plots of Allan deviation and spectrum to this file as a bitmap.
     #[arg(long, value_name = "OUT.png")]
     pub png: Option<String>,
 }

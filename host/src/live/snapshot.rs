@@ -259,7 +259,7 @@ mod tests {
         assert!(text.contains(" 50 %"), "{text}");
         assert!(text.contains("lost 32 samples in 1 gaps"), "{text}");
         assert!(text.contains("3.900e-4 ±  2.00 %"), "{text}");
-        assert!(text.contains("N        below 1.25e-4"), "{text}");
+        assert!(text.contains("N         below 1.25e-4"), "{text}");
         assert!(text.contains("! sample 7"), "{text}");
     }
 }

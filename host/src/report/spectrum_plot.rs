@@ -108,6 +108,15 @@ fn spots(axis: &AxisAnalysis) -> Vec<Spot> {
     spots
 }
 
+/// A unit squared, as it is typeset.
+fn squared(unit: &str) -> String {
+    if unit.chars().all(char::is_alphabetic) {
+        format!("{unit}\u{b2}")
+    } else {
+        format!("({unit})\u{b2}")
+    }
+}
+
 struct Plot<'a> {
     axis: &'a AxisAnalysis,
     spots: Vec<Spot>,
@@ -181,14 +190,14 @@ impl Plot<'_> {
              <rect x=\"{LEFT}\" y=\"{}\" width=\"{w}\" height=\"{}\" fill=\"none\" stroke=\"{faint}\"/>\
              <text x=\"{}\" y=\"{}\" text-anchor=\"middle\" fill=\"{ink}\">frequency, Hz</text>\
              <text transform=\"translate(17 {}) rotate(-90)\" text-anchor=\"middle\" fill=\"{ink}\">\
-             two-sided density, ({})\u{b2}/Hz</text>",
+             two-sided density, {}/Hz</text>",
             BOTTOM - TOP,
             STRIP.0,
             STRIP.1 - STRIP.0,
             0.5 * (LEFT + RIGHT),
             HEIGHT - 12.0,
             0.5 * (TOP + BOTTOM),
-            escape(&typeset(self.axis.unit.symbol())),
+            escape(&squared(&typeset(self.axis.unit.symbol()))),
             w = RIGHT - LEFT,
         )
     }

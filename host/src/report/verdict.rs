@@ -9,6 +9,9 @@ use crate::model::Coefficient;
 const WELL: f64 = 0.1;
 const ROUGHLY: f64 = 0.5;
 
+/// Relative difference of the published fit that is worth a word.
+const WORTH_SAYING: f64 = 0.05;
+
 /// Degrees of freedom from which a point may be named as the worst.
 const MISFIT_EDF: f64 = 10.0;
 
@@ -176,15 +179,14 @@ pub fn sentence(value: &LikelihoodValue) -> String {
 pub fn published(published: &PublishedValue, value: &LikelihoodValue) -> Option<String> {
     let most = value.upper.or(value.hi).unwrap_or(f64::INFINITY);
     let times = |published: f64, best: f64| {
-        format!(
-            "published fit: {} times this",
-            significant(published / best, 2)
-        )
+        let ratio = published / best;
+        ((ratio - 1.0).abs() > WORTH_SAYING)
+            .then(|| format!("published fit: {} times this", significant(ratio, 2)))
     };
     match (published.value, value.value) {
         (None, _) => Some("published fit: negative square".to_owned()),
         (Some(0.0), Some(_)) => Some("published fit: zero".to_owned()),
-        (Some(found), Some(best)) if found > most || found < value.lo => Some(times(found, best)),
+        (Some(found), Some(best)) if found > most || found < value.lo => times(found, best),
         (Some(found), None) if found > most => Some("published fit: above the bound".to_owned()),
         _ => None,
     }

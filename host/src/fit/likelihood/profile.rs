@@ -25,6 +25,13 @@ pub const FALL_TWO_SIDED: f64 = 3.841_458_820_694_124;
 /// of 5 %.
 pub const FALL_ONE_SIDED: f64 = 2.705_543_454_095_416;
 
+/// Standard deviations of a one-sided 95 % bound: the root of [`FALL_ONE_SIDED`].
+const SIGMAS_ONE_SIDED: f64 = 1.644_853_626_951_472;
+
+/// What the skewness of a gamma law of `n` degrees of freedom shifts the signed root of the fall
+/// by, times the root of `n`: a third of the law's own relative deviation.
+const SKEWNESS: f64 = std::f64::consts::SQRT_2 / 3.0;
+
 /// Steps of the search for an end of an interval; regula falsi on the root of the fall, which is
 /// nearly straight, needs six.
 const STEPS: usize = 60;
@@ -131,6 +138,42 @@ impl<'a> Profile<'a> {
                 f64::INFINITY
             })
             .fold(0.0, f64::max)
+    }
+
+    /// One-sided 95 % bound; infinite where the data set none.
+    ///
+    /// A square just beyond its bound is known to a half or so: it rests on few degrees of freedom,
+    /// whose law is skewed, so that estimates far too low are more frequent than the chi-squared
+    /// law of the fall says. The bound is moved up by what that is for a gamma law with the same
+    /// relative deviation.
+    pub fn bound(&self) -> f64 {
+        let first = self.upper(FALL_ONE_SIDED);
+        if !first.is_finite() {
+            return first;
+        }
+        let dof = 2.0 * (first / self.deviation_at(first)).powi(2);
+        let shift = SKEWNESS / dof.max(1.0).sqrt();
+        self.upper((SIGMAS_ONE_SIDED + shift).powi(2))
+    }
+
+    /// Standard deviation that the estimate would have, if this square were `value`.
+    fn deviation_at(&self, value: f64) -> f64 {
+        let fixed: Vec<f64> = self.component.iter().map(|one| value * one).collect();
+        let start = Some(&self.within_bounds.others[..]);
+        let others = greatest_beside(self.data, &self.others, &fixed, start, Range::NonNegative);
+        let Some((squared, _)) = others else {
+            return self.deviation;
+        };
+        let mut expected = fixed;
+        for (component, squared) in self.others.iter().zip(squared) {
+            expected
+                .iter_mut()
+                .zip(component)
+                .for_each(|(sum, one)| *sum += squared * one);
+        }
+        let mut all = vec![self.component.to_vec()];
+        all.extend(self.others.iter().cloned());
+        information::covariance(self.data, &all, &expected)[(0, 0)].sqrt()
     }
 
     fn branches(&self) -> impl Iterator<Item = &Branch> {

@@ -112,7 +112,7 @@ pub fn fit(
         let profile = Profile::new(data, components, fit, index);
         let identified = profile.fall(0.0) > FALL_ONE_SIDED;
         let hi = profile.upper(FALL_TWO_SIDED).sqrt();
-        let bound = || profile.upper(FALL_ONE_SIDED).sqrt();
+        let bound = || profile.bound().sqrt();
         let squared = fit.squared[index];
         LikelihoodValue {
             value: identified.then(|| squared.sqrt()),
