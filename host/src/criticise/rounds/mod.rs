@@ -5,7 +5,7 @@
 //! the next round begins with everything fitted anew, so that what one effect hid from another
 //! shows. An effect that turns out to gain nothing on held-out data is refused from the outset.
 //!
-//! One file a view; each extends [`Rounds`].
+//! One file a view; each extends `Rounds`.
 
 mod left_over;
 mod level;

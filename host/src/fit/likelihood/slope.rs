@@ -194,7 +194,7 @@ mod tests {
         let mut sum = [0.0; 2];
         let mut claimed = 0.0;
         for _ in 0..records {
-            let mut blocks = empty_blocks(steps as f64);
+            let mut blocks = empty_blocks(f64::from(steps));
             let mut level = 0.0;
             for block in &mut blocks {
                 for _ in 0..16 {
