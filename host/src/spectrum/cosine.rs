@@ -253,8 +253,8 @@ mod tests {
             sum * (2.0 / len as f64).sqrt()
         };
         let transformed = transform(samples.iter().copied(), len);
-        for (k, value) in transformed.iter().enumerate().skip(1) {
-            assert!((value - direct(k, &samples)).abs() < 1e-12, "{k}");
+        for (k, found) in transformed.iter().enumerate().skip(1) {
+            assert!((found - direct(k, &samples)).abs() < 1e-12, "{k}");
         }
         let run = Run::new(&samples, 0.5);
         let line = line(len);
