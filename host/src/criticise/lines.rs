@@ -116,6 +116,7 @@ fn measure(axis: &AxisState, line: &Line) -> Measured {
             cycles,
             cosine,
             sine,
+            lost: None,
         },
         amplitude_sd,
     }
