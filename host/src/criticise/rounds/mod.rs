@@ -26,7 +26,7 @@ use crate::model::catalogue;
 use crate::model::effect::Part;
 
 /// Tests that share the family's level evenly.
-const TESTS: f64 = 14.0;
+const TESTS: f64 = 16.0;
 
 /// Rounds, at most: far more than effects that one record can tell apart.
 const ROUNDS: usize = 24;
