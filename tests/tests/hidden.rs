@@ -21,6 +21,7 @@ const SUPPORTED: &[&str] = &[
     "steps",
     "outliers",
     "stale",
+    "dropped",
     "clipping",
     "quantisation",
     "burst",
@@ -28,6 +29,7 @@ const SUPPORTED: &[&str] = &[
     "thermal",
     "common_mode",
     "powerlaw",
+    "timebase",
 ];
 
 /// Records without anything hidden. At a family level of 0.5 % one in 67 runs with other seeds
