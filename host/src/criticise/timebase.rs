@@ -4,7 +4,7 @@
 //! times what a record says, all of them appear at `f / r`. Every pair of a line here and a line
 //! there proposes a ratio; the one that most others agree with, within their errors, is fitted by
 //! least squares. Its worth is the gain in log-likelihood over lines that have nothing to do with
-//! one another (log-uniform over [`RANGE`]), less what a right clock gains in the same way.
+//! one another (log-uniform over `RANGE`), less what a right clock gains in the same way.
 //!
 //! What lines cannot tell is a machine that itself turned faster: its harmonics shift together as
 //! well. [`Rate::sources`] counts the matched lines that are no multiples of one another.
