@@ -17,7 +17,9 @@ use crate::fit::design::Design;
 pub use crate::fit::likelihood::terms::{LikelihoodFit, LikelihoodValue};
 use crate::fit::{likelihood, published, weighted};
 use crate::model::kernel::Kernel;
+use crate::model::whole::ModelAxis;
 use crate::model::{Coefficient, PerCoefficient};
+use crate::navigate::{self, Growth, response::Integral};
 use crate::signal::{Axis, Signal, Unit};
 use crate::source::{Source, SourceError};
 use crate::spectrum::{Bin, Estimate, Settings};
@@ -112,7 +114,7 @@ pub struct AxisAnalysis {
     /// The fits.
     pub fits: Fits,
     /// Predicted growth of the integral's error; `None` where it was not computed.
-    pub velocity_error: Option<Vec<()>>,
+    pub velocity_error: Option<Vec<Growth>>,
     /// The fitted curves, for plots; they follow from the coefficients and are not in the JSON.
     #[serde(skip)]
     pub curves: Vec<CurveModel>,
@@ -323,6 +325,10 @@ fn analyse_axis(
         weighted_allowance_percent: weighted.map(|fit| 50.0 * fit.allowance),
         likelihood: likelihood::terms::fit(record.cascade(), &estimate, axis.scale, &design),
     };
+    let velocity_error = fits
+        .likelihood
+        .as_ref()
+        .map(|fit| velocity_error(rate_hz, axis, fit));
     AxisAnalysis {
         name: axis.name.clone(),
         unit: axis.unit,
@@ -337,7 +343,7 @@ fn analyse_axis(
         modified: curve(&modified),
         hadamard: curve(&points(Statistic::Hadamard)),
         spectrum: spectrum(&estimate, axis.scale),
-        velocity_error: None,
+        velocity_error,
     }
 }
 
@@ -355,6 +361,41 @@ fn spectrum(estimate: &Estimate, units_per_count: f64) -> Vec<SpectrumPoint> {
         }
     };
     estimate.bins.iter().map(point).collect()
+}
+
+/// Times of integration that a navigator asks about, seconds.
+const NAVIGATOR_S: [f64; 5] = [1.0, 10.0, 60.0, 600.0, 3600.0];
+
+/// Growth of the integral's error under the fitted terms, after [`navigate::ALIGNMENT_S`] at rest.
+fn velocity_error(rate_hz: f64, axis: &Axis, fit: &LikelihoodFit) -> Vec<Growth> {
+    let squares = fit.squares();
+    let model = ModelAxis {
+        name: axis.name.clone(),
+        unit: axis.unit,
+        mean: 0.0,
+        chain: axis.chain.clone(),
+        coefficients: PerCoefficient::from_fn(|one| squares.get(one).sqrt()),
+        effects: Vec::new(),
+    };
+    let intervals = PerCoefficient::from_fn(|one| {
+        let value = fit.coefficients.get(one);
+        let best = squares.get(one).sqrt();
+        let upper = value.hi.or(value.upper).unwrap_or(best);
+        // A ramp that was not told from zero is left out, band included.
+        if best == 0.0 && one == Coefficient::R {
+            (0.0, 0.0)
+        } else {
+            (value.lo.min(best), upper.max(best))
+        }
+    });
+    navigate::growth(
+        &model,
+        &intervals,
+        Integral::Velocity,
+        rate_hz,
+        navigate::ALIGNMENT_S,
+        &NAVIGATOR_S,
+    )
 }
 
 fn curve(points: &[Point]) -> Vec<CurvePoint> {

@@ -3,7 +3,7 @@
 //! Data flows one way:
 //!
 //! ```text
-//! source -> bins, spectrum -> fit -> report
+//! source -> bins, spectrum -> fit -> criticise -> report
 //! ```
 #![forbid(unsafe_code)]
 

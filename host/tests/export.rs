@@ -7,10 +7,10 @@ use inm_host::analyse::{AnalysisOptions, analyse};
 use inm_host::bins::strided::Strided;
 use inm_host::export::input::Input;
 use inm_host::export::{Format, export};
-use inm_host::model::Term;
 use inm_host::model::markov::Markov;
 use inm_host::model::white::White;
 use inm_host::model::whole::Model;
+use inm_host::model::{Coefficient, Term};
 use inm_host::report;
 use inm_host::simulate::source::Simulation;
 use nalgebra::{DMatrix, DVector};
@@ -313,8 +313,14 @@ fn an_analysis_is_a_model_too() {
         let ratio = axis.coefficients.q / truth.coefficients.q;
         assert!((ratio - 1.0).abs() < 0.05, "{}: {ratio}", axis.name);
     }
-    for bounds in &input.bounds {
-        // 200 s do not show the ramp.
-        assert!(bounds.r.is_some());
+    // What is not told from zero has a bound, and nothing else has.
+    let mut bounded = 0;
+    for (axis, bounds) in input.model.axes.iter().zip(&input.bounds) {
+        for one in Coefficient::ALL {
+            let absent = *axis.coefficients.get(one) == 0.0;
+            assert_eq!(bounds.get(one).is_some(), absent, "{} {one:?}", axis.name);
+            bounded += u32::from(absent);
+        }
     }
+    assert!(bounded > 0, "200 s do not show every ramp");
 }

@@ -78,7 +78,6 @@ fn wrong(trials: &[Trial], is_good: impl Fn(&Trial) -> bool) -> Vec<String> {
 }
 
 #[test]
-#[ignore = "inm diagnose is not there yet"]
 fn each_kind_is_named() {
     let kinds: Vec<&[&str]> = SUPPORTED.chunks(1).collect();
     let trials = run(&kinds, 1..=1);
@@ -93,7 +92,6 @@ fn each_kind_is_named() {
 }
 
 #[test]
-#[ignore = "inm diagnose is not there yet"]
 fn clean_records_are_left_in_peace() {
     let trials = run(&[&[]], 1..=CLEAN);
     let wrong = wrong(&trials, |trial| {

@@ -10,6 +10,7 @@ use super::input::InputOptions;
 use super::output::write_to;
 use crate::criticise::diagnose::diagnose;
 use crate::criticise::finding::Diagnosis;
+use crate::criticise::reference::clock;
 use crate::criticise::rounds::Options;
 use crate::criticise::samples::Samples;
 use crate::report;
@@ -29,6 +30,9 @@ pub struct DiagnoseCommand {
     /// Column of temperatures in the same file, by number from 0 or by name.
     #[arg(long, value_name = "COLUMN")]
     temperature: Option<Selector>,
+    /// Another record of the same axes: tells whether this one was taken at the rate that it says.
+    #[arg(long, value_name = "FILE")]
+    reference: Option<String>,
     /// Probability of any finding where nothing is hidden.
     #[arg(long, value_name = "P", default_value_t = 0.005)]
     level: f64,
@@ -52,14 +56,27 @@ impl DiagnoseCommand {
             Some(column) => Some(self.read_column(column)?),
             None => None,
         };
+        let reference = match &self.reference {
+            Some(path) => {
+                let mut source = open(path, &self.input.clone().into())?;
+                Some(Samples::read(&mut *source, |_| {})?.0)
+            }
+            None => None,
+        };
         let mut source = open(&self.file, &self.input.into())?;
         let (samples, account) = Samples::read(&mut *source, |_| {})?;
         let options = Options {
             family_level: self.level,
             covariate,
         };
-        let axes = diagnose(&samples, &options, |_| {})
+        let mut axes = diagnose(&samples, &options, |_| {})
             .map_err(|refused| anyhow::anyhow!("{}: {refused}", self.file))?;
+        if let Some(reference) = &reference {
+            for (number, axis) in axes.iter_mut().enumerate() {
+                axis.findings
+                    .extend(clock(&samples, reference, number, options.level()));
+            }
+        }
         let diagnosis = Diagnosis {
             schema: crate::analyse::SCHEMA,
             source: crate::analyse::summary(&samples.signal, &account),

@@ -24,6 +24,10 @@ use crate::source::Values;
 /// Samples below which no spectrum is worth the name.
 const LEAST: usize = 1 << 13;
 
+/// Step of a grid over the short-term noise below which chance repeats can be foretold: with few
+/// steps in the noise its law, which a correlation of neighbours or a dither changes, decides.
+const SPANNED: f64 = 0.25;
+
 /// Standard deviations of a one-sided 5 % test, and of a 95 % interval.
 const ONE_SIDED: f64 = 1.644_854;
 const TWO_SIDED: f64 = 1.959_964;
@@ -327,8 +331,9 @@ fn code_findings(
         let coarser = declared.is_none_or(|declared| step > 1.5 * declared.abs());
         coarser && step > 0.25 * noise
     });
-    // On a coarse grid repeats are no news.
-    let stale = codes::stale(measured, grid, level).filter(|_| coarse.is_none());
+    // On a grid that the noise does not span, repeats are no news.
+    let spanned = grid.is_none_or(|step| step < SPANNED * noise);
+    let stale = codes::stale(measured, grid, level).filter(|_| spanned);
     let repeats = || {
         (1..measured.len())
             .filter(|&n| measured[n] == measured[n - 1])

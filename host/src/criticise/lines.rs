@@ -116,13 +116,14 @@ fn measure(axis: &AxisState, line: &Line) -> Measured {
             cycles,
             cosine,
             sine,
+            lost: None,
         },
         amplitude_sd,
     }
 }
 
 /// Gathers what fits one mains frequency; a mains line may be alone.
-fn with_hum(singles: Vec<Measured>) -> Vec<Group> {
+pub fn with_hum(singles: Vec<Measured>) -> Vec<Group> {
     // The base frequency that most lines are multiples of, by the strongest line that is one.
     let mut best: Option<(f64, f64, Vec<usize>)> = None;
     for nominal_hz in MAINS_HZ {

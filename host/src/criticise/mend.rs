@@ -29,6 +29,9 @@ pub enum Wave {
         cosine: f64,
         /// Size of the sine.
         sine: f64,
+        /// Samples that were lost on the way, and the first index after them: from there on the
+        /// phase is that many samples ahead.
+        lost: Option<(usize, u32)>,
     },
     /// A covariate, one value a sample, times a gain.
     Follows {
@@ -72,10 +75,13 @@ impl Wave {
                 cycles,
                 cosine,
                 sine,
+                lost,
             } => {
+                let (after, samples) = lost.unwrap_or((values.len(), 0));
                 for (index, value) in values.iter_mut().enumerate() {
+                    let moment = index + if index < after { 0 } else { samples as usize };
                     // The fraction of a cycle, so that long records lose no digits.
-                    let turn = TAU * (index as f64 * cycles).fract();
+                    let turn = TAU * (moment as f64 * cycles).fract();
                     let (s, c) = turn.sin_cos();
                     *value -= cosine * c + sine * s;
                 }
@@ -224,6 +230,7 @@ mod tests {
                 cycles: 0.01,
                 cosine: 1.0,
                 sine: 0.5,
+                lost: None,
             },
         ];
         record.masked = vec![10..20];
@@ -235,7 +242,24 @@ mod tests {
                 assert!((left[n] + taken[n] - measured[n]).abs() < 1e-12, "{n}");
             }
         }
-        assert!((taken[300] - taken[50] - (2.0 - 5.0 * f64::exp(-1.0) - 0.0)).abs() < 0.02);
+        // Between these the level rises by 2, the line by 2, and the settling falls.
+        let settled = 5.0 * (f64::exp(-1.0) - f64::exp(-6.0));
+        assert!((taken[300] - taken[50] - (4.0 - settled)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_line_runs_ahead_after_a_loss() {
+        let line = |lost| Wave::Line {
+            cycles: 0.013,
+            cosine: 1.0,
+            sine: -2.0,
+            lost,
+        };
+        let (mut whole, mut shorter) = (vec![0.0; 300], vec![0.0; 293]);
+        line(None).take_out(&mut whole);
+        line(Some((120, 7))).take_out(&mut shorter);
+        whole.drain(120..127);
+        assert_eq!(whole, shorter);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //!
 //! Without a signal chain white, quantisation, walk and Markov noise, ramp and sinusoid are
 //! exact. Flicker noise is a bank of first-order Markov processes with correlation times a factor
-//! [`SPACING`] apart. With a chain, white and quantisation noise and Markov noise of a few samples
+//! six apart. With a chain, white and quantisation noise and Markov noise of a few samples
 //! go together through a low-order filter with the chain's spectrum; what is slow passes its poles
 //! alone. How good all this is is computed, not assumed: [`ShapingFilter::accuracy`]
 //! compares the Allan deviation of the very matrices with the model's.

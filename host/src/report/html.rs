@@ -224,6 +224,12 @@ fn coefficients(page: &mut String, axis: &AxisAnalysis) -> Result {
     if likelihood.is_none() {
         write!(page, "<p>{}</p>", verdict::NO_SPECTRUM)?;
     }
+    for note in verdict::velocity_error(axis)
+        .into_iter()
+        .chain(verdict::data_sheet(axis))
+    {
+        write!(page, "<p>{}</p>", escape(&note))?;
+    }
     Ok(())
 }
 

@@ -138,9 +138,15 @@ fn coefficients(text: &mut String, axis: &AxisAnalysis) -> std::fmt::Result {
     let stands_in = likelihood
         .is_none()
         .then(|| verdict::NO_SPECTRUM.to_owned());
-    for note in [tied, stands_in, verdict::misfit(axis)]
-        .into_iter()
-        .flatten()
+    for note in [
+        tied,
+        stands_in,
+        verdict::misfit(axis),
+        verdict::velocity_error(axis),
+    ]
+    .into_iter()
+    .flatten()
+    .chain(verdict::data_sheet(axis))
     {
         writeln!(text, "  {note}")?;
     }

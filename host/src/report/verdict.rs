@@ -1,8 +1,11 @@
 //! In plain words: how far a coefficient can be trusted.
 
-use super::number::significant;
+use super::number::{duration, significant};
 use crate::analyse::{AxisAnalysis, LikelihoodFit, LikelihoodValue, PublishedValue};
+use crate::chain::Chain;
+use crate::data_sheet;
 use crate::model::Coefficient;
+use crate::navigate::{ALIGNMENT_S, Growth};
 
 /// Half widths of the interval, relative to the value, up to which a coefficient counts as
 /// well known and as roughly known.
@@ -203,4 +206,39 @@ pub fn drawn(axis: &AxisAnalysis, coefficient: Coefficient) -> Option<f64> {
         (None, Some(fit)) => fit.get(coefficient).value,
         (None, None) => None,
     }
+}
+
+/// How the error of the integral grows, in a sentence; `None` without a fit.
+pub fn velocity_error(axis: &AxisAnalysis) -> Option<String> {
+    let growth = axis.velocity_error.as_ref().filter(|all| !all.is_empty())?;
+    let at = |one: &Growth| {
+        format!(
+            "{} ({} to {}) after {}",
+            significant(one.sigma, 2),
+            significant(one.lo, 2),
+            significant(one.hi, 2),
+            duration(one.t_s)
+        )
+    };
+    let parts: Vec<String> = growth.iter().map(at).collect();
+    Some(format!(
+        "Error of the integral, one sigma, {}*s, after {} of alignment: {}.",
+        axis.unit,
+        duration(ALIGNMENT_S),
+        parts.join(", ")
+    ))
+}
+
+/// What the data sheets of the known hardware say beside the fitted N.
+pub fn data_sheet(axis: &AxisAnalysis) -> Vec<String> {
+    let chain: Option<Chain> = axis.chain.as_ref().and_then(|chain| chain.parse().ok());
+    let white = axis
+        .fits
+        .likelihood
+        .as_ref()
+        .map(|fit| fit.coefficients.get(Coefficient::N));
+    let Some((Some(n), Some(hi), lo)) = white.map(|n| (n.value, n.hi, n.lo)) else {
+        return Vec::new();
+    };
+    data_sheet::lines(chain.as_ref(), axis.unit, n, lo, hi)
 }

@@ -10,7 +10,7 @@
 //!
 //! `H` being the converter's filter and the poles in their true phase. It is realised as one
 //! recursive section a pole and a finite impulse response for the rest, found by the inverse
-//! Fourier transform on [`GRID`] points and cut where less than [`CUT`] of its absolute sum is
+//! Fourier transform on 4096 points and cut where less than 1e-6 of its absolute sum is
 //! left. Behind a converter power is within 1e-4 of the pass band's peak everywhere. Poles without
 //! a converter have no phase of their own here, and are within 1 % of their power up to half the
 //! rate.

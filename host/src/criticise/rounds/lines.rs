@@ -4,12 +4,17 @@ use super::super::axis::AxisState;
 use super::super::finding::Value;
 use super::super::lines::{self, Group, Measured};
 use super::super::mend::Wave;
+use super::super::phase;
 use super::{Rounds, Snapshot, named};
+use crate::spectrum::Line;
 
 impl Rounds<'_> {
-    /// Takes out every line.
+    /// Takes out every line, with the samples that were lost under them.
     pub(super) fn lines(&mut self) -> Option<bool> {
         let groups = lines::lines(self.axis, self.level());
+        if self.lost(&groups)? {
+            return Some(true);
+        }
         let mut any = false;
         for group in groups {
             match group {
@@ -23,6 +28,76 @@ impl Rounds<'_> {
             }
         }
         Some(any)
+    }
+
+    /// Takes out lines that all jump in phase at one moment.
+    fn lost(&mut self, groups: &[Group]) -> Option<bool> {
+        let found: Vec<Line> = groups
+            .iter()
+            .flat_map(|group| match group {
+                Group::Single(one) => vec![one.line],
+                Group::Hum { lines, .. } => lines.iter().map(|(_, one)| one.line).collect(),
+                Group::Cluster { lines, .. } => lines.clone(),
+            })
+            .collect();
+        if found.len() < 2 || self.refused.contains(&"dropped") || self.find("dropped").is_some() {
+            return Some(false);
+        }
+        let rough: Vec<f64> = found.iter().map(|line| line.frequency_hz).collect();
+        let Some(loss) = phase::lost_samples(self.axis, &rough, self.level()) else {
+            return Some(false);
+        };
+        let rate_hz = self.axis.rate_hz;
+        let measured = loss.waves().zip(&loss.lines).filter_map(|(wave, steady)| {
+            let f_hz = steady.cycles * rate_hz;
+            let near = found.iter().min_by(|a, b| {
+                let away = |line: &Line| (line.frequency_hz - f_hz).abs();
+                away(a).total_cmp(&away(b))
+            })?;
+            let density = self.axis.density(f_hz);
+            Some(Measured {
+                line: Line {
+                    frequency_hz: f_hz,
+                    amplitude: steady.cosine.hypot(steady.sine),
+                    ..*near
+                },
+                wave,
+                amplitude_sd: (4.0 * density * rate_hz / self.axis.filled.len() as f64).sqrt(),
+            })
+        });
+        for group in lines::with_hum(measured.collect()) {
+            match group {
+                Group::Single(one) => self.single(one)?,
+                Group::Hum {
+                    base_hz,
+                    base_sd_hz,
+                    lines,
+                } => self.hum(base_hz, base_sd_hz, lines)?,
+                Group::Cluster { .. } => false,
+            };
+        }
+        let parameters = named([
+            (
+                "time_s_1",
+                Value::normal(loss.index as f64 / rate_hz, loss.index_sd / rate_hz),
+            ),
+            (
+                "samples_1",
+                Value {
+                    value: f64::from(loss.samples),
+                    lo: Some(loss.samples_lo),
+                    hi: Some(loss.samples_hi),
+                },
+            ),
+        ]);
+        self.accept(
+            "dropped",
+            parameters,
+            loss.p_value,
+            2.0,
+            Some(loss.held_nats),
+            |_| Some(()),
+        )
     }
 
     fn single(&mut self, one: Measured) -> Option<bool> {

@@ -5,7 +5,7 @@
 //! the next round begins with everything fitted anew, so that what one effect hid from another
 //! shows. An effect that turns out to gain nothing on held-out data is refused from the outset.
 //!
-//! One file a view; each extends [`Rounds`].
+//! One file a view; each extends `Rounds`.
 
 mod left_over;
 mod level;
@@ -26,7 +26,7 @@ use crate::model::catalogue;
 use crate::model::effect::Part;
 
 /// Tests that share the family's level evenly.
-const TESTS: f64 = 14.0;
+const TESTS: f64 = 16.0;
 
 /// Rounds, at most: far more than effects that one record can tell apart.
 const ROUNDS: usize = 24;

@@ -10,9 +10,16 @@ use crate::fit::likelihood::Fit;
 use crate::model::catalogue::CATALOGUE;
 use crate::model::effect::Part;
 
+/// Laws at most.
+const MOST: usize = 4;
+
 impl Rounds<'_> {
     /// Adds the law that is worth most.
     pub(super) fn laws(&mut self) -> Option<bool> {
+        // With more laws than that the record is of another kind, and no name is worth much.
+        if self.axis.laws.len() == MOST {
+            return Some(false);
+        }
         let level = self.level();
         let axis = &*self.axis;
         let mut found: Vec<laws::Found> = CATALOGUE

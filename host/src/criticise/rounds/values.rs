@@ -70,14 +70,16 @@ impl Rounds<'_> {
         }
         // Where a whole stretch is noisier, its large samples are no outliers.
         let powers = bursts::powers(&whole, &density, |n| axis.usable(n));
-        let burst = bursts::burst(&powers, self.level()).map(|burst| burst.range);
+        let burst = bursts::burst(&powers, self.level());
         let inside = |one: &Outlier| {
-            burst
-                .as_ref()
-                .is_some_and(|range| range.contains(&one.index))
+            burst.as_ref().is_some_and(|burst| {
+                let wide = (3.0 * burst.end_sd) as usize;
+                let from = burst.range.start.saturating_sub(wide);
+                (from..burst.range.end + wide).contains(&one.index)
+            })
         };
         let within = found.found.iter().filter(|one| inside(one)).count();
-        if within > 1 && 3 * within >= 2 * found.found.len() {
+        if within > 0 && 3 * within >= 2 * found.found.len() {
             return Some(false);
         }
         let mut all = found.found;

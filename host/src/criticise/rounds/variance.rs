@@ -29,6 +29,15 @@ impl Rounds<'_> {
             return Some(false);
         }
         let rate_hz = self.axis.rate_hz;
+        // Where the level switches, a stretch shorter than its dwell is two jumps too close to be
+        // told apart.
+        let switching = self.accepted.iter().find(|one| one.effect == "telegraph");
+        let dwell_s = switching
+            .and_then(|one| one.parameters.get("dwell_s"))
+            .map_or(0.0, |dwell| dwell.value);
+        if (range.len() as f64) < dwell_s * rate_hz {
+            return Some(false);
+        }
         let parameters = named([
             (
                 "from_s",

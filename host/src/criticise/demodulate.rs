@@ -1,0 +1,230 @@
+//! A record seen at one line: shifted down to zero frequency, in blocks.
+//!
+//! Each block's straight line is taken out first, so that drift does not leak to the line, and
+//! what is not usable counts for nothing. With `n_b` usable samples in block `b` at the middle
+//! `u_b` (a share of the record), a line of complex amplitude `a` that is `w` cycles a record away
+//! from the frequency it is looked at gives
+//!
+//! ```text
+//! y_b = a n_b e^(2 pi j w u_b) + noise,    <|noise|^2> = 4 n_b rate S(f)
+//! ```
+//!
+//! with independent blocks, `S` the two-sided density about the line.
+
+use std::f64::consts::{LN_2, TAU};
+
+use rustfft::FftPlanner;
+use rustfft::num_complex::Complex64;
+
+/// Share of the band of the blocks, about its middle, that does not count as noise.
+const INNER: usize = 8;
+
+/// A jump of the phase.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Turn {
+    /// Where, in blocks from the start; a fraction lies within a block.
+    pub place: f64,
+    /// By how much the phase advances, radians.
+    pub angle: f64,
+}
+
+/// A record in blocks, their straight lines taken out.
+pub struct Blocks {
+    /// Samples a block.
+    pub len: usize,
+    /// The samples; zero where not usable.
+    pub values: Vec<f64>,
+    /// Usable samples of each block.
+    pub usable: Vec<f64>,
+}
+
+impl Blocks {
+    /// Cuts `values` into `count` blocks; samples beyond the last whole one are left out.
+    pub fn new(values: &[f64], count: usize, usable: impl Fn(usize) -> bool) -> Self {
+        let len = values.len() / count;
+        let mut values = values[..count * len].to_vec();
+        let middle = 0.5 * (len as f64 - 1.0);
+        let squares: f64 = (0..len).map(|i| (i as f64 - middle).powi(2)).sum();
+        let mut counts = Vec::with_capacity(count);
+        for (block, part) in values.chunks_exact_mut(len).enumerate() {
+            let mean = part.iter().sum::<f64>() / len as f64;
+            let slope = part
+                .iter()
+                .enumerate()
+                .map(|(i, value)| (i as f64 - middle) * value)
+                .sum::<f64>()
+                / squares;
+            let mut good = 0;
+            for (i, value) in part.iter_mut().enumerate() {
+                *value = if usable(block * len + i) {
+                    good += 1;
+                    *value - mean - slope * (i as f64 - middle)
+                } else {
+                    0.0
+                };
+            }
+            counts.push(f64::from(good));
+        }
+        Self {
+            len,
+            values,
+            usable: counts,
+        }
+    }
+
+    /// The record at `cycles` a sample.
+    pub fn at(&self, cycles: f64) -> Demodulated {
+        let (s, c) = (TAU * cycles).sin_cos();
+        let step = Complex64::new(c, -s);
+        let sums: Vec<Complex64> = self
+            .values
+            .chunks_exact(self.len)
+            .enumerate()
+            .map(|(block, part)| {
+                // The fraction of a cycle, so that long records lose no digits.
+                let turn = TAU * ((block * self.len) as f64 * cycles).fract();
+                let mut phasor = Complex64::from_polar(2.0, -turn);
+                let mut sum = Complex64::ZERO;
+                for &value in part {
+                    sum += phasor * value;
+                    phasor *= step;
+                }
+                sum
+            })
+            .collect();
+        let noise = noise(&sums, self.usable.iter().sum());
+        Demodulated {
+            cycles,
+            sums,
+            weights: self.usable.clone(),
+            noise,
+        }
+    }
+}
+
+/// Noise of a block's sum, for each sample in it: from the middle of the ordinates away from the
+/// line, which a neighbouring line does not move.
+fn noise(sums: &[Complex64], weight: f64) -> f64 {
+    let mut ordinates = sums.to_vec();
+    let count = ordinates.len();
+    FftPlanner::new()
+        .plan_fft_forward(count)
+        .process(&mut ordinates);
+    let inner = count / INNER;
+    let mut powers: Vec<f64> = ordinates[inner..=count - inner]
+        .iter()
+        .map(|one| one.norm_sqr())
+        .collect();
+    let middle = powers.len() / 2;
+    let (_, median, _) = powers.select_nth_unstable_by(middle, f64::total_cmp);
+    (*median / (LN_2 * weight)).max(f64::MIN_POSITIVE)
+}
+
+/// A record at one line.
+#[derive(Clone)]
+pub struct Demodulated {
+    /// Frequency that it is looked at, cycles a sample.
+    pub cycles: f64,
+    /// Each block's sum, `y_b`.
+    pub sums: Vec<Complex64>,
+    /// Usable samples of each block, `n_b`.
+    pub weights: Vec<f64>,
+    /// Variance of a block's noise for each of its samples.
+    pub noise: f64,
+}
+
+impl Demodulated {
+    /// Every second block, from `first` (0 or 1) on; the others count for nothing.
+    pub fn every_second(&self, first: usize) -> Self {
+        let mut half = self.clone();
+        for block in (1 - first..half.sums.len()).step_by(2) {
+            half.sums[block] = Complex64::ZERO;
+            half.weights[block] = 0.0;
+        }
+        half
+    }
+
+    /// What a line of amplitude 1 looks like in a block, for each of its samples.
+    pub fn template(&self, block: usize, offset: f64, turn: Option<Turn>) -> Complex64 {
+        let middle = (block as f64 + 0.5) / self.sums.len() as f64;
+        let steady = Complex64::from_polar(1.0, TAU * offset * middle);
+        turn.map_or(steady, |turn| {
+            let before = (turn.place - block as f64).clamp(0.0, 1.0);
+            steady * (before + Complex64::from_polar(1.0 - before, turn.angle))
+        })
+    }
+
+    /// Best amplitude of a line `offset` cycles a record away, and what it gains in log-likelihood.
+    pub fn line(&self, offset: f64, turn: Option<Turn>) -> (Complex64, f64) {
+        let (mut product, mut energy) = (Complex64::ZERO, 0.0);
+        for (block, (sum, weight)) in self.sums.iter().zip(&self.weights).enumerate() {
+            let template = self.template(block, offset, turn);
+            product += sum * template.conj();
+            energy += weight * template.norm_sqr();
+        }
+        let energy = energy.max(f64::MIN_POSITIVE);
+        (product / energy, product.norm_sqr() / (energy * self.noise))
+    }
+
+    /// Best offset within `reach` of `about`, cycles a record, and its gain.
+    pub fn best_offset(&self, about: f64, reach: f64, turn: Option<Turn>) -> (f64, f64) {
+        /// Cycles a record between looks: a line halfway loses 5 %.
+        const STEP: f64 = 0.25;
+        let gain = |offset| self.line(offset, turn).1;
+        let looks = (reach / STEP).ceil() as i32;
+        let (mut best, mut highest) = (about, f64::NEG_INFINITY);
+        for look in -looks..=looks {
+            let offset = about + STEP * f64::from(look);
+            let here = gain(offset);
+            if here > highest {
+                (best, highest) = (offset, here);
+            }
+        }
+        // Golden section between the neighbours.
+        let ratio = 0.5 * (5f64.sqrt() - 1.0);
+        let (mut low, mut high) = (best - STEP, best + STEP);
+        for _ in 0..32 {
+            let (a, b) = (high - ratio * (high - low), low + ratio * (high - low));
+            if gain(a) > gain(b) {
+                high = b;
+            } else {
+                low = a;
+            }
+        }
+        let offset = 0.5 * (low + high);
+        (offset, gain(offset))
+    }
+
+    /// Log-likelihood, up to a constant, of a given line.
+    pub fn log_likelihood(&self, amplitude: Complex64, offset: f64, turn: Option<Turn>) -> f64 {
+        let blocks = self.sums.iter().zip(&self.weights).enumerate();
+        blocks
+            .filter(|(_, (_, weight))| **weight > 0.0)
+            .map(|(block, (sum, weight))| {
+                let left = sum - amplitude * self.template(block, offset, turn) * *weight;
+                -left.norm_sqr() / (weight * self.noise)
+            })
+            .sum()
+    }
+
+    /// What is left of the record within `reach` ordinates of a line, beyond what noise leaves
+    /// there on average, in units of log-likelihood.
+    pub fn left_over(&self, offset: f64, turn: Option<Turn>, reach: usize) -> f64 {
+        let (amplitude, _) = self.line(offset, turn);
+        let mut left: Vec<Complex64> = (0..self.sums.len())
+            .map(|block| {
+                let template = self.template(block, offset, turn);
+                // Back to zero frequency.
+                let back = self.template(block, offset, None).conj();
+                (self.sums[block] - amplitude * template * self.weights[block]) * back
+            })
+            .collect();
+        let count = left.len();
+        FftPlanner::new().plan_fft_forward(count).process(&mut left);
+        let weight: f64 = self.weights.iter().sum();
+        let near = left[..=reach].iter().chain(&left[count - reach..]);
+        let power: f64 = near.map(|one| one.norm_sqr()).sum();
+        // Amplitude and offset took three halves of an ordinate's two numbers.
+        power / (weight * self.noise) - (2.0 * reach as f64 + 1.0 - 1.5)
+    }
+}
