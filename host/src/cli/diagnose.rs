@@ -5,6 +5,7 @@ use std::io::Write;
 use std::process::ExitCode;
 
 use clap::Args;
+use indicatif::ProgressBar;
 
 use super::input::InputOptions;
 use super::output::write_to;
@@ -69,8 +70,12 @@ impl DiagnoseCommand {
             family_level: self.level,
             covariate,
         };
-        let mut axes = diagnose(&samples, &options, |_| {})
+        // On a terminal only, and gone when the text comes.
+        let bar = ProgressBar::new(samples.axes.len() as u64).with_message("axes");
+        bar.tick();
+        let mut axes = diagnose(&samples, &options, |axis| bar.set_position(axis as u64 + 1))
             .map_err(|refused| anyhow::anyhow!("{}: {refused}", self.file))?;
+        bar.finish_and_clear();
         if let Some(reference) = &reference {
             for (number, axis) in axes.iter_mut().enumerate() {
                 axis.findings

@@ -156,35 +156,32 @@ fn diagnose_axis(
         laws: Vec::new(),
     };
     let held = HeldCurve::new(&axis);
-    let model = |snapshot: &Snapshot, fit: &Fit, effects: Vec<ModelEffect>| ModelAxis {
+    let model = |snapshot: &Snapshot, fit: &Fit| ModelAxis {
         name: signal.name.clone(),
         unit: signal.unit,
         mean,
         chain: signal.chain.clone(),
         coefficients: gain::coefficients(&fit.squared),
-        effects: effects
-            .into_iter()
-            .chain(law_effects(&axis.frame, snapshot, fit))
-            .collect(),
+        effects: law_effects(&axis.frame, snapshot, fit),
     };
     let error =
         |model: &ModelAxis, snapshot: &Snapshot| gain::allan_error(&axis, &held, model, snapshot);
-    let base = model(&base_snapshot, &base_fit, Vec::new());
+    let base = model(&base_snapshot, &base_fit);
     let base_error = error(&base, &base_snapshot);
     let last_snapshot = outcome
         .accepted
         .last()
         .map_or_else(|| base_snapshot.clone(), |one| one.with.clone());
-    let stationary = model(&last_snapshot, &axis.fit, Vec::new());
+    let stationary = model(&last_snapshot, &axis.fit);
     let last_error = error(&stationary, &last_snapshot);
     let mut findings = Vec::new();
     for (index, one) in outcome.accepted.iter().enumerate() {
-        let before = model(&one.without, &one.before, Vec::new());
+        let before = model(&one.without, &one.before);
         let after_fit = outcome
             .accepted
             .get(index + 1)
             .map_or(&axis.fit, |next| &next.before);
-        let after = model(&one.with, after_fit, Vec::new());
+        let after = model(&one.with, after_fit);
         findings.push(finding(
             one,
             Gain {
@@ -241,11 +238,7 @@ fn law_effects(frame: &Frame, snapshot: &Snapshot, fit: &Fit) -> Vec<ModelEffect
     (0..laws.len())
         .filter_map(|which| {
             let law = &laws[which];
-            let mut values = law.values.clone();
-            if let Some(size) = law.effect.size() {
-                let squared = *fit.squared.get(laws::component_of(frame, &laws, which))?;
-                values[size] = squared.powf(1.0 / laws::squared_power(law));
-            }
+            let values = laws::sized(frame, &laws, which, fit);
             let parameters = law
                 .effect
                 .parameters(&values)
@@ -354,5 +347,9 @@ fn code_findings(
             })
             .collect(),
         coarse,
+        largest: measured
+            .iter()
+            .filter(|value| value.is_finite())
+            .fold(mean.abs(), |most, value| most.max((value + mean).abs())),
     }
 }

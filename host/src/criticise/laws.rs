@@ -296,6 +296,17 @@ pub fn component_of(frame: &Frame, laws: &[Law], which: usize) -> usize {
     frame.units().len() + laws[..which].iter().filter(|law| law.adds()).count()
 }
 
+/// Values of a law with the size that a fit gives it.
+pub fn sized(frame: &Frame, laws: &[Law], which: usize, fit: &Fit) -> Vec<f64> {
+    let law = &laws[which];
+    let mut values = law.values.clone();
+    if let Some(size) = law.effect.size() {
+        let squared = fit.squared[component_of(frame, laws, which)];
+        values[size] = squared.powf(1.0 / squared_power(law));
+    }
+    values
+}
+
 /// With which power of its size a law's density grows.
 pub fn squared_power(law: &Law) -> f64 {
     use crate::model::effect::Quantity;

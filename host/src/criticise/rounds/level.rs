@@ -8,7 +8,7 @@ use super::super::levels::{self, Jump};
 use super::super::mend::{Wave, block_means};
 use super::super::slow;
 use super::super::whole::{Transformer, held_out_gain};
-use super::{Accepted, Rounds, Snapshot, named};
+use super::{Rounds, Snapshot, named};
 
 /// Jumps that are told one by one, at most.
 const MOST: usize = 150;
@@ -23,19 +23,16 @@ impl Rounds<'_> {
     /// Takes out the slow change that shows most: what follows the covariate, settling, or jumps.
     pub(super) fn levels(&mut self) -> Option<bool> {
         let level = self.level();
-        let has =
-            |wanted: &str, accepted: &[Accepted]| accepted.iter().any(|one| one.effect == wanted);
+        let open = |effect: &'static str| {
+            !self.refused.contains(&effect) && self.accepted.iter().all(|one| one.effect != effect)
+        };
         let thermal = match &self.options.covariate {
-            Some(column) if !has("thermal", &self.accepted) => {
-                slow::follows(self.axis, column, level)
-            }
+            Some(column) if open("thermal") => slow::follows(self.axis, column, level),
             _ => None,
         };
-        let warm_up = if has("warmup", &self.accepted) {
-            None
-        } else {
-            slow::warm_up(self.axis, level)
-        };
+        let warm_up = open("warmup")
+            .then(|| slow::warm_up(self.axis, level))
+            .flatten();
         let jump = if self.switching {
             None
         } else {

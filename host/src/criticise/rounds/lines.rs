@@ -40,7 +40,12 @@ impl Rounds<'_> {
                 Group::Cluster { lines, .. } => lines.clone(),
             })
             .collect();
-        if found.len() < 2 || self.refused.contains(&"dropped") || self.find("dropped").is_some() {
+        // Once lines are out, what a loss leaves of them is no measure of it.
+        let is_line = |wave: &Wave| matches!(wave, Wave::Line { .. });
+        if found.len() < 2
+            || self.refused.contains(&"dropped")
+            || self.axis.mended.waves.iter().any(is_line)
+        {
             return Some(false);
         }
         let rough: Vec<f64> = found.iter().map(|line| line.frequency_hz).collect();

@@ -23,7 +23,6 @@ use super::laws::{self, Law};
 use super::mend::Wave;
 use crate::fit::likelihood::Fit;
 use crate::model::catalogue;
-use crate::model::effect::Part;
 
 /// Tests that share the family's level evenly.
 const TESTS: f64 = 16.0;
@@ -151,6 +150,8 @@ pub struct CodeFindings {
     pub clipping: Vec<(codes::Clipping, Vec<usize>)>,
     /// Step of the values that is coarser than declared, beside the short-term noise.
     pub coarse: Option<f64>,
+    /// Largest size of a value: what its rounding is a share of.
+    pub largest: f64,
 }
 
 struct Rounds<'a> {
@@ -208,17 +209,6 @@ impl Rounds<'_> {
             self.discrepancies.push(spectrum_remark(&departure));
         }
     }
-}
-
-/// Values of a law with its fitted size.
-pub fn law_values(axis: &AxisState, which: usize) -> Vec<f64> {
-    let law: &Law = &axis.laws[which];
-    let mut values = law.values.clone();
-    if let (Some(size), Part::Term(_)) = (law.effect.size(), law.effect.part(&law.values)) {
-        let squared = axis.fit.squared[laws::component_of(&axis.frame, &axis.laws, which)];
-        values[size] = squared.powf(1.0 / laws::squared_power(law));
-    }
-    values
 }
 
 /// The laws of a snapshot.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::super::finding::{Rival, Value};
 use super::super::laws::{self, Law};
 use super::super::telegraph;
-use super::{Accepted, Rounds, law_values, named};
+use super::{Accepted, Rounds, named};
 use crate::fit::likelihood::Fit;
 use crate::model::catalogue::CATALOGUE;
 use crate::model::effect::Part;
@@ -99,7 +99,7 @@ impl Rounds<'_> {
         for (which, law) in axis.laws.iter().enumerate() {
             let log_sd =
                 laws::log_deviations(&axis.frame, &axis.data, &axis.laws, which, &axis.fit);
-            let values = law_values(axis, which);
+            let values = laws::sized(&axis.frame, &axis.laws, which, &axis.fit);
             let parameters: BTreeMap<String, Value> = law
                 .effect
                 .parameters(&law.values)

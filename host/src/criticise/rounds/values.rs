@@ -22,7 +22,8 @@ impl Rounds<'_> {
             })?;
         }
         for (clipping, places) in &values.clipping {
-            let slack = 1e-9 * clipping.level.abs();
+            // Known to the rounding of the mean that was taken out and put back.
+            let slack = 4.0 * f64::EPSILON * values.largest;
             let parameters = named([
                 ("level", Value::normal(clipping.level, slack)),
                 ("side", Value::exact(clipping.side)),
@@ -42,26 +43,26 @@ impl Rounds<'_> {
             )?;
         }
         if let Some(step) = values.coarse {
-            // Known as well as the values are written.
-            let step = Value::normal(step, 1e-6 * step);
-            self.plain("quantisation", [("step", step)], 0.0);
+            // A difference of two values, each known to its rounding. Thousands of values on a grid
+            // that nobody laid have a probability below what a number can hold.
+            let step = Value::normal(step, 4.0 * f64::EPSILON * values.largest);
+            self.accept(
+                "quantisation",
+                named([("step", step)]),
+                0.0,
+                1.0,
+                None,
+                |_| Some(()),
+            )?;
         }
         Some(())
     }
 
-    /// An effect that changes neither record nor law.
-    fn plain<const N: usize>(
-        &mut self,
-        effect: &'static str,
-        parameters: [(&str, Value); N],
-        p_value: f64,
-    ) {
-        let parameters = named(parameters);
-        let _ = self.accept(effect, parameters, p_value, N as f64, None, |_| Some(()));
-    }
-
     /// Takes out samples that do not belong.
     pub(super) fn outliers(&mut self) -> Option<bool> {
+        if self.refused.contains(&"outliers") {
+            return Some(false);
+        }
         let (whole, density) = self.axis.whole();
         let axis = &*self.axis;
         let found = impulses::outliers(&whole, &density, self.level(), |n| axis.usable(n));
@@ -122,14 +123,14 @@ impl Rounds<'_> {
             one.nats = one.nats.map(|before| before + nats);
         } else {
             let p_value = found.p_value;
-            self.accept(
+            return self.accept(
                 "outliers",
                 parameters,
                 p_value,
                 2.0 * count,
                 Some(nats),
                 change,
-            )?;
+            );
         }
         Some(true)
     }

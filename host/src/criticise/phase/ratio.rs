@@ -1,0 +1,284 @@
+//! The likelihood ratio of a loss: gains of all lines over steady ones, for every moment and length.
+
+use rustfft::num_complex::Complex64;
+use std::f64::consts::TAU;
+
+use super::super::demodulate::{Blocks, Demodulated, Turn};
+use super::{AS_GOOD, REACH};
+
+/// Share of the record at each end in which no loss is looked for.
+const MARGIN: f64 = 0.02;
+
+/// Error of the tables, at most, as a share of the gain: they know a moment by its block alone.
+const TABLE_SHARE: f64 = 0.1;
+
+/// A line and its best steady fit.
+pub(super) struct Line {
+    pub(super) seen: Demodulated,
+    /// Cycles a record from where it is looked at.
+    pub(super) offset: f64,
+    /// Gain in log-likelihood over no line.
+    pub(super) gain: f64,
+}
+
+impl Line {
+    pub(super) fn cycles(&self, offset: f64, block: usize) -> f64 {
+        self.seen.cycles + offset / (self.seen.sums.len() * block) as f64
+    }
+}
+
+/// A line with a jump of phase.
+pub(super) struct Turned {
+    pub(super) turn: Turn,
+    pub(super) offset: f64,
+    pub(super) amplitude: Complex64,
+    pub(super) gain: f64,
+}
+
+/// The lines with `samples` lost at `place`, in blocks.
+pub(super) fn fitted(lines: &[Line], place: f64, samples: usize) -> Vec<Turned> {
+    lines
+        .iter()
+        .map(|line| {
+            let turn = Turn {
+                place,
+                angle: TAU * line.seen.cycles * samples as f64,
+            };
+            let (offset, _) = line.seen.best_offset(line.offset, REACH, Some(turn));
+            let (amplitude, gain) = line.seen.line(offset, Some(turn));
+            Turned {
+                turn,
+                offset,
+                amplitude,
+                gain,
+            }
+        })
+        .collect()
+}
+
+/// A moment and a number of samples.
+#[derive(Clone, Copy)]
+pub(super) struct Best {
+    /// First block after the loss.
+    pub(super) place: usize,
+    pub(super) samples: usize,
+    pub(super) gain: f64,
+}
+
+/// Gains over steady lines, of each line, for all moments and lengths.
+pub(super) struct Tables {
+    pub(super) longest: usize,
+    /// First block that a loss is looked for ahead of.
+    pub(super) first: usize,
+    /// By line, then moment, then length.
+    pub(super) each: Vec<Vec<f64>>,
+    pub(super) sum: Vec<f64>,
+}
+
+impl Tables {
+    pub(super) fn new(lines: &[Line], longest: usize) -> Self {
+        let count = lines[0].seen.sums.len();
+        let first = ((MARGIN * count as f64) as usize).max(1);
+        let each: Vec<Vec<f64>> = lines
+            .iter()
+            .map(|line| gains(line, first..count - first, longest))
+            .collect();
+        let sum = (0..each[0].len())
+            .map(|at| each.iter().map(|gains| gains[at]).sum())
+            .collect();
+        Self {
+            longest,
+            first,
+            each,
+            sum,
+        }
+    }
+
+    /// The best moment for each length that may be the best, ascending.
+    pub(super) fn candidates(&self) -> Vec<Best> {
+        let all = (0..self.longest).map(|length| {
+            let gains = self.sum[length..].iter().step_by(self.longest);
+            let (moment, gain) = gains
+                .enumerate()
+                .max_by(|a, b| a.1.total_cmp(b.1))
+                .map_or((0, 0.0), |(moment, gain)| (moment, *gain));
+            Best {
+                place: self.first + moment,
+                samples: length + 1,
+                gain,
+            }
+        });
+        let all: Vec<Best> = all.collect();
+        let highest = all.iter().map(|one| one.gain).fold(f64::MIN, f64::max);
+        let least = highest - 2.0 * AS_GOOD - TABLE_SHARE * highest.max(0.0);
+        all.into_iter().filter(|one| one.gain > least).collect()
+    }
+
+    /// Logarithm of the likelihood ratio averaged over all moments and lengths.
+    pub(super) fn mean_ratio(&self) -> f64 {
+        log_sum(&self.sum) - (self.sum.len() as f64).ln()
+    }
+
+    /// Middle and standard deviation of the moment, in blocks, all moments alike beforehand.
+    pub(super) fn moment(&self, samples: usize) -> (f64, f64) {
+        let gains = self.sum[samples - 1..].iter().step_by(self.longest);
+        let (middle, sd) = posterior(gains.copied());
+        (self.first as f64 + middle, sd)
+    }
+
+    /// Logarithm of the odds that the other lines give at a moment, over the lengths that one line
+    /// by itself leaves open, each by what it is worth to that one.
+    pub(super) fn others(&self, line: usize, place: usize) -> f64 {
+        let from = (place - self.first) * self.longest;
+        let moment = from..from + self.longest;
+        log_sum(&self.sum[moment.clone()]) - log_sum(&self.each[line][moment])
+    }
+}
+
+/// Logarithm of the sum of exponentials.
+pub(super) fn log_sum(gains: &[f64]) -> f64 {
+    let highest = gains.iter().copied().fold(f64::MIN, f64::max);
+    let sum: f64 = gains.iter().map(|gain| (gain - highest).exp()).sum();
+    highest + sum.ln()
+}
+
+/// Gains of one line over a steady one for losses of 1 to `longest` samples ahead of each block of
+/// `places`, the frequency fitted: the best of a grid, and from there one step of Newton's.
+pub(super) fn gains(line: &Line, places: std::ops::Range<usize>, longest: usize) -> Vec<f64> {
+    /// Cycles a record between points of the grid.
+    const STEP: f64 = 0.25;
+    let seen = &line.seen;
+    let count = seen.sums.len();
+    let norm = seen.noise * seen.weights.iter().sum::<f64>();
+    // Running sums of y e^(-j v w), of v and of v^2 times that, v the angle a unit of offset.
+    let running: Vec<Vec<[Complex64; 3]>> = (-(REACH / STEP) as i32..=(REACH / STEP) as i32)
+        .map(|point| {
+            let offset = line.offset + STEP * f64::from(point);
+            let mut sums = [Complex64::ZERO; 3];
+            let mut running = vec![sums];
+            for (block, sum) in seen.sums.iter().enumerate() {
+                let v = TAU * ((block as f64 + 0.5) / count as f64 - 0.5);
+                let shifted = sum * Complex64::from_polar(1.0, -offset * v);
+                sums[0] += shifted;
+                sums[1] += shifted * v;
+                sums[2] += shifted * (v * v);
+                running.push(sums);
+            }
+            running
+        })
+        .collect();
+    let back: Vec<Complex64> = (1..=longest)
+        .map(|samples| Complex64::from_polar(1.0, -TAU * seen.cycles * samples as f64))
+        .collect();
+    let mut gains = Vec::with_capacity(places.len() * longest);
+    for place in places {
+        for &back in &back {
+            let total = |sums: &[[Complex64; 3]], power: usize| {
+                let before = sums[place][power];
+                before + (sums[count][power] - before) * back
+            };
+            let mut highest = (0.0, &running[0]);
+            for sums in &running {
+                let power = total(sums, 0).norm_sqr();
+                if power > highest.0 {
+                    highest = (power, sums);
+                }
+            }
+            let (power, sums) = highest;
+            let [zero, one, two] = [total(sums, 0), total(sums, 1), total(sums, 2)];
+            let slope = 2.0 * (zero.conj() * one).im;
+            let bend = 2.0 * (one.norm_sqr() - (zero.conj() * two).re);
+            let step = if bend < 0.0 {
+                (-slope / bend).clamp(-STEP, STEP)
+            } else {
+                0.0
+            };
+            let power = power + slope * step + 0.5 * bend * step * step;
+            gains.push(power / norm - line.gain);
+        }
+    }
+    gains
+}
+
+/// Middle and standard deviation of a whole number by its log-likelihoods from 0 on.
+pub(super) fn posterior(gains: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
+    let highest = gains.clone().fold(f64::NEG_INFINITY, f64::max);
+    let (mut sum, mut first, mut second) = (0.0, 0.0, 0.0);
+    for (number, gain) in gains.enumerate() {
+        let (weight, number) = ((gain - highest).exp(), number as f64);
+        sum += weight;
+        first += weight * number;
+        second += weight * number * number;
+    }
+    let middle = first / sum;
+    (middle, (second / sum - middle * middle).max(0.0).sqrt())
+}
+
+/// Index and standard deviation of a loss close to the edge of a block: the lines are known from
+/// the whole record, and each sample speaks for the phase ahead of the loss or behind it.
+pub(super) fn zoom(blocks: &Blocks, lines: &[Line], turned: &[Turned], best: Best) -> (usize, f64) {
+    let from = best.place.saturating_sub(4) * blocks.len;
+    let to = ((best.place + 4) * blocks.len).min(blocks.values.len());
+    // One density for all lines, each by what it contributes.
+    let (mut power, mut weight) = (0.0, 0.0);
+    for (line, turned) in lines.iter().zip(turned) {
+        power += turned.amplitude.norm_sqr();
+        weight += turned.amplitude.norm_sqr() / line.seen.noise;
+    }
+    // 4 rate S of the demodulated record; the samples' own variance is rate S.
+    let variance = 0.25 * power / weight;
+    let at = |moment: usize| -> f64 {
+        let one = |(line, turned): (&Line, &Turned)| {
+            let cycles = line.cycles(turned.offset, blocks.len);
+            let turn = TAU * (moment as f64 * cycles).fract();
+            (turned.amplitude * Complex64::from_polar(1.0, turn)).re
+        };
+        lines.iter().zip(turned).map(one).sum()
+    };
+    let mut gain = 0.0;
+    let gains: Vec<f64> = (from..to)
+        .map(|index| {
+            let here = gain;
+            let value = blocks.values[index];
+            // What is not usable is exactly zero, and speaks for neither.
+            if value != 0.0 {
+                let (ahead, behind) = (at(index), at(index + best.samples));
+                gain += ((value - behind).powi(2) - (value - ahead).powi(2)) / (2.0 * variance);
+            }
+            here
+        })
+        .collect();
+    let (middle, sd) = posterior(gains.iter().copied());
+    // A whole number, by its rounding.
+    (from + middle.round() as usize, sd.max(12f64.sqrt().recip()))
+}
+
+/// Gain on every second block of what was fitted to the others.
+pub(super) fn held(lines: &[Line], longest: usize) -> f64 {
+    let seen: Vec<Line> = lines
+        .iter()
+        .map(|line| {
+            let half = line.seen.every_second(0);
+            let (offset, gain) = half.best_offset(line.offset, REACH, None);
+            let seen = half;
+            Line { seen, offset, gain }
+        })
+        .collect();
+    let tables = Tables::new(&seen, longest);
+    let candidates = tables.candidates();
+    let Some(best) = candidates.iter().max_by(|a, b| a.gain.total_cmp(&b.gain)) else {
+        return 0.0;
+    };
+    let turned = fitted(&seen, best.place as f64, best.samples);
+    lines
+        .iter()
+        .zip(&seen)
+        .zip(&turned)
+        .map(|((line, seen), turned)| {
+            let other = line.seen.every_second(1);
+            let (steady, _) = seen.seen.line(seen.offset, None);
+            other.log_likelihood(turned.amplitude, turned.offset, Some(turned.turn))
+                - other.log_likelihood(steady, seen.offset, None)
+        })
+        .sum()
+}
