@@ -1,9 +1,10 @@
 //! One axis on its way: mended record, spectrum, laws, and what whitens it.
 
 use std::ops::Range;
+use std::sync::{Arc, OnceLock};
 
 use super::frame::Frame;
-use super::laws::{self, Law};
+use super::laws::{self, Law, search};
 use super::mend::{Mended, block_means, bridge};
 use super::whole::{Transformer, Whole};
 use crate::chain::Chain;
@@ -15,6 +16,9 @@ const TABLE: usize = 2048;
 
 /// Samples of the slow copy of a record, at most.
 const SLOW: usize = 1 << 18;
+
+/// Samples of its copy for what takes a good part of the record, at most.
+const DRIFT: usize = 1 << 15;
 
 /// Samples on either side of a bridge or a mask that tests of single moments leave out.
 const GUARD: usize = 64;
@@ -49,6 +53,16 @@ pub struct AxisState {
     /// Ranges that tests of single moments leave out, ascending and disjoint.
     unusable: Vec<Range<usize>>,
     fast: Transformer,
+    seen: OnceLock<Arc<Seen>>,
+    starts: OnceLock<Option<Arc<search::Starts>>>,
+}
+
+/// The mended record's transform, closed into a ring, and the densities that whiten it.
+pub struct Seen {
+    /// Transform.
+    pub whole: Whole,
+    /// Density at every ordinate.
+    pub density: Vec<f64>,
 }
 
 impl AxisState {
@@ -69,6 +83,8 @@ impl AxisState {
             filled: Vec::new(),
             unusable: Vec::new(),
             fast,
+            seen: OnceLock::new(),
+            starts: OnceLock::new(),
         };
         state.refresh(false)?;
         Some(state)
@@ -78,11 +94,13 @@ impl AxisState {
     /// `regrid` where other samples are missing than before.
     pub fn refresh(&mut self, regrid: bool) -> Option<()> {
         let mut values = self.mended.values();
+        self.seen = OnceLock::new();
         if regrid {
+            self.starts = OnceLock::new();
             self.frame = Frame::new(&values, self.rate_hz, self.chain.as_ref())?;
         }
         self.data = self.frame.measure(&values);
-        self.fit = laws::polish(&self.frame, &self.data, &mut self.laws, 0, 0.05)?;
+        self.fit = search::polish(&self.frame, &self.data, &mut self.laws, 0, 0.05)?;
         let gaps = bridge(&mut values);
         self.unusable.clear();
         for gap in gaps {
@@ -107,12 +125,21 @@ impl AxisState {
             .is_none_or(|range| index < range.start)
     }
 
-    /// Transform of the mended record, closed into a ring, and the densities that whiten it.
-    pub fn whole(&self) -> (Whole, Vec<f64>) {
-        let mut whole = self.fast.transform(&self.filled, self.rate_hz);
-        let density = self.whitening(&whole);
-        whole.close(&density);
-        (whole, density)
+    /// Transform of the mended record and what whitens it; made once for each state.
+    pub fn whole(&self) -> Arc<Seen> {
+        let seen = self.seen.get_or_init(|| {
+            let mut whole = self.fast.transform(&self.filled, self.rate_hz);
+            let density = self.whitening(&whole);
+            whole.close(&density);
+            Arc::new(Seen { whole, density })
+        });
+        Arc::clone(seen)
+    }
+
+    /// Where searches for laws begin; `None` without bins.
+    pub fn starts(&self) -> Option<Arc<search::Starts>> {
+        let made = || search::Starts::new(&self.frame).map(Arc::new);
+        self.starts.get_or_init(made).clone()
     }
 
     /// Two-sided density of the fitted model at `f_hz`, chain and filters included.
@@ -191,10 +218,13 @@ impl AxisState {
         self.mended.len().div_ceil(SLOW).max(1)
     }
 
-    /// The mended record in means over [`Self::slow_factor`] samples: its transform, and what
-    /// whitens it.
-    pub fn slow(&self, values: &[f64]) -> (Whole, Vec<f64>) {
-        let factor = self.slow_factor();
+    /// Samples that one sample of a copy stands for that holds nothing but drift.
+    pub fn drift_factor(&self) -> usize {
+        self.mended.len().div_ceil(DRIFT).max(1)
+    }
+
+    /// `values` in means over `factor` samples: their transform, and what whitens it.
+    pub fn slow(&self, values: &[f64], factor: usize) -> (Whole, Vec<f64>) {
         let means = block_means(values, factor);
         let rate_hz = self.rate_hz / factor as f64;
         let mut whole = Transformer::new(means.len()).transform(&means, rate_hz);

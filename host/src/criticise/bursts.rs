@@ -6,7 +6,6 @@
 
 use std::ops::Range;
 
-use realfft::RealFftPlanner;
 use realfft::num_complex::Complex64;
 
 use super::tail;
@@ -182,7 +181,7 @@ pub fn wander(powers: &Powers) -> Option<Wander> {
     let mean = normal.iter().sum::<f64>() / length as f64;
     normal.iter_mut().for_each(|value| *value -= mean);
     let variance = normal.iter().map(|value| value * value).sum::<f64>() / length as f64;
-    let plan = RealFftPlanner::new().plan_fft_forward(length);
+    let plan = crate::fft::real_forward(length);
     let mut ordinates = plan.make_output_vec();
     plan.process(&mut normal, &mut ordinates).ok()?;
     let power = |k: usize| ordinates[k].norm_sqr() / (length as f64 * variance);

@@ -2,7 +2,7 @@
 
 use super::super::bursts;
 use super::super::finding::Remark;
-use super::super::laws;
+use super::super::laws::departure;
 use super::super::lines::{self, Group};
 use super::{Rounds, spectrum_remark};
 
@@ -12,7 +12,7 @@ impl Rounds<'_> {
         let level = self.level();
         let mut remarks = Vec::new();
         self.describe_laws();
-        let departure = laws::departure(&self.axis.data, &self.axis.fit.expected);
+        let departure = departure::departure(&self.axis.data, &self.axis.fit.expected);
         if let Some(departure) = departure.filter(|one| one.p_value < level) {
             remarks.push(spectrum_remark(&departure));
         }
@@ -50,9 +50,10 @@ impl Rounds<'_> {
                 });
             }
         }
-        let (whole, density) = self.axis.whole();
+        let seen = self.axis.whole();
+        let (whole, density) = (&seen.whole, &seen.density);
         let axis = &*self.axis;
-        let powers = bursts::powers(&whole, &density, |n| axis.usable(n));
+        let powers = bursts::powers(whole, density, |n| axis.usable(n));
         if let Some(wander) = bursts::wander(&powers) {
             if wander.cyclic.0 < level {
                 let period_s = wander.cyclic.1 / axis.rate_hz;

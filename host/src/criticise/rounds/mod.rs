@@ -19,7 +19,8 @@ use std::collections::BTreeMap;
 use super::axis::AxisState;
 use super::codes;
 use super::finding::{Remark, Rival, Value};
-use super::laws::{self, Law};
+use super::laws::Law;
+use super::laws::departure;
 use super::mend::Wave;
 use crate::fit::likelihood::Fit;
 use crate::model::catalogue;
@@ -204,7 +205,7 @@ impl Rounds<'_> {
 
     fn note_base(&mut self) {
         let level = self.level();
-        let departure = laws::departure(&self.axis.data, &self.axis.fit.expected);
+        let departure = departure::departure(&self.axis.data, &self.axis.fit.expected);
         if let Some(departure) = departure.filter(|one| one.p_value < level) {
             self.discrepancies.push(spectrum_remark(&departure));
         }
@@ -232,7 +233,7 @@ fn named<const N: usize>(values: [(&str, Value); N]) -> BTreeMap<String, Value> 
         .collect()
 }
 
-fn spectrum_remark(departure: &laws::Departure) -> Remark {
+fn spectrum_remark(departure: &departure::Departure) -> Remark {
     Remark {
         test: "spectrum".into(),
         place: format!("{:.5} to {:.5} Hz", departure.from_hz, departure.to_hz),

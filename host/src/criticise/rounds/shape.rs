@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::super::finding::{Rival, Value};
-use super::super::laws::{self, Law};
+use super::super::laws::{self, Law, search, spread};
 use super::super::telegraph;
 use super::{Accepted, Rounds, named};
 use crate::fit::likelihood::Fit;
@@ -22,15 +22,23 @@ impl Rounds<'_> {
         }
         let level = self.level();
         let axis = &*self.axis;
-        let mut found: Vec<laws::Found> = CATALOGUE
+        let starts = axis.starts()?;
+        let mut found: Vec<search::Found> = CATALOGUE
             .iter()
             .filter(|effect| !self.refused.contains(&effect.name()))
             .filter_map(|&effect| {
-                laws::search(&axis.frame, &axis.data, &axis.laws, &axis.fit, effect)
+                search::search(
+                    &axis.frame,
+                    &axis.data,
+                    &axis.laws,
+                    &axis.fit,
+                    &starts,
+                    effect,
+                )
             })
             .collect();
         // Each parameter has to be paid for.
-        let worth = |one: &laws::Found| one.nats - one.law.values.len() as f64;
+        let worth = |one: &search::Found| one.nats - one.law.values.len() as f64;
         found.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
         if found.first().is_none_or(|best| best.p_value >= level) {
             return Some(false);
@@ -98,7 +106,7 @@ impl Rounds<'_> {
         let axis = &*self.axis;
         for (which, law) in axis.laws.iter().enumerate() {
             let log_sd =
-                laws::log_deviations(&axis.frame, &axis.data, &axis.laws, which, &axis.fit);
+                spread::log_deviations(&axis.frame, &axis.data, &axis.laws, which, &axis.fit);
             let values = laws::sized(&axis.frame, &axis.laws, which, &axis.fit);
             let parameters: BTreeMap<String, Value> = law
                 .effect

@@ -10,9 +10,10 @@ const MOST: usize = 4;
 impl Rounds<'_> {
     /// Masks the stretch that departs most from the rest.
     pub(super) fn bursts(&mut self) -> Option<bool> {
-        let (whole, density) = self.axis.whole();
+        let seen = self.axis.whole();
+        let (whole, density) = (&seen.whole, &seen.density);
         let axis = &*self.axis;
-        let powers = bursts::powers(&whole, &density, |n| axis.usable(n));
+        let powers = bursts::powers(whole, density, |n| axis.usable(n));
         let Some(burst) = bursts::burst(&powers, self.level()) else {
             return Some(false);
         };
