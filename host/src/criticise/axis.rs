@@ -42,6 +42,8 @@ pub struct AxisState {
     pub mended: Mended,
     /// Bins and expectations.
     pub frame: Frame,
+    /// Bands that no steady law speaks for, hertz: neither fits nor tests look at them.
+    pub apart: Vec<Range<f64>>,
     /// Laws beside the five terms.
     pub laws: Vec<Law>,
     /// Spectrum of the mended record.
@@ -63,6 +65,8 @@ pub struct Seen {
     pub whole: Whole,
     /// Density at every ordinate.
     pub density: Vec<f64>,
+    /// Density below which it is not known: what a converter shuts out.
+    pub floor: f64,
 }
 
 impl AxisState {
@@ -77,6 +81,7 @@ impl AxisState {
             chain: chain.cloned(),
             mended: Mended::new(measured),
             frame,
+            apart: Vec::new(),
             laws: Vec::new(),
             data,
             fit,
@@ -99,6 +104,7 @@ impl AxisState {
             self.starts = OnceLock::new();
             self.frame = Frame::new(&values, self.rate_hz, self.chain.as_ref())?;
         }
+        self.frame.leave_out(&self.apart);
         self.data = self.frame.measure(&values);
         self.fit = search::polish(&self.frame, &self.data, &mut self.laws, 0, 0.05)?;
         let gaps = bridge(&mut values);
@@ -129,9 +135,13 @@ impl AxisState {
     pub fn whole(&self) -> Arc<Seen> {
         let seen = self.seen.get_or_init(|| {
             let mut whole = self.fast.transform(&self.filled, self.rate_hz);
-            let density = self.whitening(&whole);
+            let (density, floor) = self.whitening(&whole);
             whole.close(&density);
-            Arc::new(Seen { whole, density })
+            Arc::new(Seen {
+                whole,
+                density,
+                floor,
+            })
         });
         Arc::clone(seen)
     }
@@ -147,26 +157,30 @@ impl AxisState {
         let mut sum = self.frame.base_density(&self.fit.squared, f_hz);
         let mut power = 1.0;
         for (which, law) in self.laws.iter().enumerate() {
-            match law.effect.part(&law.values) {
-                Part::Term(term) => {
-                    let squared =
-                        self.fit.squared[laws::component_of(&self.frame, &self.laws, which)];
-                    sum += squared
-                        * self.frame.term_density(&*term, f_hz)
-                        * self.frame.chain_power(f_hz);
-                }
-                Part::Distortion(filter) => power *= filter.power(f_hz, self.rate_hz),
-                Part::Clock(_) | Part::Follows(_) => {}
+            sum += self.law_density(which, f_hz);
+            if let Part::Distortion(filter) = law.effect.part(&law.values) {
+                power *= filter.power(f_hz, self.rate_hz);
             }
         }
         sum * power
+    }
+
+    /// Its part that law number `which` adds, filters left aside.
+    pub fn law_density(&self, which: usize, f_hz: f64) -> f64 {
+        let law = &self.laws[which];
+        let Part::Term(term) = law.effect.part(&law.values) else {
+            return 0.0;
+        };
+        let squared = self.fit.squared[laws::component_of(&self.frame, &self.laws, which)];
+        squared * self.frame.term_density(&*term, f_hz) * self.frame.chain_power(f_hz)
     }
 
     /// Measured over expected power of the bins, drawn towards 1 where it rests on little.
     fn ratio(&self, f_hz: f64) -> f64 {
         let place = self.data.f_hz.partition_point(|&f| f < f_hz);
         let at = |bin: usize| {
-            let own = self.data.dof[bin] / (self.data.dof[bin] + OWN_RATIO);
+            let dof = self.frame.dof()[bin];
+            let own = dof / (dof + OWN_RATIO);
             own * (self.data.psd[bin] / self.fit.expected[bin]).ln()
         };
         let last = self.data.len() - 1;
@@ -185,11 +199,12 @@ impl AxisState {
     /// Densities that whiten `whole`: the model's, drawn to the measured bins where these are sure,
     /// so that a test of moments does not suffer from a model that is still wrong in frequency.
     /// What a converter's filter shuts out does not count.
-    fn whitening(&self, whole: &Whole) -> Vec<f64> {
+    fn whitening(&self, whole: &Whole) -> (Vec<f64>, f64) {
         self.tabulate(whole, |f_hz| self.density(f_hz) * self.ratio(f_hz))
     }
 
-    fn tabulate(&self, whole: &Whole, density: impl Fn(f64) -> f64) -> Vec<f64> {
+    /// Densities at the ordinates, and the least that they are taken for.
+    fn tabulate(&self, whole: &Whole, density: impl Fn(f64) -> f64) -> (Vec<f64>, f64) {
         let count = whole.ordinates().len();
         let (low, high) = (whole.frequency(1).ln(), whole.frequency(count - 1).ln());
         let table: Vec<f64> = (0..=TABLE)
@@ -200,9 +215,13 @@ impl AxisState {
             .collect();
         // What lies further below the middle of the band is hidden by the ends' own leakage.
         let floor = LEAST_SHARE * density(0.2 * whole.frequency(count - 1));
-        (0..count)
+        let densities = (0..count)
             .map(|k| {
-                let log = whole.frequency(k.max(1)).ln();
+                let f_hz = whole.frequency(k.max(1));
+                if self.apart.iter().any(|band| band.contains(&f_hz)) {
+                    return f64::INFINITY;
+                }
+                let log = f_hz.ln();
                 let place = ((log - low) / (high - low) * TABLE as f64).clamp(0.0, TABLE as f64);
                 let step = (place as usize).min(TABLE - 1);
                 let share = place - step as f64;
@@ -210,7 +229,8 @@ impl AxisState {
                     .exp()
                     .max(floor)
             })
-            .collect()
+            .collect();
+        (densities, floor)
     }
 
     /// Samples that one sample of the slow copy stands for.
@@ -228,7 +248,7 @@ impl AxisState {
         let means = block_means(values, factor);
         let rate_hz = self.rate_hz / factor as f64;
         let mut whole = Transformer::new(means.len()).transform(&means, rate_hz);
-        let density = self.tabulate(&whole, |f_hz| {
+        let (density, _) = self.tabulate(&whole, |f_hz| {
             // What folds back, through the mean's own response.
             (0..factor.div_ceil(2).min(8))
                 .flat_map(|fold| {

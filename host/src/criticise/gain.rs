@@ -58,9 +58,13 @@ impl Halves {
         measured.masked.clone_from(&axis.mended.masked);
         let values = measured.values();
         let chain = axis.chain.as_ref();
+        let mut train = Frame::new(&leave(&values, 1), axis.rate_hz, chain)?;
+        let mut held = Frame::new(&leave(&values, 0), axis.rate_hz, chain)?;
+        train.leave_out(&axis.apart);
+        held.leave_out(&axis.apart);
         Some(Self {
-            train: Frame::new(&leave(&values, 1), axis.rate_hz, chain)?,
-            held: Frame::new(&leave(&values, 0), axis.rate_hz, chain)?,
+            train,
+            held,
             measured,
         })
     }

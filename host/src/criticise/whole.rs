@@ -212,6 +212,11 @@ impl Whole {
         }
     }
 
+    /// Expected squared size of an ordinate where the density is 1.
+    pub fn power(&self) -> f64 {
+        self.rate_hz * self.len as f64
+    }
+
     /// Frequency of an ordinate, hertz.
     pub fn frequency(&self, k: usize) -> f64 {
         k as f64 * self.rate_hz / self.len as f64
@@ -323,6 +328,10 @@ pub fn matched(whole: &Whole, density: &[f64], waveform: &impl Waveform, half: H
     let (mut information, mut curvature) = (0.0, 0.0);
     for (k, response) in responses.iter().enumerate().skip(1) {
         let both = if 2 * k == whole.len { 1.0 } else { 2.0 };
+        // A density without end leaves an ordinate out.
+        if !density[k].is_finite() {
+            continue;
+        }
         let share = both * response.norm_sqr() * density[k] * whole.rate_hz;
         information += share;
         curvature += share * turn(k).powi(2);

@@ -62,18 +62,29 @@ impl Rounds<'_> {
 
     /// Takes out samples that do not belong.
     pub(super) fn outliers(&mut self) -> Option<bool> {
-        if self.refused.contains(&"outliers") {
+        if self.refused.contains(&"outliers") || self.ringing {
             return Some(false);
         }
         let seen = self.axis.whole();
         let (whole, density) = (&seen.whole, &seen.density);
         let axis = &*self.axis;
-        let found = impulses::outliers(whole, density, self.level(), |n| axis.usable(n));
+        let powers = bursts::powers(whole, density, |n| axis.usable(n));
+        let local = self.restless.then(|| powers.local());
+        let found = impulses::outliers(
+            whole,
+            density,
+            self.level(),
+            |n| axis.usable(n),
+            |n| local.as_ref().map_or(1.0, |local| local(n)),
+        );
         if found.found.is_empty() {
             return Some(false);
         }
+        if impulses::together(&found.found, whole.len()) < self.level() {
+            self.ringing = true;
+            return Some(false);
+        }
         // Where a whole stretch is noisier, its large samples are no outliers.
-        let powers = bursts::powers(whole, density, |n| axis.usable(n));
         let burst = bursts::burst(&powers, self.level());
         let inside = |one: &Outlier| {
             burst.as_ref().is_some_and(|burst| {
