@@ -24,4 +24,5 @@ pub mod steadiness;
 pub mod tail;
 pub mod telegraph;
 pub mod timebase;
+pub mod tone;
 pub mod whole;
