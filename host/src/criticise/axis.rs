@@ -5,6 +5,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::frame::Frame;
 use super::laws::{self, Law, search};
+use super::levels::Jump;
 use super::mend::{Mended, block_means, bridge};
 use super::whole::{Transformer, Whole};
 use crate::chain::Chain;
@@ -130,12 +131,27 @@ impl AxisState {
         Some(())
     }
 
+    /// Keeps tests of single moments off what a converter's filter makes of a jump, until all is
+    /// brought up to date.
+    pub fn set_aside(&mut self, jump: &Jump) {
+        if self.is_filtered() {
+            let range = jump.index.saturating_sub(SPREAD)..jump.index + SPREAD;
+            let place = self
+                .unusable
+                .partition_point(|one| one.start < range.start);
+            self.unusable.insert(place, range);
+        }
+    }
+
+    /// Whether a converter's filter stands before the samples.
+    fn is_filtered(&self) -> bool {
+        let chain = self.chain.as_ref();
+        chain.is_some_and(|chain| chain.converter.is_some())
+    }
+
     /// Leaves out what a converter's filter makes of the jumps, and brings all up to date.
     pub fn refresh_jumps(&mut self) -> Option<()> {
-        let filtered = self
-            .chain
-            .as_ref()
-            .is_some_and(|chain| chain.converter.is_some());
+        let filtered = self.is_filtered();
         if filtered {
             self.mended.spread = self.mended.about_jumps(SPREAD).collect();
         }
@@ -147,10 +163,12 @@ impl AxisState {
         if index < SEAM || index + SEAM >= self.fast.len() {
             return false;
         }
-        let next = self.unusable.partition_point(|range| range.end <= index);
-        self.unusable
-            .get(next)
-            .is_none_or(|range| index < range.start)
+        // They overlap where one was added: no more than two can reach a sample.
+        let after = self
+            .unusable
+            .partition_point(|range| range.start <= index);
+        let near = self.unusable[..after].iter().rev().take(2);
+        near.into_iter().all(|range| range.end <= index)
     }
 
     /// Transform of the mended record and what whitens it; made once for each state.

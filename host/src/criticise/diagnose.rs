@@ -189,6 +189,10 @@ fn diagnose_axis(
         ));
     }
     let named = named_effects(&findings);
+    let mut net = axis.fit.squared.clone();
+    if let Some(white) = SEEN.iter().position(|one| *one == Letter::N) {
+        net[white] = (net[white] - even_density(&axis, &outcome.accepted)).max(0.0);
+    }
     let residual = axis.mended.values().iter().map(|&v| v as f32).collect();
     let diagnosis = AxisDiagnosis {
         name: signal.name.clone(),
@@ -202,10 +206,11 @@ fn diagnose_axis(
         unexplained: outcome.unexplained,
         last: Final {
             model: ModelAxis {
+                coefficients: gain::coefficients(&net),
                 effects: named,
                 ..stationary
             },
-            coefficients: coefficients(&axis.fit),
+            coefficients: coefficients(&net, &outcome.squares_sd),
             allan_error_percent: last_error.map(|error| error.0),
             allan_error_sampling_percent: last_error.map(|error| error.1),
         },
@@ -291,17 +296,24 @@ fn finding(one: &Accepted, gain: Gain) -> Finding {
         p_value: one.p_value,
         rivals: one.rivals.clone(),
         gain,
-        without: PerCoefficient::from_fn(|letter| coefficients(&one.before).get(letter).value),
+        without: PerCoefficient::from_fn(|letter| coefficients_of(&one.before).get(letter).value),
     }
 }
 
-/// The coefficients of a fit with intervals by its covariance.
-fn coefficients(fit: &Fit) -> PerCoefficient<Coefficient> {
+/// Coefficients of a fit, as if its shapes were known.
+fn coefficients_of(fit: &Fit) -> PerCoefficient<Coefficient> {
+    let sd: Vec<f64> = fit.covariance.diagonal().iter().map(|one| one.sqrt()).collect();
+    coefficients(&fit.squared, &sd)
+}
+
+/// Coefficients of the base components with the squares `squared`, whose standard deviations are
+/// `squares_sd`.
+fn coefficients(squared: &[f64], squares_sd: &[f64]) -> PerCoefficient<Coefficient> {
     PerCoefficient::from_fn(|letter| {
         let Some(place) = SEEN.iter().position(|seen| *seen == letter) else {
             return Coefficient::default();
         };
-        let (squared, sd) = (fit.squared[place], fit.covariance[(place, place)].sqrt());
+        let (squared, sd) = (squared[place], squares_sd[place]);
         let root = |square: f64| square.max(0.0).sqrt();
         let identified = squared > ONE_SIDED * sd && letter != Letter::R;
         Coefficient {
@@ -312,6 +324,18 @@ fn coefficients(fit: &Fit) -> PerCoefficient<Coefficient> {
             upper: Some(root(squared + ONE_SIDED * sd)),
         }
     })
+}
+
+/// Density of what the named effects add evenly to the noise, where it shows as white noise of the
+/// sensor's: the rounding of a step that was found.
+fn even_density(axis: &AxisState, accepted: &[Accepted]) -> f64 {
+    let joins_behind = axis.frame.units().len() > SEEN.len();
+    let step = accepted
+        .iter()
+        .find(|one| one.effect == "quantisation")
+        .and_then(|one| one.parameters.get("step"));
+    step.filter(|_| !joins_behind)
+        .map_or(0.0, |step| step.value * step.value / 12.0 / axis.rate_hz)
 }
 
 /// What the values themselves say.

@@ -111,6 +111,8 @@ pub struct Outcome {
     pub unexplained: Vec<Remark>,
     /// What the five terms alone get wrong.
     pub discrepancies: Vec<Remark>,
+    /// Standard deviations of the squares of the base components.
+    pub squares_sd: Vec<f64>,
 }
 
 /// Runs the loop on an axis, without the effects `refused`; `values` is what its values themselves
@@ -152,12 +154,14 @@ pub fn run(
         }
     }
     let doubts = rounds.doubts()?;
+    let squares_sd = rounds.describe_laws();
     let mut unexplained = rounds.left_over();
     unexplained.extend(doubts);
     Some(Outcome {
         accepted: rounds.accepted,
         unexplained,
         discrepancies: rounds.discrepancies,
+        squares_sd,
     })
 }
 
@@ -233,7 +237,12 @@ impl Rounds<'_> {
     fn withdraw(&mut self, effect: &str) -> bool {
         let before = self.accepted.len();
         self.accepted.retain(|one| one.effect != effect);
-        let kept = |wave: &Wave| effect != "outliers" || !matches!(wave, Wave::Outliers(_));
+        let kept = |wave: &Wave| match wave {
+            Wave::Outliers(_) => effect != "outliers",
+            Wave::Steps(_) => effect != "steps",
+            Wave::WarmUp { .. } => effect != "warmup",
+            _ => true,
+        };
         self.axis.mended.waves.retain(kept);
         for one in &mut self.accepted {
             one.with.waves.retain(kept);

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::super::finding::{Rival, Value};
-use super::super::laws::{self, Law, search, spread};
+use super::super::laws::spread::Spread;
+use super::super::laws::{self, Law, search};
 use super::super::telegraph;
 use super::{Rounds, named};
 use crate::fit::likelihood::Fit;
@@ -90,7 +91,9 @@ impl Rounds<'_> {
                 effect = "telegraph";
                 self.switching = true;
                 // Its jumps may have passed for them.
-                self.withdraw("outliers");
+                for other in ["outliers", "steps", "warmup"] {
+                    self.withdraw(other);
+                }
                 rivals.insert(0, other("markov", two));
             } else {
                 rivals.insert(0, other("telegraph", -two));
@@ -98,7 +101,7 @@ impl Rounds<'_> {
         }
         let accepted = self.accept(effect, BTreeMap::new(), p_value, freedom, None, |axis| {
             axis.laws.push(law);
-            axis.refresh(false)
+            axis.refresh_jumps()
         })?;
         if let Some(one) = self.accepted.last_mut().filter(|_| accepted) {
             one.rivals = rivals;
@@ -153,12 +156,13 @@ impl Rounds<'_> {
         telegraph::log_odds(axis, squared.sqrt(), time_s, wander, rest)
     }
 
-    /// Parameters of the laws as finally fitted, with their intervals.
-    pub(super) fn describe_laws(&mut self) {
+    /// Parameters of the laws as finally fitted, with their intervals; standard deviations of the
+    /// squares of the base components beside them.
+    pub(super) fn describe_laws(&mut self) -> Vec<f64> {
         let axis = &*self.axis;
+        let spread = Spread::new(&axis.frame, &axis.data, &axis.laws, &axis.fit);
         for (which, law) in axis.laws.iter().enumerate() {
-            let log_sd =
-                spread::log_deviations(&axis.frame, &axis.data, &axis.laws, which, &axis.fit);
+            let log_sd = spread.log_deviations(which);
             let values = laws::sized(&axis.frame, &axis.laws, which, &axis.fit);
             let parameters: BTreeMap<String, Value> = law
                 .effect
@@ -183,5 +187,8 @@ impl Rounds<'_> {
                 };
             }
         }
+        (0..axis.frame.units().len())
+            .map(|component| spread.square_sd(component))
+            .collect()
     }
 }
