@@ -24,6 +24,9 @@ const DRIFT: usize = 1 << 15;
 /// Samples on either side of a bridge or a mask that tests of single moments leave out.
 const GUARD: usize = 256;
 
+/// How many times as many behind a converter's filter, which ties samples further apart together.
+const FILTERED: usize = 8;
+
 /// Samples at both ends of the record that they leave out: the ring closes there.
 const SEAM: usize = 1024;
 
@@ -119,9 +122,10 @@ impl AxisState {
         let mut gaps = bridge(&mut values);
         gaps.extend(self.mended.about_jumps(0));
         gaps.sort_by_key(|gap| gap.start);
+        let guard = if self.is_filtered() { FILTERED } else { 1 } * GUARD;
         self.unusable.clear();
         for gap in gaps {
-            let wide = gap.start.saturating_sub(GUARD)..(gap.end + GUARD).min(values.len());
+            let wide = gap.start.saturating_sub(guard)..(gap.end + guard).min(values.len());
             match self.unusable.last_mut() {
                 Some(last) if last.end >= wide.start => last.end = last.end.max(wide.end),
                 _ => self.unusable.push(wide),

@@ -165,24 +165,17 @@ fn diagnose_axis(
         |model: &ModelAxis, snapshot: &Snapshot| gain::allan_error(&axis, &held, model, snapshot);
     let base = model(&base_snapshot, &base_fit);
     let base_error = error(&base, &base_snapshot);
-    let last_snapshot = outcome
-        .accepted
-        .last()
-        .map_or_else(|| base_snapshot.clone(), |one| one.with.clone());
+    let last_snapshot = Snapshot::of(&axis);
     let stationary = model(&last_snapshot, &axis.fit);
     let last_error = error(&stationary, &last_snapshot);
     let mut findings = Vec::new();
-    for (index, one) in outcome.accepted.iter().enumerate() {
+    for (one, nats) in outcome.accepted.iter().zip(nats) {
         let before = model(&one.without, &one.before);
-        let after_fit = outcome
-            .accepted
-            .get(index + 1)
-            .map_or(&axis.fit, |next| &next.before);
-        let after = model(&one.with, after_fit);
+        let after = model(&one.with, &one.after);
         findings.push(finding(
             one,
             Gain {
-                heldout_nats: nats[index],
+                heldout_nats: nats,
                 allan_error_percent_before: error(&before, &one.without).map(|error| error.0),
                 allan_error_percent_after: error(&after, &one.with).map(|error| error.0),
             },

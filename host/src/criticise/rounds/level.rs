@@ -211,10 +211,11 @@ impl Rounds<'_> {
             );
         };
         change(self.axis)?;
-        let with = Snapshot::of(self.axis);
+        let (with, after) = (Snapshot::of(self.axis), self.axis.fit.clone());
         let one = &mut self.accepted[found];
         one.nats = one.nats.map(|before| before + nats);
-        (one.effect, one.parameters, one.with, one.freedom) = (effect, parameters, with, freedom);
+        (one.effect, one.parameters, one.freedom) = (effect, parameters, freedom);
+        (one.with, one.after) = (with, after);
         Some(true)
     }
 

@@ -229,12 +229,12 @@ impl Rounds<'_> {
         };
         if self.find("hum").is_some() {
             change(self.axis)?;
-            let with = Snapshot::of(self.axis);
+            let (with, after) = (Snapshot::of(self.axis), self.axis.fit.clone());
             let one = self.find("hum")?;
             for (name, value) in parameters {
                 one.parameters.entry(name).or_insert(value);
             }
-            one.with = with;
+            (one.with, one.after) = (with, after);
             one.freedom += freedom;
         } else {
             return self.accept("hum", parameters, p_value, freedom, None, change);

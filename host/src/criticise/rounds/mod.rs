@@ -66,6 +66,8 @@ pub struct Accepted {
     pub freedom: f64,
     /// Fit without it.
     pub before: Fit,
+    /// Fit with it, as it was found.
+    pub after: Fit,
     /// Gain in log-likelihood on held-out data, where it was measured as the effect was found.
     pub nats: Option<f64>,
     /// What the record and the model were with it.
@@ -91,7 +93,8 @@ pub struct Snapshot {
 }
 
 impl Snapshot {
-    fn of(axis: &AxisState) -> Self {
+    /// Of an axis as it is.
+    pub fn of(axis: &AxisState) -> Self {
         Self {
             waves: axis.mended.waves.clone(),
             laws: axis
@@ -133,6 +136,7 @@ pub fn run(
         ringing: false,
         restless: false,
         unsteady: Vec::new(),
+        breathing: Vec::new(),
     };
     rounds.note_base();
     rounds.take_codes(values)?;
@@ -190,6 +194,8 @@ struct Rounds<'a> {
     ringing: bool,
     /// Whether the strength of the noise moves all the time: no business of bursts.
     restless: bool,
+    /// Bands of noise whose strength changes slowly.
+    breathing: Vec<std::ops::Range<f64>>,
     /// Bands that no steady law speaks for.
     unsteady: Vec<Remark>,
 }
@@ -226,6 +232,7 @@ impl Rounds<'_> {
             law: None,
             freedom,
             before,
+            after: self.axis.fit.clone(),
             nats,
             with: Snapshot::of(self.axis),
             without,
