@@ -11,6 +11,7 @@ use super::whole::{Transformer, Whole};
 use crate::chain::Chain;
 use crate::fit::likelihood::{Data, Fit};
 use crate::model::effect::Part;
+use crate::spectrum::{Line, record_lines};
 
 /// Points of the table of densities.
 const TABLE: usize = 2048;
@@ -69,6 +70,7 @@ pub struct AxisState {
     fast: Transformer,
     seen: OnceLock<Arc<Seen>>,
     starts: OnceLock<Option<Arc<search::Starts>>>,
+    lines: OnceLock<Vec<Line>>,
 }
 
 /// The mended record's transform, closed into a ring, and the densities that whiten it.
@@ -102,6 +104,7 @@ impl AxisState {
             fast,
             seen: OnceLock::new(),
             starts: OnceLock::new(),
+            lines: OnceLock::new(),
         };
         state.refresh(false)?;
         Some(state)
@@ -131,13 +134,18 @@ impl AxisState {
                 _ => self.unusable.push(wide),
             }
         }
-        self.filled = values;
+        // A new law leaves the record as it was.
+        if self.filled != values {
+            self.filled = values;
+            self.lines = OnceLock::new();
+        }
         Some(())
     }
 
     /// Keeps tests of single moments off what a converter's filter makes of a jump, until all is
     /// brought up to date.
     pub fn set_aside(&mut self, jump: &Jump) {
+        self.lines = OnceLock::new();
         if self.is_filtered() {
             let range = jump.index.saturating_sub(SPREAD)..jump.index + SPREAD;
             let place = self
@@ -190,6 +198,15 @@ impl AxisState {
             })
         });
         Arc::clone(seen)
+    }
+
+    /// Lines of the mended record at a family-wise `level`, the same for each of its states.
+    pub fn lines(&self, level: f64) -> &[Line] {
+        self.lines.get_or_init(|| {
+            let mut record: &[f64] = &self.filled;
+            let Ok(found) = record_lines::search(&mut record, self.rate_hz, level);
+            found
+        })
     }
 
     /// Where searches for laws begin; `None` without bins.
