@@ -16,8 +16,12 @@ const TABLE: usize = 2048;
 /// Samples of the slow copy of a record, at most.
 const SLOW: usize = 1 << 18;
 
-/// Samples on either side of a bridge or a mask that tests of single moments leave out.
-const GUARD: usize = 64;
+/// Samples on either side of a bridge or a mask that tests of single moments leave out, at least
+/// and at most.
+const GUARD: [usize; 2] = [64, 1 << 14];
+
+/// Time constants of the whitening filter for which it remembers where noise was cut.
+const MEMORY: f64 = 5.0;
 
 /// Samples at both ends of the record that they leave out: the ring closes there.
 const SEAM: usize = 1024;
@@ -84,9 +88,10 @@ impl AxisState {
         self.data = self.frame.measure(&values);
         self.fit = laws::polish(&self.frame, &self.data, &mut self.laws, 0, 0.05)?;
         let gaps = bridge(&mut values);
+        let guard = self.guard();
         self.unusable.clear();
         for gap in gaps {
-            let wide = gap.start.saturating_sub(GUARD)..(gap.end + GUARD).min(values.len());
+            let wide = gap.start.saturating_sub(guard)..(gap.end + guard).min(values.len());
             match self.unusable.last_mut() {
                 Some(last) if last.end >= wide.start => last.end = wide.end,
                 _ => self.unusable.push(wide),
@@ -94,6 +99,25 @@ impl AxisState {
         }
         self.filled = values;
         Some(())
+    }
+
+    /// Samples that what whitens the record remembers a cut for. Noise whose density rises with the
+    /// frequency (quantisation) is summed up, back to where it rises from.
+    fn guard(&self) -> usize {
+        const POINTS: i32 = 256;
+        let (low, high) = (8.0 / self.mended.len() as f64, 0.49_f64);
+        let (mut least, mut rises) = (f64::INFINITY, None);
+        for point in 0..=POINTS {
+            let cycles = low * (high / low).powf(f64::from(point) / f64::from(POINTS));
+            let density = self.density(cycles * self.rate_hz);
+            if density < least {
+                (least, rises) = (density, None);
+            } else if density > 2.0 * least && rises.is_none() {
+                rises = Some(cycles);
+            }
+        }
+        let samples = rises.map_or(0.0, |cycles| MEMORY / (std::f64::consts::TAU * cycles));
+        (samples as usize).clamp(GUARD[0], GUARD[1])
     }
 
     /// Whether tests of single moments may look at a sample.
