@@ -22,11 +22,15 @@ const SLOW: usize = 1 << 18;
 /// Samples of its copy for what takes a good part of the record, at most.
 const DRIFT: usize = 1 << 15;
 
-/// Samples on either side of a bridge or a mask that tests of single moments leave out.
-const GUARD: usize = 256;
+/// Samples on either side of a bridge or a mask that tests of single moments leave out, at least
+/// and at most.
+const GUARD: [usize; 2] = [256, 1 << 14];
 
-/// How many times as many behind a converter's filter, which ties samples further apart together.
-const FILTERED: usize = 8;
+/// Time constants of the whitening filter for which it remembers where noise was cut.
+const MEMORY: f64 = 5.0;
+
+/// The least behind a converter's filter, which ties samples further apart together.
+const FILTERED_GUARD: usize = 2048;
 
 /// Samples at both ends of the record that they leave out: the ring closes there.
 const SEAM: usize = 1024;
@@ -125,7 +129,7 @@ impl AxisState {
         let mut gaps = bridge(&mut values);
         gaps.extend(self.mended.about_jumps(0));
         gaps.sort_by_key(|gap| gap.start);
-        let guard = if self.is_filtered() { FILTERED } else { 1 } * GUARD;
+        let guard = self.guard();
         self.unusable.clear();
         for gap in gaps {
             let wide = gap.start.saturating_sub(guard)..(gap.end + guard).min(values.len());
@@ -168,6 +172,27 @@ impl AxisState {
             self.mended.spread = self.mended.about_jumps(SPREAD).collect();
         }
         self.refresh(filtered)
+    }
+
+    /// Samples that what whitens the record remembers a cut for. Noise whose density rises with the
+    /// frequency (quantisation) is summed up, back to where it rises from.
+    fn guard(&self) -> usize {
+        const POINTS: i32 = 256;
+        let (low, high) = (8.0 / self.mended.len() as f64, 0.49_f64);
+        let (mut least, mut rises) = (f64::INFINITY, None);
+        for point in 0..=POINTS {
+            let cycles = low * (high / low).powf(f64::from(point) / f64::from(POINTS));
+            let density = self.density(cycles * self.rate_hz);
+            if density < least {
+                (least, rises) = (density, None);
+            } else if density > 2.0 * least && rises.is_none() {
+                rises = Some(cycles);
+            }
+        }
+        let samples = rises.map_or(0.0, |cycles| MEMORY / (std::f64::consts::TAU * cycles));
+        let [least, most] = GUARD;
+        let least = if self.is_filtered() { FILTERED_GUARD } else { least };
+        (samples as usize).clamp(least, most)
     }
 
     /// Whether tests of single moments may look at a sample.

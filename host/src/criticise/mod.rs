@@ -2,6 +2,7 @@
 
 pub mod amplitudes;
 pub mod axis;
+pub mod bands;
 pub mod bursts;
 pub mod codes;
 pub mod coherence;

@@ -47,6 +47,7 @@ pub mod lines;
 pub mod quadrature;
 pub mod record_lines;
 pub mod segments;
+mod slow_floor;
 pub mod window;
 
 pub use cascade::{Cascade, OutOfOrder};

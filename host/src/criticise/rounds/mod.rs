@@ -11,6 +11,7 @@ mod doubt;
 mod left_over;
 mod level;
 mod lines;
+mod lost;
 mod shape;
 mod steady;
 mod values;
@@ -144,9 +145,12 @@ pub fn run(
         // A level that switches all the time looks like bad samples and bursts until its law is
         // there.
         let first = rounds.switching && rounds.axis.laws.is_empty() && rounds.laws()?;
+        let groups = super::lines::lines(rounds.axis, rounds.level());
+        // Where samples are lost the noise is cut: no bad samples, no burst.
         if !(first
+            || rounds.lost(&groups)?
             || rounds.outliers()?
-            || rounds.lines()?
+            || rounds.lines(groups)?
             || rounds.levels()?
             || rounds.steady()?
             || rounds.bursts()?
