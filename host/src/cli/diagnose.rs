@@ -1,7 +1,6 @@
 //! `inm diagnose`: what a simulation of the fitted model gets wrong about a record, why, and what
 //! is gained by mending it.
 
-use std::io::Write;
 use std::process::ExitCode;
 
 use clap::Args;
@@ -9,6 +8,7 @@ use indicatif::ProgressBar;
 
 use super::input::InputOptions;
 use super::output::write_to;
+use super::results::ResultOptions;
 use crate::criticise::diagnose::diagnose;
 use crate::criticise::finding::Diagnosis;
 use crate::criticise::reference::clock;
@@ -37,9 +37,11 @@ pub struct DiagnoseCommand {
     /// Probability of any finding where nothing is hidden.
     #[arg(long, value_name = "P", default_value_t = 0.005)]
     level: f64,
-    /// Write the result as JSON to this file; - is standard output, in place of the text.
-    #[arg(long, value_name = "OUT")]
-    json: Option<String>,
+    /// Write the extended model to this file, as `inm simulate --model` reads it.
+    #[arg(long, value_name = "OUT.json")]
+    model: Option<String>,
+    #[command(flatten)]
+    results: ResultOptions,
 }
 
 impl DiagnoseCommand {
@@ -88,16 +90,12 @@ impl DiagnoseCommand {
             family_level: self.level,
             axes,
         };
-        if let Some(path) = &self.json {
+        if let Some(path) = &self.model {
             write_to(path, |mut output| {
-                report::json::write(&diagnosis, &mut output)
+                report::json::write(&diagnosis.model(), &mut output)
             })?;
         }
-        if self.json.as_deref() != Some("-") {
-            let mut output = std::io::stdout().lock();
-            output.write_all(report::diagnosis_text::render(&diagnosis).as_bytes())?;
-            output.flush()?;
-        }
+        self.results.write(&diagnosis)?;
         let left = diagnosis
             .axes
             .iter()

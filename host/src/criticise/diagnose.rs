@@ -12,6 +12,7 @@ use super::impulses::middle_spread;
 use super::laws;
 use super::rounds::{self, Accepted, CodeFindings, Options, Snapshot};
 use super::samples::{AxisSamples, Samples};
+use super::views::{Before, Models, Views};
 use crate::fit::likelihood::Fit;
 use crate::fit::likelihood::components::SEEN;
 use crate::model::catalogue;
@@ -129,10 +130,12 @@ fn diagnose_axis(
     let mean = mean - signal.zero * signal.scale;
     let values = code_findings(record, signal, options.level(), &measured, mean);
     let mut refused: Vec<&'static str> = Vec::new();
+    let mut before: Option<Before> = None;
     let (axis, base_fit, outcome, nats) = loop {
         let mut axis = AxisState::new(measured.clone(), rate_hz, signal.chain.as_ref())
             .ok_or_else(constant)?;
         let base_fit = axis.fit.clone();
+        before.get_or_insert_with(|| Before::new(&axis));
         let outcome = rounds::run(&mut axis, options, &values, &refused).ok_or_else(constant)?;
         let mut halves = Halves::new(&axis);
         let nats: Vec<Option<f64>> = outcome
@@ -191,7 +194,17 @@ fn diagnose_axis(
             },
         ));
     }
-    let named = named_effects(&findings);
+    let whole = ModelAxis {
+        effects: named_effects(&findings),
+        ..stationary.clone()
+    };
+    let models = Models {
+        base: &base,
+        noise: &stationary,
+        whole: &whole,
+    };
+    let before = before.unwrap_or_else(|| Before::new(&axis));
+    let views = Views::new(&axis, before, models, &findings, mean);
     let residual = axis.mended.values().iter().map(|&v| v as f32).collect();
     let diagnosis = AxisDiagnosis {
         name: signal.name.clone(),
@@ -204,15 +217,13 @@ fn diagnose_axis(
         },
         unexplained: outcome.unexplained,
         last: Final {
-            model: ModelAxis {
-                effects: named,
-                ..stationary
-            },
+            model: whole,
             coefficients: coefficients(&axis.fit),
             allan_error_percent: last_error.map(|error| error.0),
             allan_error_sampling_percent: last_error.map(|error| error.1),
         },
         findings,
+        views,
     };
     Ok((diagnosis, residual))
 }

@@ -22,4 +22,5 @@ pub mod slow;
 pub mod tail;
 pub mod telegraph;
 pub mod timebase;
+pub mod views;
 pub mod whole;

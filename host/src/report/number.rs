@@ -58,6 +58,15 @@ pub fn duration(seconds: f64) -> String {
         .join(" ")
 }
 
+/// A probability; what is smaller than anyone can mean is not written out.
+pub fn probability(p: f64) -> String {
+    if p < 1e-12 {
+        "below 1e-12".to_owned()
+    } else {
+        significant(p, 2)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use super::number::significant;
-use super::text::head;
+use super::super::number::{probability, significant};
+use super::super::text::head;
 use crate::criticise::finding::{AxisDiagnosis, Diagnosis, Finding, Remark, Value};
 use crate::model::Coefficient;
 
@@ -161,13 +161,5 @@ fn interval(value: &Value) -> String {
             significant(hi, 6)
         ),
         _ => significant(value.value, 6),
-    }
-}
-
-fn probability(p: f64) -> String {
-    if p < 1e-12 {
-        "below 1e-12".to_owned()
-    } else {
-        significant(p, 2)
     }
 }
