@@ -1,9 +1,10 @@
 //! One axis on its way: mended record, spectrum, laws, and what whitens it.
 
 use std::ops::Range;
+use std::sync::{Arc, OnceLock};
 
 use super::frame::Frame;
-use super::laws::{self, Law};
+use super::laws::{self, Law, search};
 use super::mend::{Mended, block_means, bridge};
 use super::whole::{Transformer, Whole};
 use crate::chain::Chain;
@@ -15,6 +16,9 @@ const TABLE: usize = 2048;
 
 /// Samples of the slow copy of a record, at most.
 const SLOW: usize = 1 << 18;
+
+/// Samples of its copy for what takes a good part of the record, at most.
+const DRIFT: usize = 1 << 15;
 
 /// Samples on either side of a bridge or a mask that tests of single moments leave out.
 const GUARD: usize = 64;
@@ -38,6 +42,8 @@ pub struct AxisState {
     pub mended: Mended,
     /// Bins and expectations.
     pub frame: Frame,
+    /// Bands that no steady law speaks for, hertz: neither fits nor tests look at them.
+    pub apart: Vec<Range<f64>>,
     /// Laws beside the five terms.
     pub laws: Vec<Law>,
     /// Spectrum of the mended record.
@@ -49,6 +55,18 @@ pub struct AxisState {
     /// Ranges that tests of single moments leave out, ascending and disjoint.
     unusable: Vec<Range<usize>>,
     fast: Transformer,
+    seen: OnceLock<Arc<Seen>>,
+    starts: OnceLock<Option<Arc<search::Starts>>>,
+}
+
+/// The mended record's transform, closed into a ring, and the densities that whiten it.
+pub struct Seen {
+    /// Transform.
+    pub whole: Whole,
+    /// Density at every ordinate.
+    pub density: Vec<f64>,
+    /// Density below which it is not known: what a converter shuts out.
+    pub floor: f64,
 }
 
 impl AxisState {
@@ -63,12 +81,15 @@ impl AxisState {
             chain: chain.cloned(),
             mended: Mended::new(measured),
             frame,
+            apart: Vec::new(),
             laws: Vec::new(),
             data,
             fit,
             filled: Vec::new(),
             unusable: Vec::new(),
             fast,
+            seen: OnceLock::new(),
+            starts: OnceLock::new(),
         };
         state.refresh(false)?;
         Some(state)
@@ -78,11 +99,14 @@ impl AxisState {
     /// `regrid` where other samples are missing than before.
     pub fn refresh(&mut self, regrid: bool) -> Option<()> {
         let mut values = self.mended.values();
+        self.seen = OnceLock::new();
         if regrid {
+            self.starts = OnceLock::new();
             self.frame = Frame::new(&values, self.rate_hz, self.chain.as_ref())?;
         }
+        self.frame.leave_out(&self.apart);
         self.data = self.frame.measure(&values);
-        self.fit = laws::polish(&self.frame, &self.data, &mut self.laws, 0, 0.05)?;
+        self.fit = search::polish(&self.frame, &self.data, &mut self.laws, 0, 0.05)?;
         let gaps = bridge(&mut values);
         self.unusable.clear();
         for gap in gaps {
@@ -107,12 +131,25 @@ impl AxisState {
             .is_none_or(|range| index < range.start)
     }
 
-    /// Transform of the mended record, closed into a ring, and the densities that whiten it.
-    pub fn whole(&self) -> (Whole, Vec<f64>) {
-        let mut whole = self.fast.transform(&self.filled, self.rate_hz);
-        let density = self.whitening(&whole);
-        whole.close(&density);
-        (whole, density)
+    /// Transform of the mended record and what whitens it; made once for each state.
+    pub fn whole(&self) -> Arc<Seen> {
+        let seen = self.seen.get_or_init(|| {
+            let mut whole = self.fast.transform(&self.filled, self.rate_hz);
+            let (density, floor) = self.whitening(&whole);
+            whole.close(&density);
+            Arc::new(Seen {
+                whole,
+                density,
+                floor,
+            })
+        });
+        Arc::clone(seen)
+    }
+
+    /// Where searches for laws begin; `None` without bins.
+    pub fn starts(&self) -> Option<Arc<search::Starts>> {
+        let made = || search::Starts::new(&self.frame).map(Arc::new);
+        self.starts.get_or_init(made).clone()
     }
 
     /// Two-sided density of the fitted model at `f_hz`, chain and filters included.
@@ -120,26 +157,30 @@ impl AxisState {
         let mut sum = self.frame.base_density(&self.fit.squared, f_hz);
         let mut power = 1.0;
         for (which, law) in self.laws.iter().enumerate() {
-            match law.effect.part(&law.values) {
-                Part::Term(term) => {
-                    let squared =
-                        self.fit.squared[laws::component_of(&self.frame, &self.laws, which)];
-                    sum += squared
-                        * self.frame.term_density(&*term, f_hz)
-                        * self.frame.chain_power(f_hz);
-                }
-                Part::Distortion(filter) => power *= filter.power(f_hz, self.rate_hz),
-                Part::Clock(_) | Part::Follows(_) => {}
+            sum += self.law_density(which, f_hz);
+            if let Part::Distortion(filter) = law.effect.part(&law.values) {
+                power *= filter.power(f_hz, self.rate_hz);
             }
         }
         sum * power
+    }
+
+    /// Its part that law number `which` adds, filters left aside.
+    pub fn law_density(&self, which: usize, f_hz: f64) -> f64 {
+        let law = &self.laws[which];
+        let Part::Term(term) = law.effect.part(&law.values) else {
+            return 0.0;
+        };
+        let squared = self.fit.squared[laws::component_of(&self.frame, &self.laws, which)];
+        squared * self.frame.term_density(&*term, f_hz) * self.frame.chain_power(f_hz)
     }
 
     /// Measured over expected power of the bins, drawn towards 1 where it rests on little.
     fn ratio(&self, f_hz: f64) -> f64 {
         let place = self.data.f_hz.partition_point(|&f| f < f_hz);
         let at = |bin: usize| {
-            let own = self.data.dof[bin] / (self.data.dof[bin] + OWN_RATIO);
+            let dof = self.frame.dof()[bin];
+            let own = dof / (dof + OWN_RATIO);
             own * (self.data.psd[bin] / self.fit.expected[bin]).ln()
         };
         let last = self.data.len() - 1;
@@ -158,11 +199,12 @@ impl AxisState {
     /// Densities that whiten `whole`: the model's, drawn to the measured bins where these are sure,
     /// so that a test of moments does not suffer from a model that is still wrong in frequency.
     /// What a converter's filter shuts out does not count.
-    fn whitening(&self, whole: &Whole) -> Vec<f64> {
+    fn whitening(&self, whole: &Whole) -> (Vec<f64>, f64) {
         self.tabulate(whole, |f_hz| self.density(f_hz) * self.ratio(f_hz))
     }
 
-    fn tabulate(&self, whole: &Whole, density: impl Fn(f64) -> f64) -> Vec<f64> {
+    /// Densities at the ordinates, and the least that they are taken for.
+    fn tabulate(&self, whole: &Whole, density: impl Fn(f64) -> f64) -> (Vec<f64>, f64) {
         let count = whole.ordinates().len();
         let (low, high) = (whole.frequency(1).ln(), whole.frequency(count - 1).ln());
         let table: Vec<f64> = (0..=TABLE)
@@ -173,9 +215,13 @@ impl AxisState {
             .collect();
         // What lies further below the middle of the band is hidden by the ends' own leakage.
         let floor = LEAST_SHARE * density(0.2 * whole.frequency(count - 1));
-        (0..count)
+        let densities = (0..count)
             .map(|k| {
-                let log = whole.frequency(k.max(1)).ln();
+                let f_hz = whole.frequency(k.max(1));
+                if self.apart.iter().any(|band| band.contains(&f_hz)) {
+                    return f64::INFINITY;
+                }
+                let log = f_hz.ln();
                 let place = ((log - low) / (high - low) * TABLE as f64).clamp(0.0, TABLE as f64);
                 let step = (place as usize).min(TABLE - 1);
                 let share = place - step as f64;
@@ -183,7 +229,8 @@ impl AxisState {
                     .exp()
                     .max(floor)
             })
-            .collect()
+            .collect();
+        (densities, floor)
     }
 
     /// Samples that one sample of the slow copy stands for.
@@ -191,14 +238,17 @@ impl AxisState {
         self.mended.len().div_ceil(SLOW).max(1)
     }
 
-    /// The mended record in means over [`Self::slow_factor`] samples: its transform, and what
-    /// whitens it.
-    pub fn slow(&self, values: &[f64]) -> (Whole, Vec<f64>) {
-        let factor = self.slow_factor();
+    /// Samples that one sample of a copy stands for that holds nothing but drift.
+    pub fn drift_factor(&self) -> usize {
+        self.mended.len().div_ceil(DRIFT).max(1)
+    }
+
+    /// `values` in means over `factor` samples: their transform, and what whitens it.
+    pub fn slow(&self, values: &[f64], factor: usize) -> (Whole, Vec<f64>) {
         let means = block_means(values, factor);
         let rate_hz = self.rate_hz / factor as f64;
         let mut whole = Transformer::new(means.len()).transform(&means, rate_hz);
-        let density = self.tabulate(&whole, |f_hz| {
+        let (density, _) = self.tabulate(&whole, |f_hz| {
             // What folds back, through the mean's own response.
             (0..factor.div_ceil(2).min(8))
                 .flat_map(|fold| {

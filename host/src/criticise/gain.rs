@@ -15,7 +15,7 @@ use inm_allan::Statistic;
 
 use super::axis::AxisState;
 use super::frame::Frame;
-use super::laws;
+use super::laws::{self, search};
 use super::mend::Mended;
 use super::rounds::{Accepted, Snapshot, laws_of};
 use crate::bins::point::{self, Point};
@@ -58,9 +58,13 @@ impl Halves {
         measured.masked.clone_from(&axis.mended.masked);
         let values = measured.values();
         let chain = axis.chain.as_ref();
+        let mut train = Frame::new(&leave(&values, 1), axis.rate_hz, chain)?;
+        let mut held = Frame::new(&leave(&values, 0), axis.rate_hz, chain)?;
+        train.leave_out(&axis.apart);
+        held.leave_out(&axis.apart);
         Some(Self {
-            train: Frame::new(&leave(&values, 1), axis.rate_hz, chain)?,
-            held: Frame::new(&leave(&values, 0), axis.rate_hz, chain)?,
+            train,
+            held,
             measured,
         })
     }
@@ -72,7 +76,7 @@ impl Halves {
         let train = self.train.measure(&leave(&values, 1));
         let held = self.held.measure(&leave(&values, 0));
         let mut laws = laws_of(snapshot);
-        let fit = laws::polish(&self.train, &train, &mut laws, 0, 0.05)?;
+        let fit = search::polish(&self.train, &train, &mut laws, 0, 0.05)?;
         let components = laws::components(&self.held, &laws);
         let mut expected = vec![0.0; held.len()];
         for (component, squared) in components.iter().zip(&fit.squared) {
@@ -105,19 +109,12 @@ pub fn allan_error(
     model: &ModelAxis,
     with: &Snapshot,
 ) -> Option<(f64, f64)> {
-    let mut record = Mended::new(vec![0.0; axis.mended.len()]);
-    record.waves.clone_from(&with.waves);
     let law = model.law(axis.rate_hz);
-    let mut waveform = record.waveform();
-    for (value, measured) in waveform.iter_mut().zip(axis.mended.measured()) {
-        if !measured.is_finite() {
-            *value = f64::NAN;
-        }
-    }
-    for mask in &axis.mended.masked {
-        waveform[mask.clone()].fill(f64::NAN);
-    }
-    let wave = curve(&leave(&waveform, 0), axis.rate_hz);
+    let wave = if with.waves.is_empty() {
+        Vec::new()
+    } else {
+        waveform_curve(axis, with)
+    };
     let mut squares = (0.0, 0.0, 0.0);
     for point in held.points.iter().filter(|point| point.edf >= LEAST_EDF) {
         let own = wave
@@ -136,6 +133,22 @@ pub fn allan_error(
             100.0 * f64::sqrt(squares.1 / squares.2),
         )
     })
+}
+
+/// Allan curve of the waveforms of a snapshot, where the held-out half has samples.
+fn waveform_curve(axis: &AxisState, with: &Snapshot) -> Vec<Point> {
+    let mut record = Mended::new(vec![0.0; axis.mended.len()]);
+    record.waves.clone_from(&with.waves);
+    let mut waveform = record.waveform();
+    for (value, measured) in waveform.iter_mut().zip(axis.mended.measured()) {
+        if !measured.is_finite() {
+            *value = f64::NAN;
+        }
+    }
+    for mask in &axis.mended.masked {
+        waveform[mask.clone()].fill(f64::NAN);
+    }
+    curve(&leave(&waveform, 0), axis.rate_hz)
 }
 
 /// The measured Allan curve of the held-out half.

@@ -1,5 +1,6 @@
 //! What a model gets wrong about a record, why, and what is gained by mending it.
 
+pub mod amplitudes;
 pub mod axis;
 pub mod bursts;
 pub mod codes;
@@ -19,6 +20,7 @@ pub mod reference;
 pub mod rounds;
 pub mod samples;
 pub mod slow;
+pub mod steadiness;
 pub mod tail;
 pub mod telegraph;
 pub mod timebase;

@@ -95,7 +95,7 @@ impl Rounds<'_> {
 
     fn largest_jump(&self) -> Option<Jump> {
         let factor = self.axis.slow_factor();
-        let (whole, density) = self.axis.slow(&self.axis.filled);
+        let (whole, density) = self.axis.slow(&self.axis.filled, factor);
         let axis = &*self.axis;
         let jump = levels::largest_jump(&whole, &density, self.level(), |n| {
             axis.usable(n * factor) && axis.usable((n + 1) * factor - 1)
@@ -210,8 +210,8 @@ impl Rounds<'_> {
     fn placing(&self) -> impl Fn(Jump) -> Jump + use<> {
         let factor = self.axis.slow_factor();
         let filter = (factor > 1 && factor <= FINE).then(|| {
-            let (whole, density) = self.axis.whole();
-            levels::statistic(&whole, &density)
+            let seen = self.axis.whole();
+            levels::statistic(&seen.whole, &seen.density)
         });
         move |jump| match &filter {
             Some(filter) => levels::place(filter, jump, 2 * factor),
@@ -255,7 +255,7 @@ impl Rounds<'_> {
             .zip(&waveform)
             .map(|(left, wave)| left - wave)
             .collect();
-        let (record, density) = self.axis.slow(&before);
+        let (record, density) = self.axis.slow(&before, self.axis.slow_factor());
         let means = block_means(&waveform, self.axis.slow_factor());
         let rate_hz = self.axis.rate_hz / self.axis.slow_factor() as f64;
         let mut wave = Transformer::new(means.len()).transform(&means, rate_hz);
