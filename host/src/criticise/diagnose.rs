@@ -233,14 +233,28 @@ fn named_effects(findings: &[Finding]) -> Vec<ModelEffect> {
     findings
         .iter()
         .filter_map(|finding| {
-            let parameters = finding
+            let mut parameters: BTreeMap<String, f64> = finding
                 .parameters
                 .iter()
                 .map(|(name, value)| (name.clone(), value.value))
                 .collect();
+            if finding.effect == "hum" {
+                fill_harmonics(&mut parameters);
+            }
             ModelEffect::new(&finding.effect, &parameters).ok()
         })
         .collect()
+}
+
+/// A model file numbers harmonics without holes: those that were not found are zero.
+fn fill_harmonics(parameters: &mut BTreeMap<String, f64>) {
+    let number = |name: &String| name.strip_prefix("amplitude_")?.parse().ok();
+    let last: u32 = parameters.keys().filter_map(number).max().unwrap_or(0);
+    for number in 1..=last {
+        parameters
+            .entry(format!("amplitude_{number}"))
+            .or_insert(0.0);
+    }
 }
 
 /// The laws of a snapshot with the sizes of a fit that has them.

@@ -27,10 +27,12 @@ impl Counts {
     /// Of what is left of an axis, whitened by what its spectrum is. Samples that are missing or
     /// masked do not count.
     pub fn new(axis: &AxisState) -> Self {
-        let (whole, density) = axis.whole();
+        let seen = axis.whole();
         let rate_hz = axis.rate_hz;
-        let white = whole.filtered(|k| (density[k] * rate_hz).sqrt().recip().into());
-        drop((whole, density));
+        // Bands that are left out have no density: nothing of them passes.
+        let white = seen
+            .whole
+            .filtered(|k| (seen.density[k] * rate_hz).sqrt().recip().into());
         let mut counts = vec![0; 2 * CLASSES];
         for (index, value) in white.into_iter().enumerate() {
             if axis.usable(index) {

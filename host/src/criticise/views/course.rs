@@ -81,7 +81,7 @@ impl Course {
     /// Of an axis with what was found in it; `mean` is that of the record.
     pub(super) fn new(axis: &AxisState, findings: &[Finding], mean: f64) -> Self {
         let measured = axis.mended.measured();
-        let modelled = axis.mended.waveform();
+        let modelled = modelled(axis);
         let column = measured.len().div_ceil(COLUMNS).max(1);
         let columns = measured.chunks(column).zip(modelled.chunks(column));
         Self {
@@ -101,6 +101,20 @@ impl Course {
     pub fn duration_s(&self) -> f64 {
         self.column_s * self.columns.len() as f64
     }
+}
+
+/// The deterministic part of the model, about its mean as the record is about its own. Single
+/// samples that do not belong are marked, not drawn.
+fn modelled(axis: &AxisState) -> Vec<f64> {
+    let mut values = vec![0.0; axis.mended.len()];
+    for wave in &axis.mended.waves {
+        if !matches!(wave, Wave::Outliers(_) | Wave::Replaced(_)) {
+            wave.take_out(&mut values);
+        }
+    }
+    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    values.iter_mut().for_each(|value| *value = mean - *value);
+    values
 }
 
 fn marks(axis: &AxisState, findings: &[Finding]) -> Vec<Mark> {

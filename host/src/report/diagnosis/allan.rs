@@ -1,5 +1,5 @@
 //! The Allan deviation of an axis, measured and modelled; averaging times at which the five terms
-//! alone lie outside the measured interval are shaded.
+//! alone lie outside the measured interval are underlined.
 
 use super::super::allan_plot::decades_of;
 use super::super::plot::Stroke;
@@ -8,7 +8,7 @@ use super::super::plot::legend::Mark;
 use super::super::plot::ratio::{self, Compared};
 use super::super::plot::scale::Scale;
 use super::super::svg::{Theme, escape, typeset};
-use super::{DIFFERS, WITH_STRIP, models, places};
+use super::{WITH_STRIP, models, places};
 use crate::criticise::finding::AxisDiagnosis;
 use crate::criticise::views::allan::AllanPoint;
 
@@ -31,7 +31,7 @@ pub fn panel(axis: &AxisDiagnosis, id: &str, theme: &Theme) -> String {
         .collect();
     let [tau_s, deviation] = decades_of(points.iter().map(|one| (one.tau_s, one.adev)));
     let titles = Titles {
-        head: escape(&format!("{}: Allan deviation", axis.name)),
+        head: escape(&format!("Axis {}", axis.name)),
         x: Title::new("averaging time", "s"),
         y: Title::new("Allan deviation", escape(&typeset(axis.unit.symbol()))),
         strip: Title::new("measured over modelled", "percent"),
@@ -44,7 +44,6 @@ pub fn panel(axis: &AxisDiagnosis, id: &str, theme: &Theme) -> String {
         |pixels| Scale::log(tau_s, pixels),
         |pixels| Scale::log(deviation, pixels),
     );
-    shade(&mut frame, &points);
     let blue = theme.measured;
     let band: Vec<_> = points
         .iter()
@@ -60,14 +59,15 @@ pub fn panel(axis: &AxisDiagnosis, id: &str, theme: &Theme) -> String {
         .map(|one| (one.tau_s, one.before, one.after, one.simulated))
         .collect();
     models(&mut frame, &modelled, Mark::Cross(theme.simulated));
+    underline(&mut frame, &points);
     strip(&mut frame, &points);
     let tags = places::averaging_times(axis);
     frame.tags(tags, theme.ink);
     frame.finish()
 }
 
-/// Shades where the five terms alone differ; neighbours as one.
-fn shade(frame: &mut Frame<'_>, points: &[&AllanPoint]) {
+/// Underlines where the five terms alone differ; neighbours as one.
+fn underline(frame: &mut Frame<'_>, points: &[&AllanPoint]) {
     let red = frame.theme().differs;
     let mut any = false;
     for run in points.chunk_by(|a, b| a.differs_before() == b.differs_before()) {
@@ -75,17 +75,12 @@ fn shade(frame: &mut Frame<'_>, points: &[&AllanPoint]) {
             && first.differs_before()
         {
             let last = run.last().unwrap_or(first);
-            frame.shade(
-                first.tau_s / HALF_STEP,
-                last.tau_s * HALF_STEP,
-                red,
-                DIFFERS,
-            );
+            frame.underline(first.tau_s / HALF_STEP, last.tau_s * HALF_STEP, red);
             any = true;
         }
     }
     if any {
-        frame.explain(Mark::Area(red, 2.0 * DIFFERS), "before differs");
+        frame.explain(Mark::Line(Stroke::solid(red, 5.0)), "before differs");
     }
 }
 

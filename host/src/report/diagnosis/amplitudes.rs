@@ -27,8 +27,11 @@ pub fn panel(axis: &AxisDiagnosis, id: &str, theme: &Theme) -> String {
     let total = views.after.total() as f64;
     let most = (total * WIDTH).max(10.0).log10().ceil();
     let titles = Titles {
-        head: escape(&format!("{}: law of the samples", axis.name)),
-        x: Title::new("whitened sample, standard deviations", ""),
+        head: escape(&format!("Axis {}, whitened", axis.name)),
+        x: Title::new(
+            "whitened sample, standard deviations (all beyond in the last class)",
+            "",
+        ),
         y: Title::new("samples in a class", ""),
         strip: Title::default(),
     };
@@ -45,14 +48,15 @@ pub fn panel(axis: &AxisDiagnosis, id: &str, theme: &Theme) -> String {
         .map(|(z, count)| (z, FLOOR, count))
         .collect();
     frame.band(Field::Main, &after, theme.measured, BARS);
+    let before = Stroke::solid(theme.before, 1.2);
     let outline = Stroke::solid(theme.measured, 1.0);
     frame.line(Field::Main, steps(&views.after), outline);
-    frame.line(Field::Main, steps(&views.before), super::before(theme));
+    frame.line(Field::Main, steps(&views.before), before);
     let normal = |z: f64| total * WIDTH * (-0.5 * z * z).exp() / TAU.sqrt();
     let points = (0..=400).map(|step| reach * (f64::from(step) / 200.0 - 1.0));
     let curve = points.map(|z| (z, normal(z).max(1e-3)));
     frame.line(Field::Main, curve, super::after(theme));
-    frame.explain(Mark::Line(super::before(theme)), "before");
+    frame.explain(Mark::Line(before), "before");
     frame.explain(Mark::LineOnBand(outline, BARS), "after");
     frame.explain(Mark::Line(super::after(theme)), "normal law");
     frame.finish()

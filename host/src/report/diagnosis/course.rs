@@ -25,7 +25,7 @@ pub fn panel(axis: &AxisDiagnosis, id: &str, theme: &Theme) -> String {
     let course = &axis.views.course;
     let unit = escape(&typeset(axis.unit.symbol()));
     let titles = Titles {
-        head: escape(&format!("{}: record in time", axis.name)),
+        head: escape(&format!("Axis {} in time", axis.name)),
         x: Title::new("time", "s"),
         y: Title::new(
             format!("signal about {}", significant(course.mean, 6)),

@@ -20,7 +20,7 @@ pub fn render(diagnosis: &Diagnosis) -> String {
 
 const FOOTER: &str = "Before is the model of the five terms alone, after that with the findings: \
     the law of its noise, and what its lines, steps and other courses add in this very record. \
-    Intervals are 95 %. Averaging times are shaded where the former lies outside of the measured \
+    Intervals are 95 %. Averaging times are underlined where the former lies outside of the measured \
     interval, which one in twenty does by chance; frequencies where it is more than four standard \
     deviations off, which none should be. Whitened samples are divided by what the spectrum says \
     of their frequencies; before and after what was found is taken out.";

@@ -1,5 +1,5 @@
 //! The spectrum of an axis, measured and modelled; lines, peaks and corners of the findings have
-//! their names, what differs before and what is left unexplained is shaded.
+//! their names; where the five terms alone differ is underlined, what is left unexplained shaded.
 
 use super::super::plot::Stroke;
 use super::super::plot::frame::Field;
@@ -20,7 +20,7 @@ const PEAK: f64 = 0.14;
 pub fn panel(axis: &AxisDiagnosis, id: &str, theme: &Theme) -> String {
     let points = &axis.views.spectrum;
     let [f_hz, density] = decades_of(points.iter().map(|one| (one.f_hz, one.psd)));
-    let head = format!("{}: spectrum", axis.name);
+    let head = format!("Axis {}", axis.name);
     let titles = titles(&head, axis.unit.symbol(), "measured over modelled");
     let mut frame = Frame::new(
         id,
@@ -30,7 +30,6 @@ pub fn panel(axis: &AxisDiagnosis, id: &str, theme: &Theme) -> String {
         |pixels| Scale::log(f_hz, pixels),
         |pixels| Scale::log(density, pixels),
     );
-    let differs = shade(&mut frame, points);
     let (peaks, unexplained) = places::bands(axis);
     for (from, to) in peaks {
         frame.shade(from, to, theme.fitted, PEAK);
@@ -48,14 +47,9 @@ pub fn panel(axis: &AxisDiagnosis, id: &str, theme: &Theme) -> String {
         .iter()
         .map(|one| (one.f_hz, one.before, one.after, one.simulated))
         .collect();
-    let simulated = Stroke {
-        width: 0.9,
-        ..Stroke::solid(theme.simulated, 0.9)
-    };
+    let simulated = Stroke::solid(theme.simulated, 0.9);
     models(&mut frame, &modelled, Mark::Line(simulated));
-    if differs {
-        frame.explain(Mark::Area(theme.differs, 2.0 * DIFFERS), "before differs");
-    }
+    underline(&mut frame, points);
     if !unexplained.is_empty() {
         frame.explain(Mark::Area(theme.before, 2.0 * DIFFERS), "unexplained");
     }
@@ -69,19 +63,21 @@ pub fn panel(axis: &AxisDiagnosis, id: &str, theme: &Theme) -> String {
     frame.finish()
 }
 
-/// Shades where the five terms alone differ; neighbours as one. Whether they do anywhere.
-fn shade(frame: &mut Frame<'_>, points: &[SpectrumPoint]) -> bool {
+/// Underlines where the five terms alone differ; neighbours as one.
+fn underline(frame: &mut Frame<'_>, points: &[SpectrumPoint]) {
     let red = frame.theme().differs;
     let mut any = false;
     for run in points.chunk_by(|a, b| a.differs_before() == b.differs_before()) {
         if let (Some(first), Some(last)) = (run.first(), run.last())
             && first.differs_before()
         {
-            frame.shade(first.f_hz, last.f_hz, red, DIFFERS);
+            frame.underline(first.f_hz, last.f_hz, red);
             any = true;
         }
     }
-    any
+    if any {
+        frame.explain(Mark::Line(Stroke::solid(red, 5.0)), "before differs");
+    }
 }
 
 fn compared(points: &[SpectrumPoint], expected: fn(&SpectrumPoint) -> f64) -> Vec<Compared> {

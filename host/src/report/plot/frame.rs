@@ -29,6 +29,9 @@ const FOOT: f64 = 52.0;
 /// Pixels beyond which nothing is worth a number.
 const FAR: f64 = 1e4;
 
+/// Height of a bar on the lower edge.
+const UNDERLINE: f64 = 5.0;
+
 /// Height of a row of tags.
 const ROW: f64 = 13.0;
 
@@ -295,6 +298,21 @@ impl<'a> Frame<'a> {
         if self.strip.is_some() {
             self.drawn[1].push_str(&strip);
         }
+    }
+
+    /// A bar on the lower edge of the main field between two values, at least two pixels wide.
+    pub fn underline(&mut self, from: f64, to: f64, colour: &str) {
+        let middle = 0.5 * (self.x.at(from) + self.x.at(to));
+        let left = self.x.at(from).min(middle - 1.0).max(LEFT);
+        let right = self.x.at(to).max(middle + 1.0).min(RIGHT);
+        let bottom = self.layout.main().1;
+        let _ = write!(
+            self.drawn[0],
+            "<rect x=\"{left:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{UNDERLINE}\" \
+             fill=\"{colour}\"/>",
+            bottom - UNDERLINE,
+            (right - left).max(0.0)
+        );
     }
 
     /// An upright line through main field and strip.

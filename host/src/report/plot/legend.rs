@@ -10,7 +10,7 @@ const MARK: f64 = 24.0;
 const GAP: f64 = 6.0;
 
 /// Space between two entries.
-const APART: f64 = 18.0;
+const APART: f64 = 14.0;
 
 /// Width of a letter, as a part of the font's size: of DejaVu Sans on average, which is wide.
 const LETTER: f64 = 0.58;

@@ -1,7 +1,9 @@
 //! Maps values onto a stretch of pixels, and says where its ticks are.
 
-/// Pixels between two ticks of a linear scale, at least.
-const TICK_PIXELS: f64 = 34.0;
+/// Pixels between two ticks of a linear scale, at least: labels side by side, and above one
+/// another.
+const BESIDE: f64 = 56.0;
+const ABOVE: f64 = 25.0;
 
 /// Decades of a linear scale's labels that are written out; beyond, a power of ten is taken out.
 const PLAIN: std::ops::Range<i32> = -2..4;
@@ -112,7 +114,10 @@ impl Scale {
 
     /// Distance of ticks: 1, 2 or 5 times a power of ten.
     fn step(&self) -> f64 {
-        let wanted = TICK_PIXELS / (self.pixels.1 - self.pixels.0).abs();
+        let length = self.pixels.1 - self.pixels.0;
+        // Upright scales run from the bottom up, against the pixels.
+        let apart = if length > 0.0 { BESIDE } else { ABOVE };
+        let wanted = apart / length.abs();
         let least = wanted * (self.ends.1 - self.ends.0).abs();
         let power = 10_f64.powf(least.log10().floor());
         let round = [1.0, 2.0, 5.0].into_iter().map(|one| one * power);
@@ -171,7 +176,7 @@ mod tests {
     fn linear_scales_tick_at_round_numbers() {
         let scale = Scale::linear((-0.5, 0.5), (90.0, 0.0));
         assert_eq!(labels(scale), ["\u{2212}0.5", "0.0", "0.5"]);
-        let scale = Scale::linear((0.0, 5400.0), (0.0, 340.0));
+        let scale = Scale::linear((0.0, 5400.0), (0.0, 560.0));
         assert_eq!(scale.exponent(), 0);
         assert_eq!(scale.ticks()[1].label, "1000");
         let scale = Scale::linear((-3.2e-5, 2.9e-5), (100.0, 0.0));
