@@ -9,14 +9,18 @@ use indicatif::ProgressBar;
 use super::input::InputOptions;
 use super::output::write_to;
 use super::results::ResultOptions;
+use crate::bins::record::Account;
 use crate::criticise::diagnose::diagnose;
-use crate::criticise::finding::Diagnosis;
+use crate::criticise::finding::{AxisDiagnosis, Diagnosis};
 use crate::criticise::reference::clock;
 use crate::criticise::rounds::Options;
 use crate::criticise::samples::Samples;
 use crate::report;
 use crate::source::open::open;
 use crate::source::options::Selector;
+
+/// Probability of any finding where nothing is hidden, unless told otherwise.
+pub(super) const FAMILY_LEVEL: f64 = 0.005;
 
 /// Exit status where something is left unexplained.
 const UNEXPLAINED: u8 = 1;
@@ -35,7 +39,7 @@ pub struct DiagnoseCommand {
     #[arg(long, value_name = "FILE")]
     reference: Option<String>,
     /// Probability of any finding where nothing is hidden.
-    #[arg(long, value_name = "P", default_value_t = 0.005)]
+    #[arg(long, value_name = "P", default_value_t = FAMILY_LEVEL)]
     level: f64,
     /// Write the extended model to this file, as `inm simulate --model` reads it.
     #[arg(long, value_name = "OUT.json")]
@@ -84,12 +88,7 @@ impl DiagnoseCommand {
                     .extend(clock(&samples, reference, number, options.level()));
             }
         }
-        let diagnosis = Diagnosis {
-            schema: crate::analyse::SCHEMA,
-            source: crate::analyse::summary(&samples.signal, &account),
-            family_level: self.level,
-            axes,
-        };
+        let diagnosis = result(&samples, &account, self.level, axes);
         if let Some(path) = &self.model {
             write_to(path, |mut output| {
                 report::json::write(&diagnosis.model(), &mut output)
@@ -126,5 +125,20 @@ impl DiagnoseCommand {
             *value += mean;
         }
         Ok(values)
+    }
+}
+
+/// The result for the axes of a record.
+pub(super) fn result(
+    samples: &Samples,
+    account: &Account,
+    family_level: f64,
+    axes: Vec<AxisDiagnosis>,
+) -> Diagnosis {
+    Diagnosis {
+        schema: crate::analyse::SCHEMA,
+        source: crate::analyse::summary(&samples.signal, account),
+        family_level,
+        axes,
     }
 }

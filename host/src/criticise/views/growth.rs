@@ -1,9 +1,10 @@
 //! How the error of the integrated signal grows: predicted before and after, and observed.
 //!
 //! A window of the record is a small voyage: its first part is an alignment whose mean is taken for
-//! the bias, the rest is integrated. Only windows within the held-out blocks count, as for the error
-//! of the Allan deviation. What the deterministic part of the extended model does in the same windows
-//! is added to the prediction in squares.
+//! the bias, the rest is integrated. Windows lie within every other block, those that the error of
+//! the Allan deviation is measured on; the coefficients are those of the whole record. What the
+//! deterministic part of the extended model does in the same windows is added to the prediction in
+//! squares.
 
 use serde::Serialize;
 

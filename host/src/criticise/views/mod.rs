@@ -138,18 +138,20 @@ impl Views {
 }
 
 /// The deterministic part of the model in this record; missing samples are NaN. What stands in
-/// place of samples that were no measurement is no part of it.
+/// place of samples that were no measurement is no part of it. Empty where there is none.
 fn deterministic(axis: &AxisState) -> Vec<f64> {
+    let is_part = |wave: &&Wave| !matches!(wave, Wave::Replaced(_));
+    if !axis.mended.waves.iter().any(|wave| is_part(&wave)) {
+        return Vec::new();
+    }
     let mut wave: Vec<f64> = axis
         .mended
         .measured()
         .iter()
         .map(|value| 0.0 * value)
         .collect();
-    for one in &axis.mended.waves {
-        if !matches!(one, Wave::Replaced(_)) {
-            one.take_out(&mut wave);
-        }
+    for one in axis.mended.waves.iter().filter(is_part) {
+        one.take_out(&mut wave);
     }
     wave.iter_mut().for_each(|value| *value = -*value);
     wave

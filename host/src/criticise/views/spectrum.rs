@@ -86,7 +86,7 @@ impl<'a> Pooled<'a> {
             let adds = bursts.iter().map(|burst| burst.adds(bin.f_hz, *after));
             *after += adds.sum::<f64>();
         }
-        if wave.iter().any(|value| *value != 0.0 && value.is_finite()) {
+        if !wave.is_empty() {
             let waves = frame.measure(wave).psd;
             after
                 .iter_mut()

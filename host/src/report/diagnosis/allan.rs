@@ -62,6 +62,9 @@ pub fn panel(axis: &AxisDiagnosis, id: &str, theme: &Theme) -> String {
     underline(&mut frame, &points);
     strip(&mut frame, &points);
     let tags = places::averaging_times(axis);
+    for (at, _) in &tags {
+        frame.upright(*at, Stroke::dashed(theme.faint, 0.8, "1 4"));
+    }
     frame.tags(tags, theme.ink);
     frame.finish()
 }

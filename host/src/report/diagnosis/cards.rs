@@ -2,7 +2,7 @@
 
 use std::fmt::{Result, Write};
 
-use super::super::number::{probability, significant};
+use super::super::number::{estimated, probability, significant};
 use super::super::svg::{escape, typeset};
 use crate::criticise::finding::{AxisDiagnosis, Finding, Remark, Value};
 use crate::model::catalogue;
@@ -10,6 +10,9 @@ use crate::model::{Coefficient, PerCoefficient};
 
 /// Numbers of one finding that are listed, at most; JSON has all.
 const MOST_PARAMETERS: usize = 12;
+
+/// Parameters of an effect with rows that are known by name, at least.
+const ROWS: usize = 64;
 
 /// Rivals that are named at most.
 const MOST_RIVALS: usize = 3;
@@ -69,7 +72,8 @@ fn with(axis: &AxisDiagnosis, index: usize) -> PerCoefficient<Option<f64>> {
 fn parameters(page: &mut String, axis: &AxisDiagnosis, one: &Finding) -> Result {
     let kind = catalogue::find(&one.effect);
     let known = kind.map_or_else(Vec::new, |kind| {
-        kind.parameters(&vec![0.0; one.parameters.len()])
+        // Of effects with rows as many as it may take: rows that were not found are missing.
+        kind.parameters(&vec![0.0; ROWS.max(one.parameters.len())])
     });
     write!(
         page,
@@ -78,15 +82,14 @@ fn parameters(page: &mut String, axis: &AxisDiagnosis, one: &Finding) -> Result 
     )?;
     for (name, value) in one.parameters.iter().take(MOST_PARAMETERS) {
         let parameter = known.iter().find(|one| one.name == name.as_str());
+        let [number, interval] = shown(value);
         let unit = parameter.map_or(String::new(), |one| one.quantity.unit(axis.unit));
         write!(
             page,
-            "<tr><td>{}</td><td class=\"words small\">{}</td><td>{}</td><td>{}</td>\
+            "<tr><td>{}</td><td class=\"words small\">{}</td><td>{number}</td><td>{interval}</td>\
              <td class=\"words unit\">{}</td></tr>",
             escape(name),
             escape(parameter.map_or("", |one| one.meaning)),
-            significant(value.value, 6),
-            interval(value),
             escape(&typeset(&unit))
         )?;
     }
@@ -98,13 +101,15 @@ fn parameters(page: &mut String, axis: &AxisDiagnosis, one: &Finding) -> Result 
     Ok(())
 }
 
-fn interval(value: &Value) -> String {
+/// The value, and its interval.
+fn shown(value: &Value) -> [String; 2] {
     match (value.lo, value.hi) {
-        (Some(lo), Some(hi)) if lo == hi => "as it is".into(),
+        (Some(lo), Some(hi)) if lo == hi => [significant(value.value, 6), "as it is".into()],
         (Some(lo), Some(hi)) => {
-            format!("{} \u{2026} {}", significant(lo, 6), significant(hi, 6))
+            let [value, lo, hi] = estimated(value.value, lo, hi);
+            [value, format!("{lo} \u{2026} {hi}")]
         }
-        _ => "\u{2013}".into(),
+        _ => [significant(value.value, 6), "\u{2013}".into()],
     }
 }
 
