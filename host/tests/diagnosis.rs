@@ -52,9 +52,10 @@ fn diagnose(folder: &Path, name: &str) -> Value {
 
 /// Findings of the axis, by name.
 fn findings(diagnosis: &Value) -> Vec<(&str, &Value)> {
-    let findings = diagnosis["axes"][0]["findings"].as_array().expect("a list");
-    let named = |one| Some((Value::as_str(&one["effect"])?, one));
-    let mut findings: Vec<_> = findings.iter().filter_map(named).collect();
+    let mut findings = Vec::new();
+    for one in diagnosis["axes"][0]["findings"].as_array().expect("a list") {
+        findings.push((one["effect"].as_str().expect("a name"), one));
+    }
     findings.sort_by_key(|(name, _)| *name);
     findings
 }

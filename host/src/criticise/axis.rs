@@ -29,6 +29,10 @@ const SEAM: usize = 1024;
 /// Degrees of freedom from which a bin's own ratio to the model counts rather than the model.
 const OWN_RATIO: f64 = 40.0;
 
+/// Power of the chain below which a frequency is shut out: what is left there says nothing of the
+/// sensor, and falls too fast to be whitened.
+const SHUT_OUT: f64 = 1e-3;
+
 /// Least density that whitens, over that in the middle of the band.
 const LEAST_SHARE: f64 = 1e-5;
 
@@ -65,8 +69,8 @@ pub struct Seen {
     pub whole: Whole,
     /// Density at every ordinate.
     pub density: Vec<f64>,
-    /// Density below which it is not known: what a converter shuts out.
-    pub floor: f64,
+    /// Ordinates below what the converter's filter shuts out.
+    pub top: usize,
 }
 
 impl AxisState {
@@ -135,12 +139,14 @@ impl AxisState {
     pub fn whole(&self) -> Arc<Seen> {
         let seen = self.seen.get_or_init(|| {
             let mut whole = self.fast.transform(&self.filled, self.rate_hz);
-            let (density, floor) = self.whitening(&whole);
+            let density = self.whitening(&whole);
             whole.close(&density);
+            let shut_out = |k: &usize| self.frame.chain_power(whole.frequency(*k)) < SHUT_OUT;
+            let top = (1..density.len()).find(shut_out).unwrap_or(density.len());
             Arc::new(Seen {
                 whole,
                 density,
-                floor,
+                top,
             })
         });
         Arc::clone(seen)
@@ -199,12 +205,11 @@ impl AxisState {
     /// Densities that whiten `whole`: the model's, drawn to the measured bins where these are sure,
     /// so that a test of moments does not suffer from a model that is still wrong in frequency.
     /// What a converter's filter shuts out does not count.
-    fn whitening(&self, whole: &Whole) -> (Vec<f64>, f64) {
+    fn whitening(&self, whole: &Whole) -> Vec<f64> {
         self.tabulate(whole, |f_hz| self.density(f_hz) * self.ratio(f_hz))
     }
 
-    /// Densities at the ordinates, and the least that they are taken for.
-    fn tabulate(&self, whole: &Whole, density: impl Fn(f64) -> f64) -> (Vec<f64>, f64) {
+    fn tabulate(&self, whole: &Whole, density: impl Fn(f64) -> f64) -> Vec<f64> {
         let count = whole.ordinates().len();
         let (low, high) = (whole.frequency(1).ln(), whole.frequency(count - 1).ln());
         let table: Vec<f64> = (0..=TABLE)
@@ -215,7 +220,7 @@ impl AxisState {
             .collect();
         // What lies further below the middle of the band is hidden by the ends' own leakage.
         let floor = LEAST_SHARE * density(0.2 * whole.frequency(count - 1));
-        let densities = (0..count)
+        (0..count)
             .map(|k| {
                 let f_hz = whole.frequency(k.max(1));
                 if self.apart.iter().any(|band| band.contains(&f_hz)) {
@@ -229,8 +234,7 @@ impl AxisState {
                     .exp()
                     .max(floor)
             })
-            .collect();
-        (densities, floor)
+            .collect()
     }
 
     /// Samples that one sample of the slow copy stands for.
@@ -248,7 +252,7 @@ impl AxisState {
         let means = block_means(values, factor);
         let rate_hz = self.rate_hz / factor as f64;
         let mut whole = Transformer::new(means.len()).transform(&means, rate_hz);
-        let (density, _) = self.tabulate(&whole, |f_hz| {
+        let density = self.tabulate(&whole, |f_hz| {
             // What folds back, through the mean's own response.
             (0..factor.div_ceil(2).min(8))
                 .flat_map(|fold| {

@@ -12,6 +12,9 @@ use super::whole::{Half, Impulse, Whole, matched};
 /// Largest number of outliers that are looked for; beyond it is another kind of record.
 const MOST: usize = 1 << 14;
 
+/// Outliers from which their law is looked for.
+const FEW: usize = 5;
+
 /// Samples to either side that an outlier's own answer of the filter is taken out of.
 const REACH: usize = 512;
 
@@ -141,6 +144,15 @@ pub fn law_of(seen: &[Outlier], threshold: f64) -> SizeLaw {
         .map(|one| one.size_sd * one.size_sd)
         .sum::<f64>()
         / count;
+    // Too few to tell how many more there are below the threshold.
+    if seen.len() < FEW {
+        return SizeLaw {
+            count,
+            count_log_sd: count.sqrt().recip(),
+            size: square.sqrt(),
+            size_log_sd: (2.0 * count).sqrt().recip(),
+        };
+    }
     // Mean square beyond the threshold for a variance.
     let beyond = |variance: f64| {
         let t = threshold / variance.sqrt();

@@ -24,5 +24,6 @@ pub mod steadiness;
 pub mod tail;
 pub mod telegraph;
 pub mod timebase;
+pub mod tone;
 pub mod views;
 pub mod whole;

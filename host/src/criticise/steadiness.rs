@@ -35,6 +35,9 @@ const LEAST_TILES: usize = 256;
 /// Moments at which a tile is asked whether its samples count.
 const ASKED: usize = 8;
 
+/// Standard deviations from which a group beside an unsteady band belongs to it.
+const SKIRT: f64 = 2.5;
+
 /// Free ends make each trial of a band some more.
 const FREE_ENDS: f64 = 16.0;
 
@@ -127,15 +130,13 @@ impl Groups {
             scores: vec![0.0],
             tiles: vec![0.0],
         };
-        let last = seen.whole.ordinates().len();
+        let last = seen.top;
         let first = (within.start / seen.whole.frequency(1)).ceil() as usize;
         let mut start = first.max(NARROWEST);
         while start + size < last && seen.whole.frequency(start + size) <= within.end {
             let (low, high) = (seen.whole.frequency(start), seen.whole.frequency(start + size));
             let is_apart = apart.iter().any(|one| one.start < high && low < one.end);
-            // What a converter shuts out is no noise of the record's.
-            let is_seen = seen.density[start + size] > seen.floor && seen.density[start] > seen.floor;
-            if !is_apart && is_seen {
+            if !is_apart {
                 let strengths = strengths(seen, start..start + size);
                 let (score, tiles) = score(&strengths, &counts);
                 groups.starts.push(start);
@@ -173,8 +174,9 @@ impl Groups {
                 if tail < best.as_ref().map_or(1.0, |best| best.tail) {
                     let run = self.ends(run);
                     let (mean, tail) = self.judge(&run);
+                    let wide = self.skirts(run);
                     *best = Some(Best {
-                        ordinates: self.starts[run.start]..self.starts[run.end - 1] + self.size,
+                        ordinates: self.starts[wide.start]..self.starts[wide.end - 1] + self.size,
                         size: self.size,
                         mean,
                         tail,
@@ -184,6 +186,23 @@ impl Groups {
             length *= 2;
         }
         trials
+    }
+
+    /// A run with the groups beside it that depart by themselves, the same way.
+    fn skirts(&self, mut run: Range<usize>) -> Range<usize> {
+        let (mean, _) = self.judge(&run);
+        let departs = |group: usize| {
+            let tiles = self.tiles[group + 1] - self.tiles[group];
+            let sum = self.scores[group + 1] - self.scores[group];
+            sum * mean.signum() > SKIRT * (tiles / 48.0).sqrt()
+        };
+        while run.start > 0 && departs(run.start - 1) {
+            run.start -= 1;
+        }
+        while run.end < self.starts.len() && departs(run.end) {
+            run.end += 1;
+        }
+        run
     }
 
     /// Moves both ends of a run to where it is least likely.

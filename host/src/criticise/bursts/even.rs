@@ -18,13 +18,10 @@ const LEAST_MOMENTS: usize = 8;
 pub fn p_value(seen: &Seen, stretch: &Range<usize>) -> f64 {
     let length = seen.whole.len();
     let mut bands = Vec::new();
-    let mut top = length / 2;
+    let mut top = seen.top - 1;
     while top >= 2 * LEAST_ORDINATES {
         let ordinates = top / 2..top;
         top /= 2;
-        if seen.density[ordinates.start] <= seen.floor || seen.density[ordinates.end] <= seen.floor {
-            continue;
-        }
         let moments = ordinates.len();
         let strengths = strengths(seen, ordinates);
         let at = |moment: usize| moment * length / moments;

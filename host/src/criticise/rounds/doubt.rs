@@ -51,11 +51,17 @@ impl Rounds<'_> {
     fn unsteady_law(&self, which: usize, effect: &str) -> Option<Remark> {
         // Filters act on all noise alike; two levels are not Gaussian.
         let adds = self.axis.laws[which].effect.size().is_some();
-        if !adds || effect == "telegraph" || self.restless {
+        if !adds || effect == "telegraph" {
             return None;
         }
         let band = self.main_band(which);
-        let found = steadiness::unsteady(self.axis, band, &self.axis.apart, self.level())?;
+        let unsteady = |band| steadiness::unsteady(self.axis, band, &self.axis.apart, self.level());
+        let half_hz = 0.5 * self.axis.rate_hz;
+        let found = unsteady(band.clone())?;
+        // What moves everywhere is no matter of this law.
+        if self.restless && (unsteady(0.0..band.start).or(unsteady(band.end..half_hz))).is_some() {
+            return None;
+        }
         let mut remark = steady::remark(&found);
         remark.description = format!(
             "{}; a {effect} has the same mean spectrum, but would be steady",

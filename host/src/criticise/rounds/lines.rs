@@ -1,10 +1,11 @@
 //! Lines: single ones, and mains with its harmonics.
 
 use super::super::axis::AxisState;
-use super::super::finding::Value;
+use super::super::finding::{Remark, Value};
 use super::super::lines::{self, Group, Measured};
 use super::super::mend::Wave;
 use super::super::phase;
+use super::super::tone;
 use super::{Rounds, Snapshot, named};
 use crate::spectrum::Line;
 
@@ -18,6 +19,7 @@ impl Rounds<'_> {
         let mut any = false;
         for group in groups {
             match group {
+                Group::Single(one) if self.wanders(&one) => any |= self.set_apart(&one)?,
                 Group::Single(one) => any |= self.single(one)?,
                 Group::Hum {
                     base_hz,
@@ -28,6 +30,36 @@ impl Rounds<'_> {
             }
         }
         Some(any)
+    }
+
+    /// Whether a line does not keep its size and phase.
+    fn wanders(&self, one: &Measured) -> bool {
+        let cycles = one.line.frequency_hz / self.axis.rate_hz;
+        tone::p_steady(self.axis, cycles) < self.level()
+    }
+
+    /// Leaves a line that wanders out of what fits and tests look at, and remarks on it.
+    fn set_apart(&mut self, one: &Measured) -> Option<bool> {
+        /// Width of what is left out, 1/T on either side.
+        const REACH: f64 = 40.0;
+        let f_hz = one.line.frequency_hz;
+        if self.axis.apart.iter().any(|band| band.contains(&f_hz)) {
+            return Some(false);
+        }
+        let width_hz = REACH * self.axis.rate_hz / self.axis.filled.len() as f64;
+        self.unsteady.push(Remark {
+            test: "lines".into(),
+            place: format!("{f_hz:.5} Hz"),
+            p_value: one.line.false_alarm,
+            description: format!(
+                "a line of amplitude {:.3e} that does not keep its size and phase: a tone that \
+                 wanders or is switched",
+                one.line.amplitude
+            ),
+        });
+        self.axis.apart.push(f_hz - width_hz..f_hz + width_hz);
+        self.axis.refresh(false)?;
+        Some(true)
     }
 
     /// Takes out lines that all jump in phase at one moment.

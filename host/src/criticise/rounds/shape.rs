@@ -10,6 +10,9 @@ use crate::fit::likelihood::Fit;
 use crate::model::catalogue::{self, CATALOGUE};
 use crate::model::effect::Part;
 
+/// Share of the level that is left where the strength of the noise moves.
+const RESTLESS: f64 = 1e-3;
+
 /// Laws at most.
 const MOST: usize = 4;
 
@@ -20,7 +23,8 @@ impl Rounds<'_> {
         if self.axis.laws.len() == MOST {
             return Some(false);
         }
-        let level = self.level();
+        // Bins of noise whose strength moves scatter by more than their degrees of freedom say.
+        let level = self.level() * if self.restless { RESTLESS } else { 1.0 };
         let axis = &*self.axis;
         let starts = axis.starts()?;
         let mut found: Vec<search::Found> = CATALOGUE
@@ -69,6 +73,8 @@ impl Rounds<'_> {
             if two > 0.0 {
                 effect = "telegraph";
                 self.switching = true;
+                // Its jumps may have passed for them.
+                self.withdraw("outliers");
                 rivals.insert(0, other("markov", two));
             } else {
                 rivals.insert(0, other("telegraph", -two));

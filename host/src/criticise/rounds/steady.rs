@@ -11,6 +11,9 @@ const NARROW: f64 = 0.25;
 /// Bands at most.
 const MOST: usize = 6;
 
+/// Frequency, times the dwell, up to which jumps leave something.
+const LEFT_OF_JUMPS: f64 = 30.0;
+
 /// Share of the density from which a law decides what the noise there looks like.
 const DECIDES: f64 = 0.1;
 
@@ -46,10 +49,13 @@ impl Rounds<'_> {
 
     /// Where two levels decide what the noise looks like: Gaussian it is not.
     fn switching_band(&self) -> Option<std::ops::Range<f64>> {
-        let law = self.axis.laws.iter().position(|law| law.effect.name() == "markov")?;
-        self.switching.then_some(())?;
-        let band = self.band_of(law, DECIDES);
-        Some(0.0..band.end)
+        let telegraph = self.accepted.iter().find(|one| one.effect == "telegraph")?;
+        let end_hz = match telegraph.law {
+            Some(law) => self.band_of(law, DECIDES).end,
+            // Told jump by jump: what is left of them fades within some tens of 1 / dwell.
+            None => LEFT_OF_JUMPS / telegraph.parameters.get("dwell_s")?.value,
+        };
+        Some(0.0..end_hz)
     }
 
     /// Between which frequencies law number `which` makes at least `share` of the density; for a

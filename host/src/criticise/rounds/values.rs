@@ -7,6 +7,9 @@ use super::super::impulses::{self, Outlier};
 use super::super::mend::Wave;
 use super::{CodeFindings, Rounds, Snapshot, named};
 
+/// How much further out an outlier must be where the strength of the noise moves.
+const RESTLESS: f64 = 1.5;
+
 impl Rounds<'_> {
     /// Takes over what the values themselves say.
     pub(super) fn take_codes(&mut self, values: &CodeFindings) -> Option<()> {
@@ -75,7 +78,7 @@ impl Rounds<'_> {
             density,
             self.level(),
             |n| axis.usable(n),
-            |n| local.as_ref().map_or(1.0, |local| local(n)),
+            |n| local.as_ref().map_or(1.0, |local| RESTLESS * local(n)),
         );
         if found.found.is_empty() {
             return Some(false);
