@@ -102,27 +102,30 @@ fn data_of_the_model_found_show_the_same_effects_and_nothing_else() {
     pictures(folder);
 }
 
-/// The model after lies within the measured interval where that before does not.
+/// Where the measured deviation is well known, the extended model agrees with it, a simulation of
+/// it too, and the five terms alone do not.
 fn views(diagnosis: &Value) {
     let views = &diagnosis["axes"][0]["views"];
     let points = views["allan"].as_array().expect("a list");
-    let outside = |which: &str| {
-        let is_outside = |one: &&Value| {
-            let number = |field: &str| one[field].as_f64().expect("a number");
-            !(number("lo")..=number("hi")).contains(&number(which))
+    let number = |one: &Value, field: &str| one[field].as_f64().expect("a number");
+    let ratio = |one: &Value, upper: &str, lower: &str| number(one, upper) / number(one, lower);
+    let sure: Vec<&Value> = points
+        .iter()
+        .filter(|one| ratio(one, "hi", "lo") < 1.5)
+        .collect();
+    assert!(sure.len() > 20, "{} points are well known", sure.len());
+    // Standard deviations by which one of these is off at most.
+    let off = |which: &str| {
+        let one = |one: &&Value| {
+            (ratio(one, which, "adev").ln() / ratio(one, "hi", "lo").ln() * INTERVAL).abs()
         };
-        points.iter().filter(is_outside).count()
+        sure.iter().map(one).fold(0.0, f64::max)
     };
-    let (before, after, simulated) = (outside("before"), outside("after"), outside("simulated"));
-    let all = points.len();
-    assert!(3 * before > all, "before: {before} of {all} outside");
-    // One in twenty by chance, and neighbours go together.
-    assert!(5 * after < all, "after: {after} of {all} outside");
+    let (before, after, simulated) = (off("before"), off("after"), off("simulated"));
+    assert!(before > 10.0, "before: at most {before:.1} sigma off");
+    assert!(after < 5.0, "after: {after:.1} sigma off");
     // The simulation has chance of its own.
-    assert!(
-        3 * simulated < all,
-        "simulated: {simulated} of {all} outside"
-    );
+    assert!(simulated < 7.0, "simulated: {simulated:.1} sigma off");
     assert_eq!(views["simulation_seed"], 1);
     let growth = views["velocity_error"].as_array().expect("a list");
     assert!(!growth.is_empty());
