@@ -60,7 +60,7 @@ pub fn panel(axis: &AxisDiagnosis, id: &str, theme: &Theme) -> String {
         .collect();
     models(&mut frame, &modelled, Mark::Cross(theme.simulated));
     underline(&mut frame, &points);
-    strip(&mut frame, &points);
+    strip(&mut frame, &points, !axis.findings.is_empty());
     let tags = places::averaging_times(axis);
     for (at, _) in &tags {
         frame.upright(*at, Stroke::dashed(theme.faint, 0.8, "1 4"));
@@ -87,8 +87,9 @@ fn underline(frame: &mut Frame<'_>, points: &[&AllanPoint]) {
     }
 }
 
-/// Measured over what both models expect.
-fn strip(frame: &mut Frame<'_>, points: &[&AllanPoint]) {
+/// Measured over what the extended model expects, and where anything was found over what the five
+/// terms alone do.
+fn strip(frame: &mut Frame<'_>, points: &[&AllanPoint], found: bool) {
     let theme = frame.theme();
     let compared = |expected: fn(&AllanPoint) -> f64| -> Vec<Compared> {
         let one = |point: &&AllanPoint| Compared {
@@ -113,7 +114,9 @@ fn strip(frame: &mut Frame<'_>, points: &[&AllanPoint]) {
         .map(|one| one.off().abs())
         .fold(0.0, f64::max);
     ratio::open(frame, ratio::limit(largest));
-    let line = before.iter().map(|one| (one.x, one.off()));
-    frame.line(Field::Strip, line, super::before(theme));
+    if found {
+        let line = before.iter().map(|one| (one.x, one.off()));
+        frame.line(Field::Strip, line, super::before(theme));
+    }
     ratio::points(frame, &after, 2.0);
 }

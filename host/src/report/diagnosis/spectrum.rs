@@ -56,8 +56,14 @@ pub fn panel(axis: &AxisDiagnosis, id: &str, theme: &Theme) -> String {
     let before = compared(points, |one| one.before);
     let limit = typical_limit(&before).max(typical_limit(&after));
     ratio::open(&mut frame, limit);
-    let line = before.iter().map(|one| (one.x, one.off()));
-    frame.line(Field::Strip, line, super::before(theme));
+    if !axis.findings.is_empty() {
+        // Where a single point tells little the line would be a scribble.
+        let line = before.iter().map(|one| {
+            let sure = one.width() < limit;
+            (one.x, if sure { one.off() } else { f64::NAN })
+        });
+        frame.line(Field::Strip, line, super::before(theme));
+    }
     ratio::points(&mut frame, &after, 1.6);
     frame.tags(tags, theme.ink);
     frame.finish()

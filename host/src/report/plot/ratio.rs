@@ -32,6 +32,11 @@ impl Compared {
         self.percent(self.measured)
     }
 
+    /// Width of the interval, percent.
+    pub fn width(&self) -> f64 {
+        self.percent(self.hi) - self.percent(self.lo)
+    }
+
     /// How far the interval reaches from zero, percent.
     pub fn reach(&self) -> f64 {
         self.percent(self.hi).abs().max(self.percent(self.lo).abs())

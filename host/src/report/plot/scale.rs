@@ -3,7 +3,7 @@
 /// Pixels between two ticks of a linear scale, at least: labels side by side, and above one
 /// another.
 const BESIDE: f64 = 56.0;
-const ABOVE: f64 = 25.0;
+const ABOVE: f64 = 20.0;
 
 /// Decades of a linear scale's labels that are written out; beyond, a power of ten is taken out.
 const PLAIN: std::ops::Range<i32> = -2..4;
