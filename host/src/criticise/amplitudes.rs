@@ -33,7 +33,11 @@ pub fn lopsided(axis: &AxisState) -> Lopsided {
     let white = seen
         .whole
         .filtered(|k| Complex64::new(seen.density[k].sqrt().recip(), 0.0));
-    let counted = || (0..white.len()).filter(|&n| axis.usable(n)).map(|n| white[n]);
+    let counted = || {
+        (0..white.len())
+            .filter(|&n| axis.usable(n))
+            .map(|n| white[n])
+    };
     let count = counted().count() as f64;
     let deviation = (counted().map(|z| z * z).sum::<f64>() / count.max(1.0)).sqrt();
     let square = T * T;

@@ -21,13 +21,17 @@ const SLOW: usize = 1 << 18;
 const DRIFT: usize = 1 << 15;
 
 /// Samples on either side of a bridge or a mask that tests of single moments leave out.
-const GUARD: usize = 64;
+const GUARD: usize = 256;
 
 /// Samples at both ends of the record that they leave out: the ring closes there.
 const SEAM: usize = 1024;
 
 /// Degrees of freedom from which a bin's own ratio to the model counts rather than the model.
 const OWN_RATIO: f64 = 40.0;
+
+/// Samples over which a converter's filter spreads a jump, on either side: those of the ADS1281
+/// settle within 63 conversions.
+const SPREAD: usize = 64;
 
 /// Power of the chain below which a frequency is shut out: what is left there says nothing of the
 /// sensor, and falls too fast to be whitened.
@@ -111,17 +115,31 @@ impl AxisState {
         self.frame.leave_out(&self.apart);
         self.data = self.frame.measure(&values);
         self.fit = search::polish(&self.frame, &self.data, &mut self.laws, 0, 0.05)?;
-        let gaps = bridge(&mut values);
+        let mut gaps = bridge(&mut values);
+        gaps.extend(self.mended.about_jumps(0));
+        gaps.sort_by_key(|gap| gap.start);
         self.unusable.clear();
         for gap in gaps {
             let wide = gap.start.saturating_sub(GUARD)..(gap.end + GUARD).min(values.len());
             match self.unusable.last_mut() {
-                Some(last) if last.end >= wide.start => last.end = wide.end,
+                Some(last) if last.end >= wide.start => last.end = last.end.max(wide.end),
                 _ => self.unusable.push(wide),
             }
         }
         self.filled = values;
         Some(())
+    }
+
+    /// Leaves out what a converter's filter makes of the jumps, and brings all up to date.
+    pub fn refresh_jumps(&mut self) -> Option<()> {
+        let filtered = self
+            .chain
+            .as_ref()
+            .is_some_and(|chain| chain.converter.is_some());
+        if filtered {
+            self.mended.spread = self.mended.about_jumps(SPREAD).collect();
+        }
+        self.refresh(filtered)
     }
 
     /// Whether tests of single moments may look at a sample.

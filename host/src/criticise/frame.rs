@@ -150,6 +150,15 @@ impl Frame {
         terms * self.design.power(f_hz) + behind
     }
 
+    /// Two-sided density of number `unit` of [`Self::units`], through one more filter of the `power`
+    /// at `f_hz` ahead of what joins behind the converter.
+    pub fn unit_density(&self, unit: usize, f_hz: f64, power: f64) -> f64 {
+        match SEEN.get(unit) {
+            Some(&one) => self.design.unit_spectrum(one, f_hz) * self.design.power(f_hz) * power,
+            None => 1.0,
+        }
+    }
+
     /// Two-sided density of a term ahead of the chain's power.
     pub fn term_density(&self, term: &dyn Term, f_hz: f64) -> f64 {
         if self.band_limited {

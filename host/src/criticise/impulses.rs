@@ -117,7 +117,10 @@ pub fn together(found: &[Outlier], len: usize) -> f64 {
         .windows(2)
         .filter(|pair| pair[1].index - pair[0].index <= CLOSE);
     let count = found.len() as f64;
-    tail::poisson(close.count() as u64, count * count * CLOSE as f64 / len as f64)
+    tail::poisson(
+        close.count() as u64,
+        count * count * CLOSE as f64 / len as f64,
+    )
 }
 
 /// Law of all outliers, those too small to be seen included.

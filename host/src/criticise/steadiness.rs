@@ -50,6 +50,8 @@ pub struct Unsteady {
     pub to_hz: f64,
     /// Duration of the tiles that show it best, seconds.
     pub tile_s: f64,
+    /// Whether these are the shortest: single samples, which the narrow band draws out, may do it.
+    pub shortest: bool,
     /// Variance of the strength over its squared mean; negative where it is steadier than noise.
     pub variance: f64,
     /// Probability of as much in any band of steady noise.
@@ -92,6 +94,7 @@ pub fn unsteady(
         from_hz: seen.whole.frequency(best.ordinates.start),
         to_hz: seen.whole.frequency(best.ordinates.end),
         tile_s: length as f64 / best.size as f64 / axis.rate_hz,
+        shortest: best.size * WIDER * SHORTEST > length,
         variance: 8.0 * best.mean,
         p_value,
     })
@@ -134,14 +137,21 @@ impl Groups {
         let first = (within.start / seen.whole.frequency(1)).ceil() as usize;
         let mut start = first.max(NARROWEST);
         while start + size < last && seen.whole.frequency(start + size) <= within.end {
-            let (low, high) = (seen.whole.frequency(start), seen.whole.frequency(start + size));
+            let (low, high) = (
+                seen.whole.frequency(start),
+                seen.whole.frequency(start + size),
+            );
             let is_apart = apart.iter().any(|one| one.start < high && low < one.end);
             if !is_apart {
                 let strengths = strengths(seen, start..start + size);
                 let (score, tiles) = score(&strengths, &counts);
                 groups.starts.push(start);
-                groups.scores.push(groups.scores[groups.scores.len() - 1] + score);
-                groups.tiles.push(groups.tiles[groups.tiles.len() - 1] + tiles);
+                groups
+                    .scores
+                    .push(groups.scores[groups.scores.len() - 1] + score);
+                groups
+                    .tiles
+                    .push(groups.tiles[groups.tiles.len() - 1] + tiles);
             }
             start += size;
         }

@@ -37,8 +37,15 @@ pub fn p_value(seen: &Seen, stretch: &Range<usize>) -> f64 {
         }
     }
     let total: f64 = bands.iter().map(|(count, _)| count).sum();
-    let all = bands.iter().map(|(count, ratio)| count * ratio).sum::<f64>() / total;
-    let ratio: f64 = bands.iter().map(|(count, ratio)| 2.0 * count * (all / ratio).ln()).sum();
+    let all = bands
+        .iter()
+        .map(|(count, ratio)| count * ratio)
+        .sum::<f64>()
+        / total;
+    let ratio: f64 = bands
+        .iter()
+        .map(|(count, ratio)| 2.0 * count * (all / ratio).ln())
+        .sum();
     if bands.len() < 2 {
         return 1.0;
     }

@@ -90,7 +90,11 @@ impl Powers {
                 median.max(0.0).sqrt()
             })
             .collect();
-        move |sample| local.get(sample / BLOCK).map_or(1.0, |local| local.max(1.0))
+        move |sample| {
+            local
+                .get(sample / BLOCK)
+                .map_or(1.0, |local| local.max(1.0))
+        }
     }
 }
 

@@ -57,6 +57,55 @@ impl<'a> Rise<'a> {
         })
     }
 
+    /// Length of the path through `directions` (changes of the expectation) as the data see them,
+    /// radians: each beside the present components, of length one, and the arcs from one to the
+    /// next. How many independent searches a search of all of them is (R. B. Davies, Biometrika 74
+    /// (1987), eq. 3.1).
+    pub fn path(&self, directions: impl Iterator<Item = Vec<f64>>) -> f64 {
+        let mut length = 0.0;
+        let mut last: Option<Vec<f64>> = None;
+        for direction in directions {
+            let Some(next) = self.beside(&direction) else {
+                continue;
+            };
+            if let Some(last) = &last {
+                length += self.product(last, &next).clamp(-1.0, 1.0).acos();
+            }
+            last = Some(next);
+        }
+        length
+    }
+
+    /// What of a component the present ones do not make, over `E`, of length one; `None` if nothing.
+    fn beside(&self, component: &[f64]) -> Option<Vec<f64>> {
+        let mut share: Vec<f64> = component
+            .iter()
+            .zip(self.expected)
+            .map(|(c, e)| c / e)
+            .collect();
+        let own = self.product(&share, &share);
+        let products = DVector::from_iterator(
+            self.active.len(),
+            self.active.iter().map(|one| self.product(one, &share)),
+        );
+        for (active, size) in self.active.iter().zip((&self.inverse * products).iter()) {
+            for (share, active) in share.iter_mut().zip(active) {
+                *share -= size * active;
+            }
+        }
+        let left = self.product(&share, &share);
+        (left > 1e-9 * own).then(|| {
+            let norm = left.sqrt().recip();
+            share.iter_mut().for_each(|one| *one *= norm);
+            share
+        })
+    }
+
+    fn product(&self, a: &[f64], b: &[f64]) -> f64 {
+        let pairs = a.iter().zip(b).zip(&self.weights);
+        pairs.map(|((a, b), w)| w * a * b).sum()
+    }
+
     /// Gain in log-likelihood from `component`, nats; zero where less of it would fit better.
     pub fn of(&self, component: &[f64]) -> f64 {
         let share: Vec<f64> = component
@@ -64,16 +113,12 @@ impl<'a> Rise<'a> {
             .zip(self.expected)
             .map(|(c, e)| c / e)
             .collect();
-        let product = |other: &[f64]| -> f64 {
-            let pairs = share.iter().zip(other).zip(&self.weights);
-            pairs.map(|((a, b), w)| w * a * b).sum()
-        };
-        let slope = product(&self.excess);
+        let slope = self.product(&share, &self.excess);
         let beside = DVector::from_iterator(
             self.active.len(),
-            self.active.iter().map(|one| product(one)),
+            self.active.iter().map(|one| self.product(&share, one)),
         );
-        let own = product(&share);
+        let own = self.product(&share, &share);
         let left = own - beside.dot(&(&self.inverse * &beside));
         if slope > 0.0 && left > 1e-9 * own {
             slope * slope / (2.0 * left)

@@ -15,9 +15,6 @@ const FINEST: f64 = 2e-3;
 /// Gain in log-likelihood that is worth a move.
 const WORTH: f64 = 1e-3;
 
-/// Searches of shape that are as good as independent, an octave of the band.
-const TRIALS_PER_OCTAVE: f64 = 2.0;
-
 /// Gain in log-likelihood at the best start below which nothing significant is near.
 const NEAR: f64 = 2.0;
 
@@ -114,7 +111,6 @@ fn moved(
 /// Where searches begin: every law of the catalogue at its starting values. Made once for a frame.
 pub struct Starts {
     starts: Vec<Start>,
-    band: Band,
 }
 
 struct Start {
@@ -141,11 +137,46 @@ impl Starts {
                 law,
             })
             .collect();
-        Some(Self { starts, band })
+        Some(Self { starts })
     }
 }
 
 impl Starts {
+    /// The least of each value of an effect.
+    fn lowest(&self, effect: &'static dyn Effect) -> Vec<f64> {
+        let own = self.starts.iter();
+        own.filter(|start| start.law.effect.name() == effect.name())
+            .map(|start| start.law.values.clone())
+            .reduce(|a, b| a.iter().zip(&b).map(|(a, b)| a.min(*b)).collect())
+            .unwrap_or_default()
+    }
+
+    /// What each of an effect's starts changes in the expectation of a fit with `laws`.
+    fn directions(
+        &self,
+        frame: &Frame,
+        laws: &[Law],
+        base: &Fit,
+        effect: &'static dyn Effect,
+    ) -> impl Iterator<Item = Vec<f64>> {
+        let own = self.starts.iter();
+        own.filter(move |start| start.law.effect.name() == effect.name())
+            .map(move |start| match &start.component {
+                Some(component) => component.clone(),
+                None => {
+                    let mut all = laws.to_vec();
+                    all.push(start.law.clone());
+                    let mut change: Vec<f64> = base.expected.iter().map(|e| -e).collect();
+                    for (component, squared) in components(frame, &all).iter().zip(&base.squared) {
+                        for (change, one) in change.iter_mut().zip(component) {
+                            *change += squared * one;
+                        }
+                    }
+                    change
+                }
+            })
+    }
+
     /// Those of an effect from which the likelihood rises most at first, beside `present` with the
     /// fit `base`; all of them where that says little, as behind a filter.
     fn promising(
@@ -229,16 +260,27 @@ pub fn search(
     if value - base.log_likelihood < NEAR {
         return None;
     }
+    let path = Rise::new(data, base, &present)?.path(starts.directions(frame, laws, base, effect));
     let mut all = laws.to_vec();
     all.push(law.clone());
-    let trials = TRIALS_PER_OCTAVE * (starts.band.to_hz / starts.band.from_hz).log2();
-    let freedom = all[laws.len()].values.len() as f64;
     let fit = polish(frame, data, &mut all, laws.len(), 0.3)?;
     let nats = fit.log_likelihood - base.log_likelihood;
+    let law = all.pop()?;
+    // A filter that shuts out most of the band would make every law anew from white noise.
+    let lowest = starts.lowest(effect);
+    if !law.adds()
+        && law
+            .values
+            .iter()
+            .zip(lowest)
+            .any(|(value, lowest)| *value < 0.5 * lowest)
+    {
+        return None;
+    }
     Some(Found {
-        law: all.pop()?,
+        law,
         fit,
         nats,
-        p_value: tail::searched(tail::chi_squared(2.0 * nats, freedom), trials),
+        p_value: tail::highest_on_path(nats, path),
     })
 }

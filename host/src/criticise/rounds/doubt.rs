@@ -18,6 +18,7 @@ const ONE_SIDED: f64 = 0.8;
 impl Rounds<'_> {
     /// Takes back what the record speaks against; remarks on each.
     pub(super) fn doubts(&mut self) -> Option<Vec<Remark>> {
+        self.tops()?;
         let mut remarks = std::mem::take(&mut self.unsteady);
         remarks.extend(self.lopsided()?);
         let level = self.level();
@@ -28,6 +29,10 @@ impl Rounds<'_> {
                 continue;
             };
             let effect = self.accepted[place].effect;
+            if effect == "resonance" && self.is_skirt(which) {
+                self.accepted.remove(place);
+                continue;
+            }
             let doubt = self
                 .unsteady_law(which, effect)
                 .or_else(|| self.misfit(which, effect, left.as_ref()));
@@ -39,6 +44,39 @@ impl Rounds<'_> {
         Some(remarks)
     }
 
+    /// Whether a resonance is what is left beside a band that was left out.
+    fn is_skirt(&self, which: usize) -> bool {
+        let [f_hz, width_hz, ..] = self.axis.laws[which].values[..] else {
+            return false;
+        };
+        let apart = self.axis.apart.iter();
+        let near = |band: &std::ops::Range<f64>| {
+            band.start < f_hz + width_hz && f_hz - width_hz < band.end
+        };
+        apart.into_iter().any(near)
+    }
+
+    /// Takes back lines that are tops of a resonance.
+    fn tops(&mut self) -> Option<()> {
+        let rate_hz = self.axis.rate_hz;
+        let rings = self.resonances();
+        let is_top = |f_hz: f64| rings.iter().any(|band| band.contains(&f_hz));
+        let before = self.axis.mended.waves.len();
+        self.axis
+            .mended
+            .waves
+            .retain(|wave| !matches!(wave, Wave::Line { cycles, .. } if is_top(cycles * rate_hz)));
+        if self.axis.mended.waves.len() < before {
+            self.accepted.retain(|one| {
+                let f_hz = one.parameters.get("f_hz").map_or(0.0, |f_hz| f_hz.value);
+                one.effect != "sinusoid" || !is_top(f_hz)
+            });
+            self.axis.refresh(false)?;
+        }
+        Some(())
+    }
+
+    /// Where a law makes most of the spectrum, or what it makes at most.
     fn main_band(&self, which: usize) -> std::ops::Range<f64> {
         let bands = SHARES.iter().map(|&share| self.band_of(which, share));
         bands
@@ -59,8 +97,11 @@ impl Rounds<'_> {
         let half_hz = 0.5 * self.axis.rate_hz;
         let found = unsteady(band.clone())?;
         // What moves everywhere is no matter of this law.
-        if self.restless && (unsteady(0.0..band.start).or(unsteady(band.end..half_hz))).is_some() {
-            return None;
+        if self.restless {
+            let outside = unsteady(0.0..band.start).or(unsteady(band.end..half_hz));
+            if outside.is_some_and(|one| 2.0 * one.variance.abs() > found.variance.abs()) {
+                return None;
+            }
         }
         let mut remark = steady::remark(&found);
         remark.description = format!(
@@ -112,7 +153,12 @@ impl Rounds<'_> {
         }
         Some(Some(Remark {
             test: "amplitude".into(),
-            place: if side > 0.0 { "upper side" } else { "lower side" }.into(),
+            place: if side > 0.0 {
+                "upper side"
+            } else {
+                "lower side"
+            }
+            .into(),
             p_value: found.p_value,
             description: format!(
                 "the law of amplitudes is lopsided, its tail longer on that side: skewness {:.2} \

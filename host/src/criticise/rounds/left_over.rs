@@ -17,12 +17,8 @@ impl Rounds<'_> {
         if let Some(departure) = departure.filter(|one| one.p_value < level) {
             remarks.push(spectrum_remark(&departure));
         }
-        let rings = |f_hz: f64| {
-            self.axis.laws.iter().any(|law| {
-                law.effect.name() == "resonance"
-                    && (law.values[0] - f_hz).abs() < 5.0 * law.values[1]
-            })
-        };
+        let rings = self.resonances();
+        let rings = |f_hz: f64| rings.iter().any(|band| band.contains(&f_hz));
         for group in lines::lines(self.axis, level) {
             if let Group::Cluster {
                 f_hz,

@@ -7,10 +7,10 @@
 //!
 //! One file a view; each extends `Rounds`.
 
+mod doubt;
 mod left_over;
 mod level;
 mod lines;
-mod doubt;
 mod shape;
 mod steady;
 mod values;
@@ -72,6 +72,13 @@ pub struct Accepted {
     pub with: Snapshot,
     /// And without.
     pub without: Snapshot,
+}
+
+impl Accepted {
+    /// Whether a likelihood of the noise does not see it.
+    pub fn changes_nothing(&self) -> bool {
+        self.with.waves == self.without.waves && self.with.laws == self.without.laws
+    }
 }
 
 /// State of record and model at some moment.
@@ -138,7 +145,8 @@ pub fn run(
             || rounds.steady()?
             || rounds.bursts()?
             || rounds.strength()?
-            || rounds.laws()?)
+            || rounds.laws()?
+            || rounds.wandering_lines()?)
         {
             break;
         }
@@ -185,6 +193,10 @@ struct Rounds<'a> {
 impl Rounds<'_> {
     fn level(&self) -> f64 {
         self.options.level()
+    }
+
+    fn duration_s(&self) -> f64 {
+        self.axis.filled.len() as f64 / self.axis.rate_hz
     }
 
     /// Accepts an effect, unless it is refused, and makes its `change` to the record or the laws.

@@ -13,6 +13,9 @@ use crate::model::effect::Part;
 /// Share of the level that is left where the strength of the noise moves.
 const RESTLESS: f64 = 1e-3;
 
+/// Width over 1/T of a resonance that a record can tell from a line.
+const RESOLVED: f64 = 1.0;
+
 /// Laws at most.
 const MOST: usize = 4;
 
@@ -44,6 +47,19 @@ impl Rounds<'_> {
         // Each parameter has to be paid for.
         let worth = |one: &search::Found| one.nats - one.law.values.len() as f64;
         found.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
+        // A resonance too narrow for the record to resolve is a line, or nothing.
+        let duration_s = self.duration_s();
+        let narrow = |one: &search::Found| {
+            one.law.effect.name() == "resonance" && one.law.values[1] * duration_s < RESOLVED
+        };
+        if let Some(best) = found
+            .first()
+            .filter(|one| narrow(one) && one.p_value < level)
+            && self.unresolved(best.law.values[0], best.p_value)?
+        {
+            return Some(true);
+        }
+        found.retain(|one| !narrow(one));
         if found.first().is_none_or(|best| best.p_value >= level) {
             return Some(false);
         }

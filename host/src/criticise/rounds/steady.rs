@@ -33,6 +33,10 @@ impl Rounds<'_> {
         if found.to_hz - found.from_hz > NARROW * half_hz {
             return Some(false);
         }
+        // Outliers too small to be told one by one, where the noise is least.
+        if found.shortest && self.find("outliers").is_some() {
+            return Some(false);
+        }
         if self.switching_law()? {
             return Some(true);
         }
@@ -86,6 +90,7 @@ pub(super) fn remark(found: &Unsteady) -> Remark {
         tile_s,
         variance,
         p_value,
+        ..
     } = *found;
     let description = if variance < 0.0 {
         "power that is steadier than noise: a tone that wanders within the band".into()

@@ -4,6 +4,7 @@ use super::super::axis::AxisState;
 use super::super::bursts;
 use super::super::finding::Value;
 use super::super::impulses::{self, Outlier};
+use super::super::levels;
 use super::super::mend::Wave;
 use super::{CodeFindings, Rounds, Snapshot, named};
 
@@ -80,6 +81,12 @@ impl Rounds<'_> {
             |n| axis.usable(n),
             |n| local.as_ref().map_or(1.0, |local| RESTLESS * local(n)),
         );
+        let mut found = found;
+        if self.switching {
+            // A jump is larger as a jump than as a single sample.
+            let jumps = levels::statistic(whole, density);
+            found.found.retain(|one| !levels::is_jump(&jumps, one));
+        }
         if found.found.is_empty() {
             return Some(false);
         }
