@@ -63,7 +63,7 @@ pub fn duration(seconds: f64) -> String {
 pub fn estimated(value: f64, lo: f64, hi: f64) -> [String; 3] {
     let apart = (value / (hi - lo)).abs().log10().ceil();
     let digits = if apart.is_finite() {
-        (apart as usize + 2).clamp(6, 17)
+        (apart as usize + 1).clamp(6, 17)
     } else {
         6
     };

@@ -190,10 +190,7 @@ impl Rounds<'_> {
                 "f_hz",
                 Value::normal(one.line.frequency_hz, one.line.frequency_sd_hz),
             ),
-            (
-                "amplitude",
-                Value::normal(one.line.amplitude, one.amplitude_sd),
-            ),
+            ("amplitude", self.ahead(&one)),
         ]);
         let p_value = one.line.false_alarm;
         self.accept("sinusoid", parameters, p_value, 3.0, None, |axis| {
@@ -208,6 +205,12 @@ impl Rounds<'_> {
         self.single(one)
     }
 
+    /// Amplitude of a line ahead of the signal chain, as a model has it.
+    fn ahead(&self, one: &Measured) -> Value {
+        let passed = self.axis.frame.chain_power(one.line.frequency_hz).sqrt();
+        Value::normal(one.line.amplitude / passed, one.amplitude_sd / passed)
+    }
+
     fn hum(&mut self, base_hz: f64, base_sd_hz: f64, lines: Vec<(u32, Measured)>) -> Option<bool> {
         let p_value = lines
             .iter()
@@ -215,10 +218,7 @@ impl Rounds<'_> {
             .fold(1.0, f64::min);
         let mut parameters = named([("f_hz", Value::normal(base_hz, base_sd_hz))]);
         for (number, one) in &lines {
-            parameters.insert(
-                format!("amplitude_{number}"),
-                Value::normal(one.line.amplitude, one.amplitude_sd),
-            );
+            parameters.insert(format!("amplitude_{number}"), self.ahead(one));
         }
         let freedom = 1.0 + 2.0 * lines.len() as f64;
         let change = |axis: &mut AxisState| {
