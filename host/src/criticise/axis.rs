@@ -152,9 +152,7 @@ impl AxisState {
         self.lines = OnceLock::new();
         if self.is_filtered() {
             let range = jump.index.saturating_sub(SPREAD)..jump.index + SPREAD;
-            let place = self
-                .unusable
-                .partition_point(|one| one.start < range.start);
+            let place = self.unusable.partition_point(|one| one.start < range.start);
             self.unusable.insert(place, range);
         }
     }
@@ -191,7 +189,11 @@ impl AxisState {
         }
         let samples = rises.map_or(0.0, |cycles| MEMORY / (std::f64::consts::TAU * cycles));
         let [least, most] = GUARD;
-        let least = if self.is_filtered() { FILTERED_GUARD } else { least };
+        let least = if self.is_filtered() {
+            FILTERED_GUARD
+        } else {
+            least
+        };
         (samples as usize).clamp(least, most)
     }
 
@@ -201,9 +203,7 @@ impl AxisState {
             return false;
         }
         // They overlap where one was added: no more than two can reach a sample.
-        let after = self
-            .unusable
-            .partition_point(|range| range.start <= index);
+        let after = self.unusable.partition_point(|range| range.start <= index);
         let near = self.unusable[..after].iter().rev().take(2);
         near.into_iter().all(|range| range.end <= index)
     }

@@ -4,35 +4,26 @@ use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
 use super::axis::AxisState;
-use super::codes;
+use super::codes::CodeFindings;
+use super::coefficients::{coefficients, coefficients_of, even_density};
 use super::coherence::{self, Common};
-use super::finding::{AxisDiagnosis, Base, Coefficient, Final, Finding, Gain, Value};
+use super::finding::{AxisDiagnosis, Base, Final, Finding, Gain, Value};
 use super::frame::Frame;
 use super::gain::laws::Ordinates;
 use super::gain::{self, Halves, HeldCurve};
-use super::impulses::middle_spread;
 use super::laws;
-use super::rounds::{self, Accepted, CodeFindings, Options, Snapshot};
-use super::samples::{AxisSamples, Samples};
+use super::rounds::{self, Accepted, Options, Snapshot};
+use super::samples::Samples;
+use super::views::{Before, Models, Views};
 use crate::fit::likelihood::Fit;
 use crate::fit::likelihood::components::SEEN;
 use crate::model::catalogue;
 use crate::model::effect::Effect;
 use crate::model::whole::{ModelAxis, ModelEffect};
 use crate::model::{Coefficient as Letter, PerCoefficient};
-use crate::signal::Axis;
-use crate::source::Values;
 
 /// Samples below which no spectrum is worth the name.
 const LEAST: usize = 1 << 13;
-
-/// Step of a grid over the short-term noise below which chance repeats can be foretold: with few
-/// steps in the noise its law, which a correlation of neighbours or a dither changes, decides.
-const SPANNED: f64 = 0.25;
-
-/// Standard deviations of a one-sided 5 % test, and of a 95 % interval.
-const ONE_SIDED: f64 = 1.644_854;
-const TWO_SIDED: f64 = 1.959_964;
 
 /// Effects that may be refused before the rest is taken as it is.
 const MOST_REFUSED: usize = 4;
@@ -129,12 +120,14 @@ fn diagnose_axis(
         axis: signal.name.clone(),
     };
     let mean = mean - signal.zero * signal.scale;
-    let values = code_findings(record, signal, options.level(), &measured, mean);
+    let values = CodeFindings::new(record, signal, options.level(), &measured, mean);
     let mut refused: Vec<&'static str> = Vec::new();
+    let mut before: Option<Before> = None;
     let (axis, base_fit, outcome, nats) = loop {
         let mut axis = AxisState::new(measured.clone(), rate_hz, signal.chain.as_ref())
             .ok_or_else(constant)?;
         let base_fit = axis.fit.clone();
+        before.get_or_insert_with(|| Before::new(&axis));
         let outcome = rounds::run(&mut axis, options, &values, &refused).ok_or_else(constant)?;
         let nats = held_out(&axis, &outcome.accepted);
         // What gains nothing on data that it was not fitted to is no effect.
@@ -181,11 +174,22 @@ fn diagnose_axis(
             },
         ));
     }
-    let named = named_effects(&findings);
     let mut net = axis.fit.squared.clone();
     if let Some(white) = SEEN.iter().position(|one| *one == Letter::N) {
         net[white] = (net[white] - even_density(&axis, &outcome.accepted)).max(0.0);
     }
+    let whole = ModelAxis {
+        coefficients: gain::coefficients(&net),
+        effects: named_effects(&findings),
+        ..stationary.clone()
+    };
+    let models = Models {
+        base: &base,
+        noise: &stationary,
+        whole: &whole,
+    };
+    let before = before.unwrap_or_else(|| Before::new(&axis));
+    let views = Views::new(&axis, before, models, &findings, mean);
     let residual = axis.mended.values().iter().map(|&v| v as f32).collect();
     let diagnosis = AxisDiagnosis {
         name: signal.name.clone(),
@@ -198,16 +202,13 @@ fn diagnose_axis(
         },
         unexplained: outcome.unexplained,
         last: Final {
-            model: ModelAxis {
-                coefficients: gain::coefficients(&net),
-                effects: named,
-                ..stationary
-            },
+            model: whole,
             coefficients: coefficients(&net, &outcome.squares_sd),
             allan_error_percent: last_error.map(|error| error.0),
             allan_error_sampling_percent: last_error.map(|error| error.1),
         },
         findings,
+        views,
     };
     Ok((diagnosis, residual))
 }
@@ -239,14 +240,28 @@ fn named_effects(findings: &[Finding]) -> Vec<ModelEffect> {
     findings
         .iter()
         .filter_map(|finding| {
-            let parameters = finding
+            let mut parameters: BTreeMap<String, f64> = finding
                 .parameters
                 .iter()
                 .map(|(name, value)| (name.clone(), value.value))
                 .collect();
+            if finding.effect == "hum" {
+                fill_harmonics(&mut parameters);
+            }
             ModelEffect::new(&finding.effect, &parameters).ok()
         })
         .collect()
+}
+
+/// A model file numbers harmonics without holes: those that were not found are zero.
+fn fill_harmonics(parameters: &mut BTreeMap<String, f64>) {
+    let number = |name: &String| name.strip_prefix("amplitude_")?.parse().ok();
+    let last: u32 = parameters.keys().filter_map(number).max().unwrap_or(0);
+    for number in 1..=last {
+        parameters
+            .entry(format!("amplitude_{number}"))
+            .or_insert(0.0);
+    }
 }
 
 /// The laws of a snapshot with the sizes of a fit that has them.
@@ -290,102 +305,5 @@ fn finding(one: &Accepted, gain: Gain) -> Finding {
         rivals: one.rivals.clone(),
         gain,
         without: PerCoefficient::from_fn(|letter| coefficients_of(&one.before).get(letter).value),
-    }
-}
-
-/// Coefficients of a fit, as if its shapes were known.
-fn coefficients_of(fit: &Fit) -> PerCoefficient<Coefficient> {
-    let sd: Vec<f64> = fit.covariance.diagonal().iter().map(|one| one.sqrt()).collect();
-    coefficients(&fit.squared, &sd)
-}
-
-/// Coefficients of the base components with the squares `squared`, whose standard deviations are
-/// `squares_sd`.
-fn coefficients(squared: &[f64], squares_sd: &[f64]) -> PerCoefficient<Coefficient> {
-    PerCoefficient::from_fn(|letter| {
-        let Some(place) = SEEN.iter().position(|seen| *seen == letter) else {
-            return Coefficient::default();
-        };
-        let (squared, sd) = (squared[place], squares_sd[place]);
-        let root = |square: f64| square.max(0.0).sqrt();
-        let identified = squared > ONE_SIDED * sd && letter != Letter::R;
-        Coefficient {
-            value: identified.then(|| root(squared)),
-            lo: identified.then(|| root(squared - TWO_SIDED * sd)),
-            hi: identified.then(|| root(squared + TWO_SIDED * sd)),
-            identified,
-            upper: Some(root(squared + ONE_SIDED * sd)),
-        }
-    })
-}
-
-/// Density of what the named effects add evenly to the noise, where it shows as white noise of the
-/// sensor's: the rounding of a step that was found.
-fn even_density(axis: &AxisState, accepted: &[Accepted]) -> f64 {
-    let joins_behind = axis.frame.units().len() > SEEN.len();
-    let step = accepted
-        .iter()
-        .find(|one| one.effect == "quantisation")
-        .and_then(|one| one.parameters.get("step"));
-    step.filter(|_| !joins_behind)
-        .map_or(0.0, |step| step.value * step.value / 12.0 / axis.rate_hz)
-}
-
-/// What the values themselves say.
-fn code_findings(
-    record: &AxisSamples,
-    signal: &Axis,
-    level: f64,
-    measured: &[f64],
-    mean: f64,
-) -> CodeFindings {
-    let declared = matches!(record.raw(), Values::Codes(_)).then_some(signal.scale);
-    let grid = codes::grid(measured);
-    let increments: Vec<f64> = measured
-        .windows(2)
-        .map(|pair| pair[1] - pair[0])
-        .filter(|step| step.is_finite())
-        .collect();
-    // From the spread of increments, so that wander does not count.
-    let noise = middle_spread(&increments).max(
-        increments
-            .iter()
-            .map(|step| step * step)
-            .sum::<f64>()
-            .sqrt()
-            / (increments.len() as f64).sqrt()
-            * 0.5,
-    ) / std::f64::consts::SQRT_2;
-    let coarse = grid.filter(|&step| {
-        let coarser = declared.is_none_or(|declared| step > 1.5 * declared.abs());
-        coarser && step > 0.25 * noise
-    });
-    // On a grid that the noise does not span, repeats are no news.
-    let spanned = grid.is_none_or(|step| step < SPANNED * noise);
-    let stale = codes::stale(measured, grid, level).filter(|_| spanned);
-    let repeats = || {
-        (1..measured.len())
-            .filter(|&n| measured[n] == measured[n - 1])
-            .collect()
-    };
-    CodeFindings {
-        stale: stale.map(|stale| (stale, repeats())),
-        clipping: codes::clipping(measured, grid, level)
-            .into_iter()
-            .map(|one| {
-                let reached = |value: f64| one.side * value >= one.side * one.level;
-                let places = (0..measured.len()).filter(|&n| reached(measured[n]));
-                let about_zero = codes::Clipping {
-                    level: one.level + mean,
-                    ..one
-                };
-                (about_zero, places.collect())
-            })
-            .collect(),
-        coarse,
-        largest: measured
-            .iter()
-            .filter(|value| value.is_finite())
-            .fold(mean.abs(), |most, value| most.max((value + mean).abs())),
     }
 }

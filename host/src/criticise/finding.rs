@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::views::Views;
 use crate::analyse::SourceSummary;
 use crate::model::PerCoefficient;
-use crate::model::whole::ModelAxis;
+use crate::model::whole::{Model, ModelAxis, SCHEMA};
 use crate::signal::Unit;
 
 /// Everything that was found out about a record.
@@ -20,6 +21,22 @@ pub struct Diagnosis {
     pub family_level: f64,
     /// The axes.
     pub axes: Vec<AxisDiagnosis>,
+}
+
+impl Diagnosis {
+    /// The model that the diagnosis ends with, as `inm simulate --model` reads it.
+    pub fn model(&self) -> Model {
+        Model {
+            schema: SCHEMA,
+            rate_hz: self.source.rate_hz,
+            axes: self
+                .axes
+                .iter()
+                .map(|axis| axis.last.model.clone())
+                .collect(),
+            correlation: None,
+        }
+    }
 }
 
 /// One axis.
@@ -38,6 +55,8 @@ pub struct AxisDiagnosis {
     /// The model with all findings.
     #[serde(rename = "final")]
     pub last: Final,
+    /// What both models look like beside the record.
+    pub views: Views,
 }
 
 /// The five terms alone.
@@ -65,6 +84,14 @@ pub struct Remark {
     pub p_value: f64,
     /// How it looks, in words.
     pub description: String,
+}
+
+impl Remark {
+    /// The two frequencies between which it is, hertz; `None` where its place is no band.
+    pub fn band_hz(&self) -> Option<(f64, f64)> {
+        let (from, to) = self.place.strip_suffix(" Hz")?.split_once(" to ")?;
+        Some((from.parse().ok()?, to.parse().ok()?))
+    }
 }
 
 /// An effect that was found.

@@ -144,7 +144,9 @@ pub fn locally(axis: &AxisState, band: Range<f64>) -> f64 {
     flatten(&mut band);
     let strengths = over_time(&seen, band);
     let (mut sum, mut number) = (0.0, 0.0);
-    let parts = strengths.chunks_exact(2 * NEAR).zip(counts.chunks_exact(2 * NEAR));
+    let parts = strengths
+        .chunks_exact(2 * NEAR)
+        .zip(counts.chunks_exact(2 * NEAR));
     for (part, counts) in parts {
         let (score, tiles) = score(part, counts);
         sum += score;

@@ -30,7 +30,7 @@ use crate::model::PerCoefficient;
 use crate::model::whole::ModelAxis;
 
 /// Blocks of the record, half of them held out.
-const BLOCKS: usize = 16;
+pub const BLOCKS: usize = 16;
 
 /// Degrees of freedom from which a point of the Allan curve counts.
 const LEAST_EDF: f64 = 1000.0;

@@ -38,7 +38,11 @@ impl<'a> Spread<'a> {
             at(moves).map_or(f64::NAN, |fit| best.log_likelihood - fit.log_likelihood)
         };
         let steps: Vec<f64> = (0..places.len())
-            .map(|number| step_of_half_a_nat(|step| 0.5 * (fall(&[(number, step)]) + fall(&[(number, -step)]))))
+            .map(|number| {
+                step_of_half_a_nat(|step| {
+                    0.5 * (fall(&[(number, step)]) + fall(&[(number, -step)]))
+                })
+            })
             .collect();
         let size = places.len();
         let curvature = DMatrix::from_fn(size, size, |i, j| {
@@ -110,12 +114,20 @@ impl<'a> Spread<'a> {
                 let covariance = self.covariance.as_ref();
                 number
                     .zip(covariance)
-                    .map_or(f64::NAN, |(number, covariance)| covariance[(number, number)].sqrt())
+                    .map_or(f64::NAN, |(number, covariance)| {
+                        covariance[(number, number)].sqrt()
+                    })
             }
         };
         (0..law.values.len())
             .map(own)
-            .map(|sd| if sd.is_finite() && sd > 0.0 { sd } else { f64::INFINITY })
+            .map(|sd| {
+                if sd.is_finite() && sd > 0.0 {
+                    sd
+                } else {
+                    f64::INFINITY
+                }
+            })
             .collect()
     }
 }

@@ -92,7 +92,8 @@ impl Rounds<'_> {
         let [f_hz, ..] = self.axis.laws[which].values[..] else {
             return None;
         };
-        let breathes = effect == "resonance" && self.breathing.iter().any(|band| band.contains(&f_hz));
+        let breathes =
+            effect == "resonance" && self.breathing.iter().any(|band| band.contains(&f_hz));
         if !adds || effect == "telegraph" || breathes {
             return None;
         }

@@ -107,7 +107,10 @@ impl Rounds<'_> {
         let dwell_s = telegraph.map(|one| match one.law {
             // The correlation time is half a dwell.
             Some(law) => 2.0 * self.axis.laws[law].values[1],
-            None => one.parameters.get("dwell_s").map_or(0.0, |dwell| dwell.value),
+            None => one
+                .parameters
+                .get("dwell_s")
+                .map_or(0.0, |dwell| dwell.value),
         });
         match (&change.wave, dwell_s) {
             (Wave::WarmUp { samples, .. }, Some(dwell_s)) => {

@@ -20,7 +20,7 @@ mod variance;
 use std::collections::BTreeMap;
 
 use super::axis::AxisState;
-use super::codes;
+use super::codes::CodeFindings;
 use super::finding::{Remark, Rival, Value};
 use super::laws::Law;
 use super::laws::departure;
@@ -171,19 +171,6 @@ pub fn run(
         discrepancies: rounds.discrepancies,
         squares_sd,
     })
-}
-
-/// What the values themselves say.
-#[derive(Debug, Clone, Default)]
-pub struct CodeFindings {
-    /// Repeats, and where they are.
-    pub stale: Option<(codes::Stale, Vec<usize>)>,
-    /// Pile-ups, and where they are.
-    pub clipping: Vec<(codes::Clipping, Vec<usize>)>,
-    /// Step of the values that is coarser than declared, beside the short-term noise.
-    pub coarse: Option<f64>,
-    /// Largest size of a value: what its rounding is a share of.
-    pub largest: f64,
 }
 
 struct Rounds<'a> {

@@ -50,7 +50,9 @@ impl Rounds<'_> {
         let worth = |one: &search::Found| one.nats - one.law.values.len() as f64;
         found.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
         // A resonance too narrow for the record to resolve is a line, or nothing.
-        let line = found.first().filter(|one| one.p_value < level && self.is_line(one));
+        let line = found
+            .first()
+            .filter(|one| one.p_value < level && self.is_line(one));
         if let Some(line) = line {
             if self.unresolved(line.law.values[0], line.p_value)? {
                 return Some(true);

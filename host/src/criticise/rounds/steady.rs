@@ -47,7 +47,8 @@ impl Rounds<'_> {
         let band = found.from_hz..found.to_hz;
         if found.variance > 0.0
             && is_peak(&band)
-            && steadiness::locally(self.axis, band.clone()).abs() < LOCALLY {
+            && steadiness::locally(self.axis, band.clone()).abs() < LOCALLY
+        {
             // Noise that rings, of a strength that changes: its law holds for the mean.
             self.unsteady.push(remark(&found));
             self.breathing.push(band);

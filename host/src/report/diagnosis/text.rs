@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use super::number::significant;
-use super::text::head;
+use super::super::number::{estimated, probability, significant};
+use super::super::text::head;
 use crate::criticise::finding::{AxisDiagnosis, Diagnosis, Finding, Remark, Value};
 use crate::model::Coefficient;
 
@@ -154,20 +154,10 @@ fn errors(text: &mut String, axis: &AxisDiagnosis) -> std::fmt::Result {
 fn interval(value: &Value) -> String {
     match (value.lo, value.hi) {
         (Some(lo), Some(hi)) if lo == hi => significant(value.value, 6),
-        (Some(lo), Some(hi)) => format!(
-            "{} ({} to {})",
-            significant(value.value, 6),
-            significant(lo, 6),
-            significant(hi, 6)
-        ),
+        (Some(lo), Some(hi)) => {
+            let [value, lo, hi] = estimated(value.value, lo, hi);
+            format!("{value} ({lo} to {hi})")
+        }
         _ => significant(value.value, 6),
-    }
-}
-
-fn probability(p: f64) -> String {
-    if p < 1e-12 {
-        "below 1e-12".to_owned()
-    } else {
-        significant(p, 2)
     }
 }
