@@ -2,6 +2,7 @@
 
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use super::axis::AxisState;
 use super::codes::CodeFindings;
@@ -120,11 +121,12 @@ fn diagnose_axis(
         axis: signal.name.clone(),
     };
     let mean = mean - signal.zero * signal.scale;
+    let measured = Arc::new(measured);
     let values = CodeFindings::new(record, signal, options.level(), &measured, mean);
     let mut refused: Vec<&'static str> = Vec::new();
     let mut before: Option<Before> = None;
     let (axis, base_fit, outcome, nats) = loop {
-        let mut axis = AxisState::new(measured.clone(), rate_hz, signal.chain.as_ref())
+        let mut axis = AxisState::new(Arc::clone(&measured), rate_hz, signal.chain.as_ref())
             .ok_or_else(constant)?;
         let base_fit = axis.fit.clone();
         before.get_or_insert_with(|| Before::new(&axis));

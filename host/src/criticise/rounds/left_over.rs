@@ -1,6 +1,5 @@
 //! What is significant still when nothing in the catalogue explains more.
 
-use super::super::bursts;
 use super::super::bursts::wander::{self, Wander};
 use super::super::finding::Remark;
 use super::super::laws::departure;
@@ -47,10 +46,8 @@ impl Rounds<'_> {
                 });
             }
         }
-        let seen = self.axis.whole();
-        let (whole, density) = (&seen.whole, &seen.density);
         let axis = &*self.axis;
-        let powers = bursts::powers(whole, density, |n| axis.usable(n));
+        let powers = axis.powers();
         if let Some(Wander { cyclic, slow }) = wander::wander(&powers) {
             let movements = [
                 (cyclic, "period", "rises and falls in a cycle"),
