@@ -11,6 +11,7 @@ use super::coherence::{self, Common};
 use super::finding::{AxisDiagnosis, Base, Final, Finding, Gain, Value};
 use super::frame::Frame;
 use super::gain::laws::Ordinates;
+use super::gain::size::Sizes;
 use super::gain::{self, Halves, HeldCurve};
 use super::laws;
 use super::rounds::{self, Accepted, Options, Snapshot};
@@ -163,6 +164,7 @@ fn diagnose_axis(
     let last_snapshot = Snapshot::of(&axis);
     let stationary = model(&last_snapshot, &axis.fit);
     let last_error = error(&stationary, &last_snapshot);
+    let sizes = Sizes::new(&axis, &held, &stationary, &last_snapshot);
     let mut findings = Vec::new();
     for (one, nats) in outcome.accepted.iter().zip(nats) {
         let before = model(&one.without, &one.before);
@@ -171,6 +173,7 @@ fn diagnose_axis(
             one,
             Gain {
                 heldout_nats: nats,
+                allan_change_percent: sizes.change_percent(one),
                 allan_error_percent_before: error(&before, &one.without).map(|error| error.0),
                 allan_error_percent_after: error(&after, &one.with).map(|error| error.0),
             },

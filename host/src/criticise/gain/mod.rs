@@ -14,6 +14,7 @@
 //! - A stretch of another variance: fitted to the even ones of short blocks, judged by the odd.
 
 pub mod laws;
+pub mod size;
 
 use std::sync::Arc;
 

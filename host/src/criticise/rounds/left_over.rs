@@ -39,9 +39,9 @@ impl Rounds<'_> {
                     ),
                     p_value,
                     description: format!(
-                        "power in {} narrow lines that stand too close to be separate: a tone \
-                         that wanders or is switched",
-                        lines.len()
+                        "power in {} narrow lines that stand too close to be separate: {}",
+                        lines.len(),
+                        lines::wandering(f_hz)
                     ),
                 });
             }
