@@ -74,13 +74,13 @@ mod tests {
 
     #[test]
     fn symmetric_noise_is_not_lopsided() {
-        // Of 100 records one below 1 % is expected: 6 or more have a probability of 5e-4. Heavy tails
+        // Of 60 records 0.6 below 1 % are expected: 5 or more have a probability of 4e-4. Heavy tails
         // on both sides are no matter.
         for bend in [|z: f64| z, |z: f64| z + 0.05 * z.powi(3)] {
-            let low: Vec<u64> = (0..100)
+            let low: Vec<u64> = (0..60)
                 .filter(|&seed| of(seed, bend).p_value < 0.01)
                 .collect();
-            assert!(low.len() < 6, "seeds {low:?}");
+            assert!(low.len() < 5, "seeds {low:?}");
         }
     }
 

@@ -27,6 +27,10 @@ use crate::model::{Coefficient as Letter, PerCoefficient};
 /// Samples below which no spectrum is worth the name.
 const LEAST: usize = 1 << 13;
 
+/// Samples of an axis above which the axes wait for one another: each needs some hundred bytes a
+/// sample.
+const LONG: usize = 1 << 22;
+
 /// Effects that may be refused before the rest is taken as it is.
 const MOST_REFUSED: usize = 4;
 
@@ -61,11 +65,27 @@ pub fn diagnose(
     mut progress: impl FnMut(usize),
 ) -> Result<Vec<AxisDiagnosis>, Refused> {
     let (mut axes, mut residuals) = (Vec::new(), Vec::new());
-    for number in 0..samples.axes.len() {
-        let (axis, residual) = diagnose_axis(samples, number, options)?;
-        axes.push(axis);
-        residuals.push(residual);
-        progress(number);
+    let numbers: Vec<usize> = (0..samples.axes.len()).collect();
+    let beside = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let at_once = if samples.len() > LONG { 1 } else { beside };
+    for some in numbers.chunks(at_once) {
+        let done: Vec<_> = std::thread::scope(|scope| {
+            let workers: Vec<_> = some
+                .iter()
+                .map(|&number| scope.spawn(move || diagnose_axis(samples, number, options)))
+                .collect();
+            let joined = workers.into_iter().map(std::thread::ScopedJoinHandle::join);
+            // A panic goes on where it came from.
+            joined
+                .map(|one| one.unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+                .collect()
+        });
+        for one in done {
+            let (axis, residual) = one?;
+            progress(axes.len());
+            axes.push(axis);
+            residuals.push(residual);
+        }
     }
     for common in coherence::common(&residuals, samples.signal.rate_hz, options.level()) {
         axes[common.axis].findings.push(common_finding(&common));
