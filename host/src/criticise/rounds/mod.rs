@@ -138,6 +138,7 @@ pub fn run(
         restless: false,
         unsteady: Vec::new(),
         breathing: Vec::new(),
+        kept: Vec::new(),
     };
     rounds.note_base();
     rounds.take_codes(values)?;
@@ -185,6 +186,8 @@ struct Rounds<'a> {
     ringing: bool,
     /// Whether the strength of the noise moves all the time: no business of bursts.
     restless: bool,
+    /// Lines that were seen to lose no samples.
+    kept: Vec<f64>,
     /// Bands of noise whose strength changes slowly.
     breathing: Vec<std::ops::Range<f64>>,
     /// Bands that no steady law speaks for.
