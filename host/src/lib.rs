@@ -15,6 +15,7 @@ pub mod cli;
 pub mod criticise;
 pub mod data_sheet;
 pub mod export;
+pub mod fft;
 pub mod fit;
 #[cfg(feature = "flash")]
 pub mod flash;

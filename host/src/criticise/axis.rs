@@ -1,9 +1,10 @@
 //! One axis on its way: mended record, spectrum, laws, and what whitens it.
 
 use std::ops::Range;
+use std::sync::{Arc, OnceLock};
 
 use super::frame::Frame;
-use super::laws::{self, Law};
+use super::laws::{self, Law, search};
 use super::mend::{Mended, block_means, bridge};
 use super::whole::{Transformer, Whole};
 use crate::chain::Chain;
@@ -16,9 +17,12 @@ const TABLE: usize = 2048;
 /// Samples of the slow copy of a record, at most.
 const SLOW: usize = 1 << 18;
 
+/// Samples of its copy for what takes a good part of the record, at most.
+const DRIFT: usize = 1 << 15;
+
 /// Samples on either side of a bridge or a mask that tests of single moments leave out, at least
 /// and at most.
-const GUARD: [usize; 2] = [64, 1 << 14];
+const GUARD: [usize; 2] = [256, 1 << 14];
 
 /// Time constants of the whitening filter for which it remembers where noise was cut.
 const MEMORY: f64 = 5.0;
@@ -28,6 +32,14 @@ const SEAM: usize = 1024;
 
 /// Degrees of freedom from which a bin's own ratio to the model counts rather than the model.
 const OWN_RATIO: f64 = 40.0;
+
+/// Samples over which a converter's filter spreads a jump, on either side: those of the ADS1281
+/// settle within 63 conversions.
+const SPREAD: usize = 64;
+
+/// Power of the chain below which a frequency is shut out: what is left there says nothing of the
+/// sensor, and falls too fast to be whitened.
+const SHUT_OUT: f64 = 1e-3;
 
 /// Least density that whitens, over that in the middle of the band.
 const LEAST_SHARE: f64 = 1e-5;
@@ -42,6 +54,8 @@ pub struct AxisState {
     pub mended: Mended,
     /// Bins and expectations.
     pub frame: Frame,
+    /// Bands that no steady law speaks for, hertz: neither fits nor tests look at them.
+    pub apart: Vec<Range<f64>>,
     /// Laws beside the five terms.
     pub laws: Vec<Law>,
     /// Spectrum of the mended record.
@@ -53,6 +67,18 @@ pub struct AxisState {
     /// Ranges that tests of single moments leave out, ascending and disjoint.
     unusable: Vec<Range<usize>>,
     fast: Transformer,
+    seen: OnceLock<Arc<Seen>>,
+    starts: OnceLock<Option<Arc<search::Starts>>>,
+}
+
+/// The mended record's transform, closed into a ring, and the densities that whiten it.
+pub struct Seen {
+    /// Transform.
+    pub whole: Whole,
+    /// Density at every ordinate.
+    pub density: Vec<f64>,
+    /// Ordinates below what the converter's filter shuts out.
+    pub top: usize,
 }
 
 impl AxisState {
@@ -67,12 +93,15 @@ impl AxisState {
             chain: chain.cloned(),
             mended: Mended::new(measured),
             frame,
+            apart: Vec::new(),
             laws: Vec::new(),
             data,
             fit,
             filled: Vec::new(),
             unusable: Vec::new(),
             fast,
+            seen: OnceLock::new(),
+            starts: OnceLock::new(),
         };
         state.refresh(false)?;
         Some(state)
@@ -82,18 +111,23 @@ impl AxisState {
     /// `regrid` where other samples are missing than before.
     pub fn refresh(&mut self, regrid: bool) -> Option<()> {
         let mut values = self.mended.values();
+        self.seen = OnceLock::new();
         if regrid {
+            self.starts = OnceLock::new();
             self.frame = Frame::new(&values, self.rate_hz, self.chain.as_ref())?;
         }
+        self.frame.leave_out(&self.apart);
         self.data = self.frame.measure(&values);
-        self.fit = laws::polish(&self.frame, &self.data, &mut self.laws, 0, 0.05)?;
-        let gaps = bridge(&mut values);
+        self.fit = search::polish(&self.frame, &self.data, &mut self.laws, 0, 0.05)?;
+        let mut gaps = bridge(&mut values);
+        gaps.extend(self.mended.about_jumps(0));
+        gaps.sort_by_key(|gap| gap.start);
         let guard = self.guard();
         self.unusable.clear();
         for gap in gaps {
             let wide = gap.start.saturating_sub(guard)..(gap.end + guard).min(values.len());
             match self.unusable.last_mut() {
-                Some(last) if last.end >= wide.start => last.end = wide.end,
+                Some(last) if last.end >= wide.start => last.end = last.end.max(wide.end),
                 _ => self.unusable.push(wide),
             }
         }
@@ -120,6 +154,18 @@ impl AxisState {
         (samples as usize).clamp(GUARD[0], GUARD[1])
     }
 
+    /// Leaves out what a converter's filter makes of the jumps, and brings all up to date.
+    pub fn refresh_jumps(&mut self) -> Option<()> {
+        let filtered = self
+            .chain
+            .as_ref()
+            .is_some_and(|chain| chain.converter.is_some());
+        if filtered {
+            self.mended.spread = self.mended.about_jumps(SPREAD).collect();
+        }
+        self.refresh(filtered)
+    }
+
     /// Whether tests of single moments may look at a sample.
     pub fn usable(&self, index: usize) -> bool {
         if index < SEAM || index + SEAM >= self.fast.len() {
@@ -131,12 +177,27 @@ impl AxisState {
             .is_none_or(|range| index < range.start)
     }
 
-    /// Transform of the mended record, closed into a ring, and the densities that whiten it.
-    pub fn whole(&self) -> (Whole, Vec<f64>) {
-        let mut whole = self.fast.transform(&self.filled, self.rate_hz);
-        let density = self.whitening(&whole);
-        whole.close(&density);
-        (whole, density)
+    /// Transform of the mended record and what whitens it; made once for each state.
+    pub fn whole(&self) -> Arc<Seen> {
+        let seen = self.seen.get_or_init(|| {
+            let mut whole = self.fast.transform(&self.filled, self.rate_hz);
+            let density = self.whitening(&whole);
+            whole.close(&density);
+            let shut_out = |k: &usize| self.frame.chain_power(whole.frequency(*k)) < SHUT_OUT;
+            let top = (1..density.len()).find(shut_out).unwrap_or(density.len());
+            Arc::new(Seen {
+                whole,
+                density,
+                top,
+            })
+        });
+        Arc::clone(seen)
+    }
+
+    /// Where searches for laws begin; `None` without bins.
+    pub fn starts(&self) -> Option<Arc<search::Starts>> {
+        let made = || search::Starts::new(&self.frame).map(Arc::new);
+        self.starts.get_or_init(made).clone()
     }
 
     /// Two-sided density of the fitted model at `f_hz`, chain and filters included.
@@ -144,26 +205,30 @@ impl AxisState {
         let mut sum = self.frame.base_density(&self.fit.squared, f_hz);
         let mut power = 1.0;
         for (which, law) in self.laws.iter().enumerate() {
-            match law.effect.part(&law.values) {
-                Part::Term(term) => {
-                    let squared =
-                        self.fit.squared[laws::component_of(&self.frame, &self.laws, which)];
-                    sum += squared
-                        * self.frame.term_density(&*term, f_hz)
-                        * self.frame.chain_power(f_hz);
-                }
-                Part::Distortion(filter) => power *= filter.power(f_hz, self.rate_hz),
-                Part::Clock(_) | Part::Follows(_) => {}
+            sum += self.law_density(which, f_hz);
+            if let Part::Distortion(filter) = law.effect.part(&law.values) {
+                power *= filter.power(f_hz, self.rate_hz);
             }
         }
         sum * power
+    }
+
+    /// Its part that law number `which` adds, filters left aside.
+    pub fn law_density(&self, which: usize, f_hz: f64) -> f64 {
+        let law = &self.laws[which];
+        let Part::Term(term) = law.effect.part(&law.values) else {
+            return 0.0;
+        };
+        let squared = self.fit.squared[laws::component_of(&self.frame, &self.laws, which)];
+        squared * self.frame.term_density(&*term, f_hz) * self.frame.chain_power(f_hz)
     }
 
     /// Measured over expected power of the bins, drawn towards 1 where it rests on little.
     fn ratio(&self, f_hz: f64) -> f64 {
         let place = self.data.f_hz.partition_point(|&f| f < f_hz);
         let at = |bin: usize| {
-            let own = self.data.dof[bin] / (self.data.dof[bin] + OWN_RATIO);
+            let dof = self.frame.dof()[bin];
+            let own = dof / (dof + OWN_RATIO);
             own * (self.data.psd[bin] / self.fit.expected[bin]).ln()
         };
         let last = self.data.len() - 1;
@@ -199,7 +264,11 @@ impl AxisState {
         let floor = LEAST_SHARE * density(0.2 * whole.frequency(count - 1));
         (0..count)
             .map(|k| {
-                let log = whole.frequency(k.max(1)).ln();
+                let f_hz = whole.frequency(k.max(1));
+                if self.apart.iter().any(|band| band.contains(&f_hz)) {
+                    return f64::INFINITY;
+                }
+                let log = f_hz.ln();
                 let place = ((log - low) / (high - low) * TABLE as f64).clamp(0.0, TABLE as f64);
                 let step = (place as usize).min(TABLE - 1);
                 let share = place - step as f64;
@@ -215,10 +284,13 @@ impl AxisState {
         self.mended.len().div_ceil(SLOW).max(1)
     }
 
-    /// The mended record in means over [`Self::slow_factor`] samples: its transform, and what
-    /// whitens it.
-    pub fn slow(&self, values: &[f64]) -> (Whole, Vec<f64>) {
-        let factor = self.slow_factor();
+    /// Samples that one sample of a copy stands for that holds nothing but drift.
+    pub fn drift_factor(&self) -> usize {
+        self.mended.len().div_ceil(DRIFT).max(1)
+    }
+
+    /// `values` in means over `factor` samples: their transform, and what whitens it.
+    pub fn slow(&self, values: &[f64], factor: usize) -> (Whole, Vec<f64>) {
         let means = block_means(values, factor);
         let rate_hz = self.rate_hz / factor as f64;
         let mut whole = Transformer::new(means.len()).transform(&means, rate_hz);

@@ -1,5 +1,6 @@
 //! From a record in memory to what is wrong with its model and why.
 
+use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
 use super::axis::AxisState;
@@ -7,6 +8,7 @@ use super::codes;
 use super::coherence::{self, Common};
 use super::finding::{AxisDiagnosis, Base, Coefficient, Final, Finding, Gain, Value};
 use super::frame::Frame;
+use super::gain::laws::Ordinates;
 use super::gain::{self, Halves, HeldCurve};
 use super::impulses::middle_spread;
 use super::laws;
@@ -134,12 +136,7 @@ fn diagnose_axis(
             .ok_or_else(constant)?;
         let base_fit = axis.fit.clone();
         let outcome = rounds::run(&mut axis, options, &values, &refused).ok_or_else(constant)?;
-        let mut halves = Halves::new(&axis);
-        let nats: Vec<Option<f64>> = outcome
-            .accepted
-            .iter()
-            .map(|one| halves.as_mut().and_then(|halves| halves.nats(one)))
-            .collect();
+        let nats = held_out(&axis, &outcome.accepted);
         // What gains nothing on data that it was not fitted to is no effect.
         let losers = outcome.accepted.iter().zip(&nats);
         let losers: Vec<&'static str> = losers
@@ -215,6 +212,28 @@ fn diagnose_axis(
         findings,
     };
     Ok((diagnosis, residual))
+}
+
+/// Gain of each effect on data that it was not fitted to. The halves are made where they are needed.
+fn held_out(axis: &AxisState, accepted: &[Accepted]) -> Vec<Option<f64>> {
+    let halves = OnceCell::new();
+    let ordinates = OnceCell::new();
+    let nats = accepted.iter().map(|one| {
+        if one.nats.is_some() || one.changes_nothing() {
+            return one.nats;
+        }
+        match one.law {
+            Some(law) => {
+                let ordinates = ordinates.get_or_init(|| Ordinates::new(axis));
+                ordinates.as_ref()?.nats(law)
+            }
+            None => {
+                let halves = halves.get_or_init(|| Halves::new(axis));
+                halves.as_ref()?.nats(one)
+            }
+        }
+    });
+    nats.collect()
 }
 
 /// Effects as a model file has them, where the catalogue can make them.

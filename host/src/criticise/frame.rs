@@ -4,6 +4,8 @@
 //! These depend on length, gaps and chain alone, and cost far more than a spectrum or a fit; they
 //! are made once.
 
+use std::ops::Range;
+
 use crate::chain::Chain;
 use crate::fit::design::Design;
 use crate::fit::likelihood::Data;
@@ -11,6 +13,9 @@ use crate::fit::likelihood::components::{SEEN, unit_expectations};
 use crate::model::Term;
 use crate::spectrum::estimate::{self, Estimate};
 use crate::spectrum::{Cascade, Plan, Settings};
+
+/// What is left of the weight of a bin that is left out: no number, but no zero to divide by.
+const NOTHING: f64 = 1e-9;
 
 /// Bins an octave.
 const BINS_PER_OCTAVE: f64 = 16.0;
@@ -26,6 +31,8 @@ pub struct Frame {
     /// Power of the signal chain at the nodes.
     chain_power: Vec<f64>,
     data: Data,
+    /// Degrees of freedom of the bins, those that are left out included.
+    dof: Vec<f64>,
     rate_hz: f64,
     band_limited: bool,
     plan: Plan,
@@ -60,6 +67,7 @@ impl Frame {
             design,
             units,
             chain_power,
+            dof: data.dof.clone(),
             data,
             rate_hz,
             band_limited,
@@ -75,6 +83,22 @@ impl Frame {
             .expect("the first block is in order");
         let bins = estimate::bins(&cascade, self.rate_hz, &self.settings);
         self.data.with_psd(bins.iter().map(|bin| bin.psd).collect())
+    }
+
+    /// Takes the bins within any of `bands`, hertz, out of what fits and tests look at.
+    pub fn leave_out(&mut self, bands: &[Range<f64>]) {
+        for (bin, dof) in self.data.dof.iter_mut().enumerate() {
+            // With a bin on either side, for what the window lets through.
+            let low = self.estimate.bins[bin.saturating_sub(1)].f_hz;
+            let high = self.estimate.bins[(bin + 1).min(self.dof.len() - 1)].f_hz;
+            let is_apart = bands.iter().any(|band| band.start < high && low < band.end);
+            *dof = self.dof[bin] * if is_apart { NOTHING } else { 1.0 };
+        }
+    }
+
+    /// Degrees of freedom of the bins, those that are left out included.
+    pub fn dof(&self) -> &[f64] {
+        &self.dof
     }
 
     /// Degrees of freedom of the bins, and their frequencies.
@@ -124,6 +148,15 @@ impl Frame {
             0.0
         };
         terms * self.design.power(f_hz) + behind
+    }
+
+    /// Two-sided density of number `unit` of [`Self::units`], through one more filter of the `power`
+    /// at `f_hz` ahead of what joins behind the converter.
+    pub fn unit_density(&self, unit: usize, f_hz: f64, power: f64) -> f64 {
+        match SEEN.get(unit) {
+            Some(&one) => self.design.unit_spectrum(one, f_hz) * self.design.power(f_hz) * power,
+            None => 1.0,
+        }
     }
 
     /// Two-sided density of a term ahead of the chain's power.

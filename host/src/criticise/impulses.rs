@@ -12,6 +12,9 @@ use super::whole::{Half, Impulse, Whole, matched};
 /// Largest number of outliers that are looked for; beyond it is another kind of record.
 const MOST: usize = 1 << 14;
 
+/// Outliers from which their law is looked for.
+const FEW: usize = 5;
+
 /// Samples to either side that an outlier's own answer of the filter is taken out of.
 const REACH: usize = 512;
 
@@ -40,7 +43,8 @@ pub struct Outliers {
 }
 
 /// Looks for outliers at a family-wise `level`, in noise of the densities `density` at the
-/// ordinates of `whole`; `usable` tells samples that count.
+/// ordinates of `whole`; `usable` tells samples that count, `local` the deviation of the noise about
+/// a sample over that of the record.
 ///
 /// The filter's output is measured in units of its own middle spread where that is wider than the
 /// model says, so that a model that is wrong elsewhere makes no outliers.
@@ -49,30 +53,33 @@ pub fn outliers(
     density: &[f64],
     level: f64,
     usable: impl Fn(usize) -> bool,
+    local: impl Fn(usize) -> f64,
 ) -> Outliers {
     let filter = matched(whole, density, &Impulse, Half::Both);
-    let spread = middle_spread(&filter.z).max(1.0);
+    let middle = middle_spread(&filter.z).max(1.0);
+    let spread = |index: usize| middle * local(index);
     let threshold = tail::threshold(level, whole.len(), f64::INFINITY);
     let mut z = filter.z;
     let answer = answer(whole, density);
     let mut candidates: Vec<usize> = (0..z.len())
-        .filter(|&index| z[index].abs() > threshold * spread && usable(index))
+        .filter(|&index| z[index].abs() > threshold * spread(index) && usable(index))
         .collect();
-    candidates.sort_by(|&a, &b| z[b].abs().total_cmp(&z[a].abs()));
     let highest = candidates
-        .first()
-        .map_or(0.0, |&index| z[index].abs() / spread);
+        .iter()
+        .map(|&index| z[index].abs() / spread(index))
+        .fold(0.0, f64::max);
+    candidates.sort_by(|&a, &b| z[b].abs().total_cmp(&z[a].abs()));
     let mut found = Vec::new();
     // Largest first; each takes its own tails out of its neighbours.
     for index in candidates.into_iter().take(4 * MOST) {
         let height = z[index];
-        if height.abs() <= threshold * spread || found.len() == MOST {
+        if height.abs() <= threshold * spread(index) || found.len() == MOST {
             continue;
         }
         found.push(Outlier {
             index,
             size: height * filter.size_sd,
-            size_sd: filter.size_sd * spread,
+            size_sd: filter.size_sd * spread(index),
         });
         let first = index.saturating_sub(REACH);
         let last = (index + REACH).min(z.len() - 1);
@@ -95,10 +102,25 @@ pub fn outliers(
     };
     Outliers {
         p_value: tail::highest(highest, whole.len(), f64::INFINITY),
-        threshold: threshold * spread * filter.size_sd,
+        threshold: threshold * middle * filter.size_sd,
         nats,
         found,
     }
+}
+
+/// Probability that as many outliers stand close to one another as do, if each came by itself:
+/// what rings, or a tone that is switched on, goes beyond the threshold several times.
+pub fn together(found: &[Outlier], len: usize) -> f64 {
+    /// Samples that count as close.
+    const CLOSE: usize = 64;
+    let close = found
+        .windows(2)
+        .filter(|pair| pair[1].index - pair[0].index <= CLOSE);
+    let count = found.len() as f64;
+    tail::poisson(
+        close.count() as u64,
+        count * count * CLOSE as f64 / len as f64,
+    )
 }
 
 /// Law of all outliers, those too small to be seen included.
@@ -125,6 +147,15 @@ pub fn law_of(seen: &[Outlier], threshold: f64) -> SizeLaw {
         .map(|one| one.size_sd * one.size_sd)
         .sum::<f64>()
         / count;
+    // Too few to tell how many more there are below the threshold.
+    if seen.len() < FEW {
+        return SizeLaw {
+            count,
+            count_log_sd: count.sqrt().recip(),
+            size: square.sqrt(),
+            size_log_sd: (2.0 * count).sqrt().recip(),
+        };
+    }
     // Mean square beyond the threshold for a variance.
     let beyond = |variance: f64| {
         let t = threshold / variance.sqrt();

@@ -1,5 +1,6 @@
 //! Jumps of the level that stay: the matched filter for a step, at every moment.
 
+use super::impulses::Outlier;
 use super::tail;
 use super::whole::{Half, Match, Step, Whole, matched};
 
@@ -48,6 +49,18 @@ pub fn largest_jump(
 /// The statistic of a jump at every moment.
 pub fn statistic(whole: &Whole, density: &[f64]) -> Match {
     matched(whole, density, &Step, Half::Both)
+}
+
+/// Whether what looks like an outlier is rather a jump, by the statistic of jumps.
+pub fn is_jump(statistic: &Match, outlier: &Outlier) -> bool {
+    /// Samples on either side that a jump may be placed at.
+    const REACH: usize = 4;
+    let from = outlier.index.saturating_sub(REACH);
+    let to = (outlier.index + REACH).min(statistic.z.len() - 1);
+    let jump = statistic.z[from..=to]
+        .iter()
+        .fold(0.0, |most: f64, z| most.max(z.abs()));
+    jump > (outlier.size / outlier.size_sd).abs()
 }
 
 /// A jump known to within `reach` samples, placed among the samples themselves.

@@ -85,6 +85,40 @@ pub fn lines(axis: &AxisState, level: f64) -> Vec<Group> {
     groups
 }
 
+/// The line within some 1/T of `f_hz` at which its size is largest, found otherwise with the
+/// probability `p_value` by chance.
+pub fn measure_near(axis: &AxisState, f_hz: f64, p_value: f64) -> Measured {
+    /// Frequencies tried for each 1/T, and how many 1/T to either side at first.
+    const FINE: f64 = 0.25;
+    const REACH: i32 = 12;
+    let step_hz = FINE * axis.rate_hz / axis.filled.len() as f64;
+    let at = |frequency_hz: f64| {
+        let line = Line {
+            frequency_hz,
+            frequency_sd_hz: f64::INFINITY,
+            amplitude: 0.0,
+            ratio: 0.0,
+            false_alarm: p_value,
+        };
+        measure(axis, &line)
+    };
+    let mut best = at(f_hz);
+    for (reach, step_hz) in [(REACH, step_hz), (8, 0.1 * step_hz)] {
+        let centre_hz = best.line.frequency_hz;
+        for step in -reach..=reach {
+            let one = at(centre_hz + f64::from(step) * step_hz);
+            if one.line.amplitude > best.line.amplitude {
+                best = one;
+            }
+        }
+    }
+    // The bound of H. Cramer and C. R. Rao for a tone beside its amplitude's.
+    let duration_s = axis.filled.len() as f64 / axis.rate_hz;
+    best.line.frequency_sd_hz =
+        6_f64.sqrt() / TAU * best.amplitude_sd / best.line.amplitude / duration_s;
+    best
+}
+
 /// Size and phase of a line by least squares with tapered ends.
 fn measure(axis: &AxisState, line: &Line) -> Measured {
     let length = axis.filled.len();

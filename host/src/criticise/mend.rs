@@ -111,6 +111,8 @@ pub struct Mended {
     pub waves: Vec<Wave>,
     /// Stretches that the stationary law does not speak for.
     pub masked: Vec<Range<usize>>,
+    /// Jumps as wide as a converter's filter spreads them.
+    pub spread: Vec<Range<usize>>,
 }
 
 impl Mended {
@@ -120,6 +122,7 @@ impl Mended {
             measured,
             waves: Vec::new(),
             masked: Vec::new(),
+            spread: Vec::new(),
         }
     }
 
@@ -144,11 +147,31 @@ impl Mended {
         for wave in &self.waves {
             wave.take_out(&mut values);
         }
-        for mask in &self.masked {
+        for mask in self.masked.iter().chain(&self.spread) {
             let end = mask.end.min(values.len());
             values[mask.start.min(end)..end].fill(f64::NAN);
         }
         values
+    }
+
+    /// The same record with nothing explained but the stretches that are left out.
+    pub fn bare(&self) -> Self {
+        Self {
+            waves: Vec::new(),
+            ..self.clone()
+        }
+    }
+
+    /// Where jumps were taken out, to within what their moments are known and `more` samples.
+    pub fn about_jumps(&self, more: usize) -> impl Iterator<Item = Range<usize>> {
+        let jumps = self.waves.iter().flat_map(|wave| match wave {
+            Wave::Steps(jumps) => jumps.as_slice(),
+            _ => &[],
+        });
+        jumps.map(move |jump| {
+            let reach = (3.0 * jump.index_sd) as usize + more;
+            jump.index.saturating_sub(reach)..(jump.index + reach).min(self.measured.len())
+        })
     }
 
     /// The deterministic part of the model.

@@ -1,5 +1,6 @@
 //! What a model gets wrong about a record, why, and what is gained by mending it.
 
+pub mod amplitudes;
 pub mod axis;
 pub mod bands;
 pub mod bursts;
@@ -20,7 +21,9 @@ pub mod reference;
 pub mod rounds;
 pub mod samples;
 pub mod slow;
+pub mod steadiness;
 pub mod tail;
 pub mod telegraph;
 pub mod timebase;
+pub mod tone;
 pub mod whole;

@@ -196,8 +196,9 @@ fn quiet(axis: &AxisState, places: &[Place]) -> Quiet {
         .iter()
         .map(|place| axis.density(place.cycles * axis.rate_hz))
         .fold(f64::INFINITY, f64::min);
-    let (whole, density) = axis.whole();
-    let mut values = whole.filtered(|k| Complex64::new((least / density[k]).min(1.0), 0.0));
+    let seen = axis.whole();
+    let share = |k: usize| Complex64::new((least / seen.density[k]).min(1.0), 0.0);
+    let mut values = seen.whole.filtered(share);
     for (index, value) in values.iter_mut().enumerate() {
         if !axis.usable(index) {
             *value = 0.0;

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::axis::AxisState;
 use super::mend::{Wave, block_means};
 use super::tail;
-use super::whole::{Half, Projection, Transformer, held_out_gain};
+use super::whole::{Half, Projection, Settling, Transformer, held_out_gain};
 
 /// A waveform that is in the record.
 pub struct SlowChange {
@@ -29,16 +29,17 @@ pub struct SlowChange {
 pub fn warm_up(axis: &AxisState, level: f64) -> Option<SlowChange> {
     /// Time constants an octave.
     const PER_OCTAVE: f64 = 3.0;
-    let factor = axis.slow_factor();
-    let (record, density) = axis.slow(&axis.filled);
+    let factor = axis.drift_factor();
+    let (record, density) = axis.slow(&axis.filled, factor);
     let length = record.len();
     let transformer = Transformer::new(length);
     let rate_hz = axis.rate_hz / factor as f64;
     let wave = |samples: f64| {
-        let wave: Vec<f64> = (0..length)
-            .map(|n| (-(n as f64 + 0.5) / samples).exp())
-            .collect();
-        let mut wave = transformer.transform(&wave, rate_hz);
+        let settling = Settling {
+            samples,
+            len: length,
+        };
+        let mut wave = transformer.waveform(&settling, rate_hz);
         wave.close(&density);
         wave
     };
@@ -104,8 +105,8 @@ pub fn warm_up(axis: &AxisState, level: f64) -> Option<SlowChange> {
 
 /// Whether the level follows `column`, one value a sample, `lag` samples behind at most some.
 pub fn follows(axis: &AxisState, column: &[f64], level: f64) -> Option<(SlowChange, f64)> {
-    let factor = axis.slow_factor();
-    let (record, density) = axis.slow(&axis.filled);
+    let factor = axis.drift_factor();
+    let (record, density) = axis.slow(&axis.filled, factor);
     let transformer = Transformer::new(record.len());
     let rate_hz = axis.rate_hz / factor as f64;
     let means = block_means(column, factor);

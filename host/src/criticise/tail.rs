@@ -63,6 +63,15 @@ pub fn highest(z: f64, len: usize, crossings: f64) -> f64 {
     by_sample.min(by_crossing).min(1.0)
 }
 
+/// Probability that the log-likelihood gains `nats` from a component of some size at the best of
+/// the shapes on a path of `length` radians: R. B. Davies, Biometrika 74 (1987), eq. 3.1 for a size
+/// that cannot be negative.
+pub fn highest_on_path(nats: f64, length: f64) -> f64 {
+    let nats = nats.max(0.0);
+    let at_one_end = Normal::standard().sf((2.0 * nats).sqrt());
+    (at_one_end + length / std::f64::consts::TAU * (-nats).exp()).min(1.0)
+}
+
 /// Size that [`highest`] reaches with probability `level`.
 pub fn threshold(level: f64, len: usize, crossings: f64) -> f64 {
     let (mut low, mut high) = (0.0, 40.0);

@@ -32,10 +32,13 @@ pub fn log_odds(
 ) -> Option<f64> {
     let factor = axis.slow_factor();
     let slow = time_s * axis.rate_hz >= LEAST_PER_TIME * factor as f64;
+    let (copy, seen);
     let (record, factor) = if slow {
-        (axis.slow(&axis.filled).0, factor)
+        copy = axis.slow(&axis.filled, factor).0;
+        (&copy, factor)
     } else {
-        (axis.whole().0, 1)
+        seen = axis.whole();
+        (&seen.whole, 1)
     };
     let rate_hz = axis.rate_hz / factor as f64;
     let densities = |density: &dyn Fn(f64) -> f64| -> Vec<f64> {
@@ -49,7 +52,7 @@ pub fn log_odds(
         .zip(&rest)
         .map(|(wander, rest)| wander / (wander + rest))
         .collect();
-    let seen = |whole: &Whole| excess(&whole.filtered(|k| Complex64::new(filter[k], 0.0)));
+    let excess_of = |whole: &Whole| excess(&whole.filtered(|k| Complex64::new(filter[k], 0.0)));
     let transformer = Transformer::new(record.len());
     let dwell = 2.0 * time_s * rate_hz;
     let simulate = |two_levels: bool| -> (f64, f64) {
@@ -66,14 +69,14 @@ pub fn log_odds(
                     |k| rest[k] + if two_levels { 0.0 } else { wander[k] },
                     || random.normal(),
                 );
-                seen(&whole)
+                excess_of(&whole)
             })
             .collect();
         let mean = excesses.iter().sum::<f64>() / RECORDS as f64;
         let square = excesses.iter().map(|one| (one - mean).powi(2)).sum::<f64>();
         (mean, (square / (RECORDS - 1) as f64).sqrt().max(1e-6))
     };
-    let measured = seen(&record);
+    let measured = excess_of(record);
     // Student's law, as the spread itself rests on few records.
     let score = |(mean, sd): (f64, f64)| {
         let freedom = (RECORDS - 1) as f64;

@@ -25,7 +25,9 @@
 
 use std::sync::Arc;
 
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex, num_complex::Complex64};
+use realfft::{ComplexToReal, RealToComplex, num_complex::Complex64};
+
+use crate::fft;
 
 /// Samples at each end that the line is laid through, at most.
 const END: usize = 256;
@@ -36,6 +38,7 @@ pub struct Whole {
     len: usize,
     ordinates: Vec<Complex64>,
     inverse: Arc<dyn ComplexToReal<f64>>,
+    turns: Arc<Turns>,
 }
 
 /// Length that transforms fast: the largest even number with no prime factor above 5, at most
@@ -60,17 +63,18 @@ pub struct Transformer {
     len: usize,
     forward: Arc<dyn RealToComplex<f64>>,
     inverse: Arc<dyn ComplexToReal<f64>>,
+    turns: Arc<Turns>,
 }
 
 impl Transformer {
     /// For records of `len` samples, of which the first [`smooth_len`] are used.
     pub fn new(len: usize) -> Self {
         let len = smooth_len(len);
-        let mut planner = RealFftPlanner::new();
         Self {
             len,
-            forward: planner.plan_fft_forward(len.max(2)),
-            inverse: planner.plan_fft_inverse(len.max(2)),
+            forward: fft::real_forward(len.max(2)),
+            inverse: fft::real_inverse(len.max(2)),
+            turns: Arc::new(Turns::new(len.max(2))),
         }
     }
 
@@ -97,7 +101,49 @@ impl Transformer {
             len: self.len,
             ordinates,
             inverse: Arc::clone(&self.inverse),
+            turns: Arc::clone(&self.turns),
         }
+    }
+
+    /// Transform of a waveform that begins with the ring.
+    pub fn waveform(&self, waveform: &impl Waveform, rate_hz: f64) -> Whole {
+        let at = |k: usize| match k {
+            0 => Complex64::ZERO,
+            _ => waveform.at(self.turns.at(k)),
+        };
+        Whole {
+            rate_hz,
+            len: self.len,
+            ordinates: (0..=self.len / 2).map(at).collect(),
+            inverse: Arc::clone(&self.inverse),
+            turns: Arc::clone(&self.turns),
+        }
+    }
+}
+
+/// `e^{-2 pi i k / N}` for every `k` from two short tables.
+struct Turns {
+    coarse: Vec<Complex64>,
+    fine: Vec<Complex64>,
+}
+
+impl Turns {
+    /// Binary digits of `k` that the fine table stands for.
+    const FINE: u32 = 10;
+
+    fn new(len: usize) -> Self {
+        let turn =
+            |k: usize| Complex64::from_polar(1.0, -std::f64::consts::TAU * k as f64 / len as f64);
+        Self {
+            coarse: (0..=(len / 2) >> Self::FINE)
+                .map(|k| turn(k << Self::FINE))
+                .collect(),
+            fine: (0..1 << Self::FINE).map(turn).collect(),
+        }
+    }
+
+    fn at(&self, k: usize) -> Complex64 {
+        self.coarse[k >> Self::FINE] * self.fine[k & ((1 << Self::FINE) - 1)]
     }
 }
 
@@ -134,8 +180,8 @@ impl Whole {
     /// Sets the seam free: the first sample takes the value, and the level across the seam the
     /// step, that all others predict for them.
     pub fn close(&mut self, density: &[f64]) {
-        let turn = std::f64::consts::TAU / self.len as f64;
-        let step = |k: usize| Step.at(turn * k as f64);
+        let turns = Arc::clone(&self.turns);
+        let step = |k: usize| Step.at(turns.at(k));
         // Normal equations of both, over half of the ring.
         let (mut right, mut gram) = ([0.0; 2], [0.0; 3]);
         for (k, (ordinate, density)) in self.ordinates.iter().zip(density).enumerate().skip(1) {
@@ -166,6 +212,11 @@ impl Whole {
         }
     }
 
+    /// Expected squared size of an ordinate where the density is 1.
+    pub fn power(&self) -> f64 {
+        self.rate_hz * self.len as f64
+    }
+
     /// Frequency of an ordinate, hertz.
     pub fn frequency(&self, k: usize) -> f64 {
         k as f64 * self.rate_hz / self.len as f64
@@ -192,15 +243,15 @@ impl Whole {
 
 /// Transform of a waveform that begins at moment zero, as the filters need it.
 pub trait Waveform {
-    /// Its transform at `turn = 2 pi f / rate` radians a sample.
-    fn at(&self, turn: f64) -> Complex64;
+    /// Its transform where one sample later is a factor of `turn = e^{-2 pi i f / rate}`.
+    fn at(&self, turn: Complex64) -> Complex64;
 }
 
 /// One sample.
 pub struct Impulse;
 
 impl Waveform for Impulse {
-    fn at(&self, _turn: f64) -> Complex64 {
+    fn at(&self, _turn: Complex64) -> Complex64 {
         Complex64::ONE
     }
 }
@@ -209,9 +260,25 @@ impl Waveform for Impulse {
 pub struct Step;
 
 impl Waveform for Step {
-    fn at(&self, turn: f64) -> Complex64 {
-        // 1 / (1 - e^{-i w}): on the ring, where the mean is not seen.
-        Complex64::ONE / (Complex64::ONE - Complex64::from_polar(1.0, -turn))
+    fn at(&self, turn: Complex64) -> Complex64 {
+        // On the ring, where the mean is not seen.
+        (Complex64::ONE - turn).inv()
+    }
+}
+
+/// Exponential settling, sampled half a sample after it began.
+pub struct Settling {
+    /// Time constant, samples.
+    pub samples: f64,
+    /// Samples of the ring, at whose end it breaks off.
+    pub len: usize,
+}
+
+impl Waveform for Settling {
+    fn at(&self, turn: Complex64) -> Complex64 {
+        let kept = (-1.0 / self.samples).exp();
+        let size = kept.sqrt() * -(-(self.len as f64) / self.samples).exp_m1();
+        size * (Complex64::ONE - kept * turn).inv()
     }
 }
 
@@ -255,12 +322,16 @@ pub fn matched(whole: &Whole, density: &[f64], waveform: &impl Waveform, half: H
         .map(|k| match k {
             0 => Complex64::ZERO,
             _ if !half.has(k) => Complex64::ZERO,
-            _ => waveform.at(turn(k)).conj() / (density[k] * whole.rate_hz),
+            _ => waveform.at(whole.turns.at(k)).conj() / (density[k] * whole.rate_hz),
         })
         .collect();
     let (mut information, mut curvature) = (0.0, 0.0);
     for (k, response) in responses.iter().enumerate().skip(1) {
         let both = if 2 * k == whole.len { 1.0 } else { 2.0 };
+        // A density without end leaves an ordinate out.
+        if !density[k].is_finite() {
+            continue;
+        }
         let share = both * response.norm_sqr() * density[k] * whole.rate_hz;
         information += share;
         curvature += share * turn(k).powi(2);

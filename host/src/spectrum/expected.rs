@@ -13,7 +13,7 @@ use super::{
     segments::LEN,
     window::Window,
 };
-use rustfft::{FftPlanner, num_complex::Complex64};
+use rustfft::num_complex::Complex64;
 use std::f64::consts::PI;
 
 /// Entries whose share of the bin is below this for any spectrum between 1/f^2 and f^2 are left
@@ -166,7 +166,7 @@ pub(super) struct SegmentWindows {
 
 impl SegmentWindows {
     pub(super) fn new(window: &Window, offsets: &[f64]) -> Self {
-        let fft = FftPlanner::new().plan_fft_forward(LEN);
+        let fft = crate::fft::forward(LEN);
         let transform = |weights: &[f64], offset: f64| -> Vec<Complex64> {
             let mut z: Vec<Complex64> = (0..LEN)
                 .map(|n| {

@@ -21,7 +21,7 @@ use super::{
     lines::{Floor, Line, LineSearch, SEGMENT},
     slow_floor::{Blocks, SlowFloor},
 };
-use rustfft::{FftPlanner, num_complex::Complex64};
+use rustfft::num_complex::Complex64;
 use std::f64::consts::PI;
 
 /// Points of one short transform, at most.
@@ -298,7 +298,7 @@ impl Survey {
         let points = POINTS.min(wanted.next_power_of_two());
         let folds = wanted.div_ceil(points);
         let total = (points * folds) as f64;
-        let fft = FftPlanner::new().plan_fft_forward(points);
+        let fft = crate::fft::forward(points);
         let mut scratch = vec![Complex64::default(); fft.get_inplace_scratch_len()];
         let mut folded = vec![vec![Complex64::default(); points]; RESIDUES.min(folds / 2 + 1)];
         let mut high: Vec<(usize, f64)> = Vec::new();

@@ -9,7 +9,7 @@
 
 use super::window::Window;
 use pulp::{Arch, Simd, WithSimd};
-use rustfft::{Fft, FftPlanner, num_complex::Complex64};
+use rustfft::{Fft, num_complex::Complex64};
 use std::sync::Arc;
 
 /// Samples of a segment.
@@ -61,7 +61,7 @@ impl Plan {
         Self {
             arch: Arch::new(),
             window: Arc::new(Window::new(LEN)),
-            fft: FftPlanner::new().plan_fft_forward(LEN),
+            fft: crate::fft::forward(LEN),
         }
     }
 

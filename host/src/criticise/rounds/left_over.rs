@@ -1,8 +1,9 @@
 //! What is significant still when nothing in the catalogue explains more.
 
 use super::super::bursts;
+use super::super::bursts::wander::{self, Wander};
 use super::super::finding::Remark;
-use super::super::laws;
+use super::super::laws::departure;
 use super::super::lines::{self, Group};
 use super::{Rounds, spectrum_remark};
 
@@ -12,16 +13,12 @@ impl Rounds<'_> {
         let level = self.level();
         let mut remarks = Vec::new();
         self.describe_laws();
-        let departure = laws::departure(&self.axis.data, &self.axis.fit.expected);
+        let departure = departure::departure(&self.axis.data, &self.axis.fit.expected);
         if let Some(departure) = departure.filter(|one| one.p_value < level) {
             remarks.push(spectrum_remark(&departure));
         }
-        let rings = |f_hz: f64| {
-            self.axis.laws.iter().any(|law| {
-                law.effect.name() == "resonance"
-                    && (law.values[0] - f_hz).abs() < 5.0 * law.values[1]
-            })
-        };
+        let rings = self.resonances();
+        let rings = |f_hz: f64| rings.iter().any(|band| band.contains(&f_hz));
         for group in lines::lines(self.axis, level) {
             if let Group::Cluster {
                 f_hz,
@@ -29,6 +26,7 @@ impl Rounds<'_> {
                 lines,
             } = group
                 && !rings(f_hz)
+                && !self.axis.apart.iter().any(|band| band.contains(&f_hz))
             {
                 let p_value = lines
                     .iter()
@@ -50,25 +48,23 @@ impl Rounds<'_> {
                 });
             }
         }
-        let (whole, density) = self.axis.whole();
+        let seen = self.axis.whole();
+        let (whole, density) = (&seen.whole, &seen.density);
         let axis = &*self.axis;
-        let powers = bursts::powers(&whole, &density, |n| axis.usable(n));
-        if let Some(wander) = bursts::wander(&powers) {
-            if wander.cyclic.0 < level {
-                let period_s = wander.cyclic.1 / axis.rate_hz;
+        let powers = bursts::powers(whole, density, |n| axis.usable(n));
+        if let Some(Wander { cyclic, slow }) = wander::wander(&powers) {
+            let movements = [
+                (cyclic, "period", "rises and falls in a cycle"),
+                (slow, "period down to", "changes in time"),
+            ];
+            // One movement shows in both: a cycle is the plainer of the two.
+            let seen = movements.iter().find(|(one, ..)| one.p_value < level);
+            if let Some((movement, place, how)) = seen {
                 remarks.push(Remark {
                     test: "variance".into(),
-                    place: format!("period {period_s:.4} s"),
-                    p_value: wander.cyclic.0,
-                    description: "the power of the noise rises and falls in a cycle".into(),
-                });
-            }
-            if wander.slow < level {
-                remarks.push(Remark {
-                    test: "variance".into(),
-                    place: "slower than a sixteenth of the record".into(),
-                    p_value: wander.slow,
-                    description: "the power of the noise wanders in time".into(),
+                    place: format!("{place} {:.4} s", movement.period / axis.rate_hz),
+                    p_value: movement.p_value,
+                    description: format!("the strength of the noise {how}"),
                 });
             }
         }

@@ -32,7 +32,8 @@ impl Rounds<'_> {
         };
         let warm_up = open("warmup")
             .then(|| slow::warm_up(self.axis, level))
-            .flatten();
+            .flatten()
+            .filter(|change| !self.is_dwelling(change));
         let jump = if self.switching {
             None
         } else {
@@ -68,6 +69,11 @@ impl Rounds<'_> {
             let Wave::WarmUp { amplitude, samples } = change.wave else {
                 return Some(false);
             };
+            if self.is_settling_lag(samples / self.axis.rate_hz) {
+                self.axis.mended.waves.push(change.wave);
+                self.axis.refresh(false)?;
+                return Some(true);
+            }
             let parameters = named([
                 ("amplitude", Value::normal(amplitude, change.size_sd)),
                 (
@@ -93,9 +99,37 @@ impl Rounds<'_> {
         self.jumps(jump)
     }
 
+    /// Whether a settling is as quick as the level switches: a dwell at the start.
+    fn is_dwelling(&self, change: &slow::SlowChange) -> bool {
+        /// Dwell times that make a settling of its own.
+        const DWELLS: f64 = 5.0;
+        let law = self
+            .axis
+            .laws
+            .iter()
+            .find(|law| law.effect.name() == "markov");
+        match (&change.wave, law.filter(|_| self.switching)) {
+            // The correlation time is half a dwell.
+            (Wave::WarmUp { samples, .. }, Some(law)) => {
+                samples / self.axis.rate_hz < DWELLS * 2.0 * law.values[1]
+            }
+            _ => false,
+        }
+    }
+
+    /// Whether a settling with this time constant is the lag of a covariate that was not at rest as
+    /// the record began.
+    fn is_settling_lag(&self, time_s: f64) -> bool {
+        /// Largest ratio of the two times.
+        const ALIKE: f64 = 2.0;
+        let thermal = self.accepted.iter().find(|one| one.effect == "thermal");
+        let lag = thermal.and_then(|one| one.parameters.get("lag_s"));
+        lag.is_some_and(|lag| (time_s / lag.value).ln().abs() < ALIKE.ln())
+    }
+
     fn largest_jump(&self) -> Option<Jump> {
         let factor = self.axis.slow_factor();
-        let (whole, density) = self.axis.slow(&self.axis.filled);
+        let (whole, density) = self.axis.slow(&self.axis.filled, factor);
         let axis = &*self.axis;
         let jump = levels::largest_jump(&whole, &density, self.level(), |n| {
             axis.usable(n * factor) && axis.usable((n + 1) * factor - 1)
@@ -163,7 +197,7 @@ impl Rounds<'_> {
         let freedom = 2.0 * jumps.len() as f64;
         let change = |axis: &mut AxisState| {
             axis.mended.waves.push(Wave::Steps(jumps));
-            axis.refresh(false)
+            axis.refresh_jumps()
         };
         let Some(found) = found else {
             return self.accept(
@@ -202,7 +236,7 @@ impl Rounds<'_> {
             .mended
             .waves
             .retain(|wave| !matches!(wave, Wave::Steps(_)));
-        self.axis.refresh(false)?;
+        self.axis.refresh_jumps()?;
         Some(true)
     }
 
@@ -210,8 +244,8 @@ impl Rounds<'_> {
     fn placing(&self) -> impl Fn(Jump) -> Jump + use<> {
         let factor = self.axis.slow_factor();
         let filter = (factor > 1 && factor <= FINE).then(|| {
-            let (whole, density) = self.axis.whole();
-            levels::statistic(&whole, &density)
+            let seen = self.axis.whole();
+            levels::statistic(&seen.whole, &seen.density)
         });
         move |jump| match &filter {
             Some(filter) => levels::place(filter, jump, 2 * factor),
@@ -255,7 +289,7 @@ impl Rounds<'_> {
             .zip(&waveform)
             .map(|(left, wave)| left - wave)
             .collect();
-        let (record, density) = self.axis.slow(&before);
+        let (record, density) = self.axis.slow(&before, self.axis.slow_factor());
         let means = block_means(&waveform, self.axis.slow_factor());
         let rate_hz = self.axis.rate_hz / self.axis.slow_factor() as f64;
         let mut wave = Transformer::new(means.len()).transform(&means, rate_hz);

@@ -1,9 +1,10 @@
 //! Lines: single ones, and mains with its harmonics.
 
 use super::super::axis::AxisState;
-use super::super::finding::Value;
-use super::super::lines::{Group, Measured};
+use super::super::finding::{Remark, Value};
+use super::super::lines::{self, Group, Measured};
 use super::super::mend::Wave;
+use super::super::tone;
 use super::{Rounds, Snapshot, named};
 
 impl Rounds<'_> {
@@ -12,6 +13,7 @@ impl Rounds<'_> {
         let mut any = false;
         for group in groups {
             match group {
+                Group::Single(one) if self.wanders(&one) => {}
                 Group::Single(one) => any |= self.single(one)?,
                 Group::Hum {
                     base_hz,
@@ -24,7 +26,72 @@ impl Rounds<'_> {
         Some(any)
     }
 
+    /// Leaves out the lines that wander, where no resonance makes them.
+    pub(super) fn wandering_lines(&mut self) -> Option<bool> {
+        let mut any = false;
+        for group in lines::lines(self.axis, self.level()) {
+            if let Group::Single(one) = group
+                && self.wanders(&one)
+            {
+                any |= self.set_apart(&one)?;
+            }
+        }
+        Some(any)
+    }
+
+    /// Bands about the resonances that are there: lines in them are their tops.
+    pub(super) fn resonances(&self) -> Vec<std::ops::Range<f64>> {
+        /// Widths on either side.
+        const REACH: f64 = 5.0;
+        let laws = self.axis.laws.iter();
+        laws.filter(|law| law.effect.name() == "resonance")
+            .map(|law| {
+                let (f_hz, reach_hz) = (law.values[0], REACH * law.values[1]);
+                f_hz - reach_hz..f_hz + reach_hz
+            })
+            .collect()
+    }
+
+    /// Whether a line does not keep its size and phase.
+    fn wanders(&self, one: &Measured) -> bool {
+        let cycles = one.line.frequency_hz / self.axis.rate_hz;
+        tone::p_steady(self.axis, cycles) < self.level()
+    }
+
+    /// Leaves a line that wanders out of what fits and tests look at, and remarks on it.
+    fn set_apart(&mut self, one: &Measured) -> Option<bool> {
+        /// Width of what is left out, 1/T on either side.
+        const REACH: f64 = 40.0;
+        let f_hz = one.line.frequency_hz;
+        let rings = self.resonances();
+        let mut known = self.axis.apart.iter().chain(&rings);
+        if known.any(|band| band.contains(&f_hz)) {
+            return Some(false);
+        }
+        let width_hz = REACH * self.axis.rate_hz / self.axis.filled.len() as f64;
+        self.unsteady.push(Remark {
+            test: "lines".into(),
+            place: format!("{f_hz:.5} Hz"),
+            p_value: one.line.false_alarm,
+            description: format!(
+                "a line of amplitude {:.3e} that does not keep its size and phase: a tone that \
+                 wanders or is switched",
+                one.line.amplitude
+            ),
+        });
+        self.axis.apart.push(f_hz - width_hz..f_hz + width_hz);
+        self.axis.refresh(false)?;
+        Some(true)
+    }
+
     pub(super) fn single(&mut self, one: Measured) -> Option<bool> {
+        if self
+            .resonances()
+            .iter()
+            .any(|band| band.contains(&one.line.frequency_hz))
+        {
+            return Some(false);
+        }
         // What is left beside a line that was taken out is no second one.
         let duration_s = self.axis.filled.len() as f64 / self.axis.rate_hz;
         let near = self.axis.mended.waves.iter().any(|wave| match wave {
@@ -49,6 +116,12 @@ impl Rounds<'_> {
             axis.mended.waves.push(one.wave);
             axis.refresh(false)
         })
+    }
+
+    /// A resonance too narrow for the record to resolve: a line.
+    pub(super) fn unresolved(&mut self, f_hz: f64, p_value: f64) -> Option<bool> {
+        let one = lines::measure_near(self.axis, f_hz, p_value);
+        self.single(one)
     }
 
     /// Amplitude of a line as it was ahead of the declared chain, like that of all other effects.

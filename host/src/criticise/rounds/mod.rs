@@ -7,11 +7,13 @@
 //!
 //! One file a view; each extends `Rounds`.
 
+mod doubt;
 mod left_over;
 mod level;
 mod lines;
 mod lost;
 mod shape;
+mod steady;
 mod values;
 mod variance;
 
@@ -20,7 +22,8 @@ use std::collections::BTreeMap;
 use super::axis::AxisState;
 use super::codes;
 use super::finding::{Remark, Rival, Value};
-use super::laws::{self, Law};
+use super::laws::Law;
+use super::laws::departure;
 use super::mend::Wave;
 use crate::fit::likelihood::Fit;
 use crate::model::catalogue;
@@ -58,6 +61,8 @@ pub struct Accepted {
     pub p_value: f64,
     /// Other names.
     pub rivals: Vec<Rival>,
+    /// Number of its law, where it is one of the axis's.
+    pub law: Option<usize>,
     /// Numbers that were fitted to all of the record for it.
     pub freedom: f64,
     /// Fit without it.
@@ -68,6 +73,13 @@ pub struct Accepted {
     pub with: Snapshot,
     /// And without.
     pub without: Snapshot,
+}
+
+impl Accepted {
+    /// Whether a likelihood of the noise does not see it.
+    pub fn changes_nothing(&self) -> bool {
+        self.with.waves == self.without.waves && self.with.laws == self.without.laws
+    }
 }
 
 /// State of record and model at some moment.
@@ -117,6 +129,9 @@ pub fn run(
         accepted: Vec::new(),
         discrepancies: Vec::new(),
         switching: false,
+        ringing: false,
+        restless: false,
+        unsteady: Vec::new(),
     };
     rounds.note_base();
     rounds.take_codes(values)?;
@@ -131,13 +146,18 @@ pub fn run(
             || rounds.outliers()?
             || rounds.lines(groups)?
             || rounds.levels()?
+            || rounds.steady()?
             || rounds.bursts()?
-            || rounds.laws()?)
+            || rounds.strength()?
+            || rounds.laws()?
+            || rounds.wandering_lines()?)
         {
             break;
         }
     }
-    let unexplained = rounds.left_over();
+    let doubts = rounds.doubts()?;
+    let mut unexplained = rounds.left_over();
+    unexplained.extend(doubts);
     Some(Outcome {
         accepted: rounds.accepted,
         unexplained,
@@ -166,11 +186,21 @@ struct Rounds<'a> {
     discrepancies: Vec<Remark>,
     /// Whether the level switches to and fro: no business of single steps.
     switching: bool,
+    /// Whether large samples come in groups: no business of outliers.
+    ringing: bool,
+    /// Whether the strength of the noise moves all the time: no business of bursts.
+    restless: bool,
+    /// Bands that no steady law speaks for.
+    unsteady: Vec<Remark>,
 }
 
 impl Rounds<'_> {
     fn level(&self) -> f64 {
         self.options.level()
+    }
+
+    fn duration_s(&self) -> f64 {
+        self.axis.filled.len() as f64 / self.axis.rate_hz
     }
 
     /// Accepts an effect, unless it is refused, and makes its `change` to the record or the laws.
@@ -193,6 +223,7 @@ impl Rounds<'_> {
             parameters,
             p_value,
             rivals: Vec::new(),
+            law: None,
             freedom,
             before,
             nats,
@@ -202,13 +233,29 @@ impl Rounds<'_> {
         Some(true)
     }
 
+    /// Takes an effect back, with what was done to the record for it; whether it was there.
+    fn withdraw(&mut self, effect: &str) -> bool {
+        let before = self.accepted.len();
+        self.accepted.retain(|one| one.effect != effect);
+        let kept = |wave: &Wave| effect != "outliers" || !matches!(wave, Wave::Outliers(_));
+        self.axis.mended.waves.retain(kept);
+        for one in &mut self.accepted {
+            one.with.waves.retain(kept);
+            one.without.waves.retain(kept);
+        }
+        if effect == "burst" {
+            self.axis.mended.masked.clear();
+        }
+        self.accepted.len() < before
+    }
+
     fn find(&mut self, effect: &str) -> Option<&mut Accepted> {
         self.accepted.iter_mut().find(|one| one.effect == effect)
     }
 
     fn note_base(&mut self) {
         let level = self.level();
-        let departure = laws::departure(&self.axis.data, &self.axis.fit.expected);
+        let departure = departure::departure(&self.axis.data, &self.axis.fit.expected);
         if let Some(departure) = departure.filter(|one| one.p_value < level) {
             self.discrepancies.push(spectrum_remark(&departure));
         }
@@ -236,7 +283,7 @@ fn named<const N: usize>(values: [(&str, Value); N]) -> BTreeMap<String, Value> 
         .collect()
 }
 
-fn spectrum_remark(departure: &laws::Departure) -> Remark {
+fn spectrum_remark(departure: &departure::Departure) -> Remark {
     Remark {
         test: "spectrum".into(),
         place: format!("{:.5} to {:.5} Hz", departure.from_hz, departure.to_hz),

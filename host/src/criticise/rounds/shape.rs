@@ -3,12 +3,18 @@
 use std::collections::BTreeMap;
 
 use super::super::finding::{Rival, Value};
-use super::super::laws::{self, Law};
+use super::super::laws::{self, Law, search, spread};
 use super::super::telegraph;
-use super::{Accepted, Rounds, named};
+use super::{Rounds, named};
 use crate::fit::likelihood::Fit;
-use crate::model::catalogue::CATALOGUE;
+use crate::model::catalogue::{self, CATALOGUE};
 use crate::model::effect::Part;
+
+/// Share of the level that is left where the strength of the noise moves.
+const RESTLESS: f64 = 1e-3;
+
+/// Width over 1/T of a resonance that a record can tell from a line.
+const RESOLVED: f64 = 1.0;
 
 /// Laws at most.
 const MOST: usize = 4;
@@ -20,18 +26,40 @@ impl Rounds<'_> {
         if self.axis.laws.len() == MOST {
             return Some(false);
         }
-        let level = self.level();
+        // Bins of noise whose strength moves scatter by more than their degrees of freedom say.
+        let level = self.level() * if self.restless { RESTLESS } else { 1.0 };
         let axis = &*self.axis;
-        let mut found: Vec<laws::Found> = CATALOGUE
+        let starts = axis.starts()?;
+        let mut found: Vec<search::Found> = CATALOGUE
             .iter()
             .filter(|effect| !self.refused.contains(&effect.name()))
             .filter_map(|&effect| {
-                laws::search(&axis.frame, &axis.data, &axis.laws, &axis.fit, effect)
+                search::search(
+                    &axis.frame,
+                    &axis.data,
+                    &axis.laws,
+                    &axis.fit,
+                    &starts,
+                    effect,
+                )
             })
             .collect();
         // Each parameter has to be paid for.
-        let worth = |one: &laws::Found| one.nats - one.law.values.len() as f64;
+        let worth = |one: &search::Found| one.nats - one.law.values.len() as f64;
         found.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
+        // A resonance too narrow for the record to resolve is a line, or nothing.
+        let duration_s = self.duration_s();
+        let narrow = |one: &search::Found| {
+            one.law.effect.name() == "resonance" && one.law.values[1] * duration_s < RESOLVED
+        };
+        if let Some(best) = found
+            .first()
+            .filter(|one| narrow(one) && one.p_value < level)
+            && self.unresolved(best.law.values[0], best.p_value)?
+        {
+            return Some(true);
+        }
+        found.retain(|one| !narrow(one));
         if found.first().is_none_or(|best| best.p_value >= level) {
             return Some(false);
         }
@@ -61,6 +89,8 @@ impl Rounds<'_> {
             if two > 0.0 {
                 effect = "telegraph";
                 self.switching = true;
+                // Its jumps may have passed for them.
+                self.withdraw("outliers");
                 rivals.insert(0, other("markov", two));
             } else {
                 rivals.insert(0, other("telegraph", -two));
@@ -72,8 +102,38 @@ impl Rounds<'_> {
         })?;
         if let Some(one) = self.accepted.last_mut().filter(|_| accepted) {
             one.rivals = rivals;
+            one.law = Some(self.axis.laws.len() - 1);
         }
         Some(accepted)
+    }
+
+    /// Adds the switching between two levels, where it is what makes the spectrum's low end.
+    pub(super) fn switching_law(&mut self) -> Option<bool> {
+        if self.switching || self.refused.contains(&"telegraph") {
+            return Some(false);
+        }
+        let axis = &*self.axis;
+        let markov = catalogue::find("markov")?;
+        let (starts, level) = (axis.starts()?, self.level());
+        let found = search::search(
+            &axis.frame,
+            &axis.data,
+            &axis.laws,
+            &axis.fit,
+            &starts,
+            markov,
+        );
+        let Some(found) = found.filter(|one| one.p_value < level) else {
+            return Some(false);
+        };
+        let Some(odds) = self.two_levels(&found.law, &found.fit) else {
+            return Some(false);
+        };
+        if odds <= 0.0 {
+            return Some(false);
+        }
+        self.switching = true;
+        self.laws()
     }
 
     /// Logarithm of the odds that what looks like Markov noise in the spectrum switches between
@@ -98,7 +158,7 @@ impl Rounds<'_> {
         let axis = &*self.axis;
         for (which, law) in axis.laws.iter().enumerate() {
             let log_sd =
-                laws::log_deviations(&axis.frame, &axis.data, &axis.laws, which, &axis.fit);
+                spread::log_deviations(&axis.frame, &axis.data, &axis.laws, which, &axis.fit);
             let values = laws::sized(&axis.frame, &axis.laws, which, &axis.fit);
             let parameters: BTreeMap<String, Value> = law
                 .effect
@@ -109,14 +169,9 @@ impl Rounds<'_> {
                     (parameter.name.to_string(), Value::log_normal(*value, *sd))
                 })
                 .collect();
-            let name = law.effect.name();
-            let switching = |one: &Accepted| one.effect == "telegraph" && name == "markov";
-            if let Some(one) = self
-                .accepted
-                .iter_mut()
-                .find(|one| (one.effect == name || switching(one)) && one.parameters.is_empty())
-            {
-                one.parameters = if switching(one) {
+            let mut accepted = self.accepted.iter_mut();
+            if let Some(one) = accepted.find(|one| one.law == Some(which)) {
+                one.parameters = if one.effect == "telegraph" {
                     // Two levels of the same spectrum: twice the deviation apart, kept for twice
                     // the correlation time.
                     named([

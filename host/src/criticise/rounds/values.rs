@@ -4,16 +4,21 @@ use super::super::axis::AxisState;
 use super::super::bursts;
 use super::super::finding::Value;
 use super::super::impulses::{self, Outlier};
+use super::super::levels;
 use super::super::mend::Wave;
 use super::{CodeFindings, Rounds, Snapshot, named};
+
+/// How much further out an outlier must be where the strength of the noise moves.
+const RESTLESS: f64 = 1.5;
 
 impl Rounds<'_> {
     /// Takes over what the values themselves say.
     pub(super) fn take_codes(&mut self, values: &CodeFindings) -> Option<()> {
         if let Some((stale, places)) = &values.stale {
             let share = Value::normal(stale.share, stale.share_sd);
-            let (whole, density) = self.axis.whole();
-            let replaced = impulses::sizes_at(&whole, &density, places);
+            let seen = self.axis.whole();
+            let (whole, density) = (&seen.whole, &seen.density);
+            let replaced = impulses::sizes_at(whole, density, places);
             let parameters = named([("share", share)]);
             let p_value = stale.p_value;
             self.accept("stale", parameters, p_value, 1.0, None, |axis| {
@@ -28,8 +33,9 @@ impl Rounds<'_> {
                 ("level", Value::normal(clipping.level, slack)),
                 ("side", Value::exact(clipping.side)),
             ]);
-            let (whole, density) = self.axis.whole();
-            let replaced = impulses::sizes_at(&whole, &density, places);
+            let seen = self.axis.whole();
+            let (whole, density) = (&seen.whole, &seen.density);
+            let replaced = impulses::sizes_at(whole, density, places);
             self.accept(
                 "clipping",
                 parameters,
@@ -60,17 +66,35 @@ impl Rounds<'_> {
 
     /// Takes out samples that do not belong.
     pub(super) fn outliers(&mut self) -> Option<bool> {
-        if self.refused.contains(&"outliers") {
+        if self.refused.contains(&"outliers") || self.ringing {
             return Some(false);
         }
-        let (whole, density) = self.axis.whole();
+        let seen = self.axis.whole();
+        let (whole, density) = (&seen.whole, &seen.density);
         let axis = &*self.axis;
-        let found = impulses::outliers(&whole, &density, self.level(), |n| axis.usable(n));
+        let powers = bursts::powers(whole, density, |n| axis.usable(n));
+        let local = self.restless.then(|| powers.local());
+        let found = impulses::outliers(
+            whole,
+            density,
+            self.level(),
+            |n| axis.usable(n),
+            |n| local.as_ref().map_or(1.0, |local| RESTLESS * local(n)),
+        );
+        let mut found = found;
+        if self.switching {
+            // A jump is larger as a jump than as a single sample.
+            let jumps = levels::statistic(whole, density);
+            found.found.retain(|one| !levels::is_jump(&jumps, one));
+        }
         if found.found.is_empty() {
             return Some(false);
         }
+        if impulses::together(&found.found, whole.len()) < self.level() {
+            self.ringing = true;
+            return Some(false);
+        }
         // Where a whole stretch is noisier, its large samples are no outliers.
-        let powers = bursts::powers(&whole, &density, |n| axis.usable(n));
         let burst = bursts::burst(&powers, self.level());
         let inside = |one: &Outlier| {
             burst.as_ref().is_some_and(|burst| {

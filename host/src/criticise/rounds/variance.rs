@@ -1,32 +1,38 @@
 //! Stretches of the record with noise of another size.
 
-use super::super::bursts::{self, Burst};
+use super::super::bursts::{self, Burst, even, wander};
 use super::super::finding::Value;
 use super::{Rounds, named};
 
 /// Stretches at most.
-const MOST: usize = 4;
+const MOST: usize = 3;
 
 impl Rounds<'_> {
     /// Masks the stretch that departs most from the rest.
     pub(super) fn bursts(&mut self) -> Option<bool> {
-        let (whole, density) = self.axis.whole();
+        if self.restless {
+            return Some(false);
+        }
+        let seen = self.axis.whole();
+        let (whole, density) = (&seen.whole, &seen.density);
         let axis = &*self.axis;
-        let powers = bursts::powers(&whole, &density, |n| axis.usable(n));
+        let powers = bursts::powers(whole, density, |n| axis.usable(n));
         let Some(burst) = bursts::burst(&powers, self.level()) else {
             return Some(false);
         };
         let Burst { range, factor, .. } = burst.clone();
         // A stretch that is most of the record is its law.
-        if range.len() > whole.len() / 2
-            || self
-                .accepted
-                .iter()
-                .filter(|one| one.effect == "burst")
-                .count()
-                >= MOST
-        {
+        if range.len() > whole.len() / 2 {
             return Some(false);
+        }
+        // What is stronger in some band only is something else.
+        if even::p_value(&seen, &range) < self.level() {
+            return Some(false);
+        }
+        let before = self.accepted.iter().filter(|one| one.effect == "burst");
+        if before.count() == MOST {
+            // It comes and goes all the time.
+            return self.restless_noise();
         }
         let rate_hz = self.axis.rate_hz;
         // Where the level switches, a stretch shorter than its dwell is two jumps too close to be
@@ -64,5 +70,36 @@ impl Rounds<'_> {
                 axis.refresh(true)
             },
         )
+    }
+
+    /// Notes that the strength of the noise moves all the time, where it does.
+    pub(super) fn strength(&mut self) -> Option<bool> {
+        if self.restless {
+            return Some(false);
+        }
+        let seen = self.axis.whole();
+        let powers = bursts::powers(&seen.whole, &seen.density, |n| self.axis.usable(n));
+        let moves = wander::wander(&powers)
+            .is_some_and(|moves| moves.cyclic.p_value.min(moves.slow.p_value) < self.level());
+        if moves {
+            return self.restless_noise();
+        }
+        Some(false)
+    }
+
+    /// With noise whose strength moves all the time single stretches are no causes, and samples are
+    /// outliers only against the noise about them. Whether anything is taken back.
+    fn restless_noise(&mut self) -> Option<bool> {
+        self.restless = true;
+        let several = self.accepted.iter().filter(|one| one.effect == "burst");
+        let mut any = false;
+        if several.count() == MOST {
+            any |= self.withdraw("burst");
+        }
+        any |= self.withdraw("outliers");
+        if any {
+            self.axis.refresh(true)?;
+        }
+        Some(any)
     }
 }

@@ -2,20 +2,24 @@
 //!
 //! Three ways of holding data out, each of them so that both halves see the same hours:
 //!
-//! - What shows in the spectrum (laws, lines): the record is cut into blocks, every other one held
-//!   out. The model with and without a finding is fitted to the one half alone and judged by the
-//!   likelihood of the other half's spectrum. A line's frequency, size and phase are those of the
-//!   whole record; for each number so fitted half a nat is taken off, what it gains on average by
-//!   having seen the held-out half.
+//! - Lines: the record is cut into blocks, every other one held out. The model with and without a
+//!   finding is fitted to the one half alone and judged by the likelihood of the other half's
+//!   spectrum. A line's frequency, size and phase are those of the whole record; for each number so
+//!   fitted half a nat is taken off, what it gains on average by having seen the held-out half.
+//! - Laws of the noise ([`laws`]): sizes fitted to the even ordinates of the whole record's transform
+//!   and judged by the odd ones, which are independent of them; short blocks would not see the
+//!   slowest. Shapes are those of the whole record, at half a nat each.
 //! - Waveforms in time (steps, settling, outliers, what follows a covariate): fitted to the even
 //!   ordinates of the record's transform and judged by the odd ones, which are independent.
 //! - A stretch of another variance: fitted to the even ones of short blocks, judged by the odd.
+
+pub mod laws;
 
 use inm_allan::Statistic;
 
 use super::axis::AxisState;
 use super::frame::Frame;
-use super::laws;
+use super::laws::{components, search};
 use super::mend::Mended;
 use super::rounds::{Accepted, Snapshot, laws_of};
 use crate::bins::point::{self, Point};
@@ -26,13 +30,13 @@ use crate::model::PerCoefficient;
 use crate::model::whole::ModelAxis;
 
 /// Blocks of the record, half of them held out.
-pub const BLOCKS: usize = 16;
+const BLOCKS: usize = 16;
 
 /// Degrees of freedom from which a point of the Allan curve counts.
 const LEAST_EDF: f64 = 1000.0;
 
 /// Nats for each number that was fitted to all of the record.
-const SEEN_COST: f64 = 0.5;
+pub const SEEN_COST: f64 = 0.5;
 
 /// The two halves of an axis.
 pub struct Halves {
@@ -54,26 +58,30 @@ fn leave(values: &[f64], parity: usize) -> Vec<f64> {
 impl Halves {
     /// The halves of an axis, with the masks that were found at last.
     pub fn new(axis: &AxisState) -> Option<Self> {
-        let mut measured = Mended::new(axis.mended.measured().to_vec());
-        measured.masked.clone_from(&axis.mended.masked);
+        let measured = axis.mended.bare();
         let values = measured.values();
         let chain = axis.chain.as_ref();
+        let mut train = Frame::new(&leave(&values, 1), axis.rate_hz, chain)?;
+        let mut held = Frame::new(&leave(&values, 0), axis.rate_hz, chain)?;
+        train.leave_out(&axis.apart);
+        held.leave_out(&axis.apart);
         Some(Self {
-            train: Frame::new(&leave(&values, 1), axis.rate_hz, chain)?,
-            held: Frame::new(&leave(&values, 0), axis.rate_hz, chain)?,
+            train,
+            held,
             measured,
         })
     }
 
     /// Log-likelihood of the held-out half under the model of a snapshot fitted to the other.
-    fn score(&mut self, snapshot: &Snapshot) -> Option<f64> {
-        self.measured.waves.clone_from(&snapshot.waves);
-        let values = self.measured.values();
+    fn score(&self, snapshot: &Snapshot) -> Option<f64> {
+        let mut record = self.measured.clone();
+        record.waves.clone_from(&snapshot.waves);
+        let values = record.values();
         let train = self.train.measure(&leave(&values, 1));
         let held = self.held.measure(&leave(&values, 0));
         let mut laws = laws_of(snapshot);
-        let fit = laws::polish(&self.train, &train, &mut laws, 0, 0.05)?;
-        let components = laws::components(&self.held, &laws);
+        let fit = search::polish(&self.train, &train, &mut laws, 0, 0.05)?;
+        let components = components(&self.held, &laws);
         let mut expected = vec![0.0; held.len()];
         for (component, squared) in components.iter().zip(&fit.squared) {
             for (expected, value) in expected.iter_mut().zip(component) {
@@ -84,14 +92,7 @@ impl Halves {
     }
 
     /// Predictive gain of a finding, nats.
-    pub fn nats(&mut self, one: &Accepted) -> Option<f64> {
-        if one.nats.is_some() {
-            return one.nats;
-        }
-        if one.with.waves == one.without.waves && one.with.laws == one.without.laws {
-            // Nothing that a likelihood of the noise would see.
-            return None;
-        }
+    pub fn nats(&self, one: &Accepted) -> Option<f64> {
         let gain = self.score(&one.with)? - self.score(&one.without)?;
         Some(gain - SEEN_COST * one.freedom)
     }
@@ -105,19 +106,12 @@ pub fn allan_error(
     model: &ModelAxis,
     with: &Snapshot,
 ) -> Option<(f64, f64)> {
-    let mut record = Mended::new(vec![0.0; axis.mended.len()]);
-    record.waves.clone_from(&with.waves);
     let law = model.law(axis.rate_hz);
-    let mut waveform = record.waveform();
-    for (value, measured) in waveform.iter_mut().zip(axis.mended.measured()) {
-        if !measured.is_finite() {
-            *value = f64::NAN;
-        }
-    }
-    for mask in &axis.mended.masked {
-        waveform[mask.clone()].fill(f64::NAN);
-    }
-    let wave = curve(&leave(&waveform, 0), axis.rate_hz);
+    let wave = if with.waves.is_empty() {
+        Vec::new()
+    } else {
+        waveform_curve(axis, with)
+    };
     let mut squares = (0.0, 0.0, 0.0);
     for point in held.points.iter().filter(|point| point.edf >= LEAST_EDF) {
         let own = wave
@@ -138,6 +132,22 @@ pub fn allan_error(
     })
 }
 
+/// Allan curve of the waveforms of a snapshot, where the held-out half has samples.
+fn waveform_curve(axis: &AxisState, with: &Snapshot) -> Vec<Point> {
+    let mut record = Mended::new(vec![0.0; axis.mended.len()]);
+    record.waves.clone_from(&with.waves);
+    let mut waveform = record.waveform();
+    for (value, measured) in waveform.iter_mut().zip(axis.mended.measured()) {
+        if !measured.is_finite() {
+            *value = f64::NAN;
+        }
+    }
+    for mask in &axis.mended.masked {
+        waveform[mask.clone()].fill(f64::NAN);
+    }
+    curve(&leave(&waveform, 0), axis.rate_hz)
+}
+
 /// The measured Allan curve of the held-out half.
 pub struct HeldCurve {
     points: Vec<Point>,
@@ -146,8 +156,7 @@ pub struct HeldCurve {
 impl HeldCurve {
     /// Of an axis, without the stretches that are masked.
     pub fn new(axis: &AxisState) -> Self {
-        let mut record = Mended::new(axis.mended.measured().to_vec());
-        record.masked.clone_from(&axis.mended.masked);
+        let record = axis.mended.bare();
         Self {
             points: curve(&leave(&record.values(), 0), axis.rate_hz),
         }

@@ -4,9 +4,11 @@
 //! blocks, each chi-squared with as many degrees of freedom as it has samples. Windows of all
 //! lengths and places are then compared with the rest.
 
+pub mod even;
+pub mod wander;
+
 use std::ops::Range;
 
-use realfft::RealFftPlanner;
 use realfft::num_complex::Complex64;
 
 use super::tail;
@@ -48,6 +50,9 @@ pub struct Burst {
 
 /// Whitens `whole` by `density` and sums squares over blocks; `usable` tells samples that count.
 pub fn powers(whole: &Whole, density: &[f64], usable: impl Fn(usize) -> bool) -> Powers {
+    // What is left out of the band leaves that many degrees of freedom less.
+    let seen = density.iter().filter(|density| density.is_finite()).count();
+    let share = seen as f64 / density.len() as f64;
     // Of whatever variance: what counts is how it changes.
     let white = whole.filtered(|k| Complex64::new(density[k].sqrt().recip(), 0.0));
     let mut powers = Vec::with_capacity(white.len() / BLOCK + 1);
@@ -61,12 +66,36 @@ pub fn powers(whole: &Whole, density: &[f64], usable: impl Fn(usize) -> bool) ->
             }
         }
         powers.push(if count > 0.0 { sum / count } else { 0.0 });
-        counts.push(count);
+        counts.push(count * share);
     }
     let total: f64 = counts.iter().sum();
     let mean = powers.iter().zip(&counts).map(|(p, n)| p * n).sum::<f64>() / total.max(1.0);
     powers.iter_mut().for_each(|power| *power /= mean);
     Powers { powers, counts }
+}
+
+impl Powers {
+    /// Deviation of the noise about a sample over that of the record, from the middle of the blocks
+    /// about it: a single large sample does not make its own.
+    pub fn local(&self) -> impl Fn(usize) -> f64 + use<> {
+        /// Blocks on either side.
+        const REACH: usize = 7;
+        let blocks = self.powers.len();
+        let local: Vec<f64> = (0..blocks)
+            .map(|block| {
+                let near = block.saturating_sub(REACH)..(block + REACH + 1).min(blocks);
+                let mut near = self.powers[near].to_vec();
+                let middle = near.len() / 2;
+                let (_, median, _) = near.select_nth_unstable_by(middle, f64::total_cmp);
+                median.max(0.0).sqrt()
+            })
+            .collect();
+        move |sample| {
+            local
+                .get(sample / BLOCK)
+                .map_or(1.0, |local| local.max(1.0))
+        }
+    }
 }
 
 /// The stretch that departs most from the rest, if it does so at a family-wise `level`.
@@ -147,57 +176,6 @@ fn held_out(powers: &Powers, range: &Range<usize>) -> f64 {
     score(n, held_inside, inside) + score(m, held_outside, outside)
         - score(n, held_inside, all)
         - score(m, held_outside, all)
-}
-
-/// How the power of the noise moves in time, apart from single stretches.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Wander {
-    /// Probability of a line as strong in the power of steady noise, and its period in samples.
-    pub cyclic: (f64, f64),
-    /// Probability of as much slow wander in the power of steady noise.
-    pub slow: f64,
-}
-
-/// Looks for cycles and slow wander of the power.
-pub fn wander(powers: &Powers) -> Option<Wander> {
-    /// Ordinates that count as slow.
-    const SLOW: usize = 16;
-    let length = super::whole::smooth_len(powers.powers.len());
-    if length < 8 * SLOW {
-        return None;
-    }
-    // A power of chi-squared law to the third is normal (E. B. Wilson and M. M. Hilferty 1931).
-    let mut normal: Vec<f64> = powers.powers[..length]
-        .iter()
-        .zip(&powers.counts)
-        .map(|(&power, &count)| {
-            let part = 2.0 / (9.0 * count.max(1.0));
-            if count < 0.5 * BLOCK as f64 {
-                0.0
-            } else {
-                (power.cbrt() - (1.0 - part)) / part.sqrt()
-            }
-        })
-        .collect();
-    let mean = normal.iter().sum::<f64>() / length as f64;
-    normal.iter_mut().for_each(|value| *value -= mean);
-    let variance = normal.iter().map(|value| value * value).sum::<f64>() / length as f64;
-    let plan = RealFftPlanner::new().plan_fft_forward(length);
-    let mut ordinates = plan.make_output_vec();
-    plan.process(&mut normal, &mut ordinates).ok()?;
-    let power = |k: usize| ordinates[k].norm_sqr() / (length as f64 * variance);
-    let last = length / 2 - 1;
-    let (strongest, highest) = (SLOW + 1..=last)
-        .map(|k| (k, power(k)))
-        .max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let slow: f64 = (1..=SLOW).map(|k| 2.0 * power(k)).sum();
-    Some(Wander {
-        cyclic: (
-            tail::searched((-highest).exp(), (last - SLOW) as f64),
-            (length * BLOCK) as f64 / strongest as f64,
-        ),
-        slow: tail::chi_squared(slow, 2.0 * SLOW as f64),
-    })
 }
 
 /// Cumulative sums over blocks.

@@ -1,0 +1,129 @@
+//! How much the likelihood gains at first from one more component.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::fit::likelihood::{Data, Fit};
+
+/// The score test (C. R. Rao 1948) of components beside a fit: with `u` the slope of the
+/// log-likelihood at size zero and `I` the information on the size that the present components
+/// leave, the gain is `u^2 / 2 I` where `u` is positive, for as long as it is small.
+pub struct Rise<'a> {
+    /// `dof / 2 E`, and how far the measured density lies above `E`, as a share.
+    weights: Vec<f64>,
+    excess: Vec<f64>,
+    expected: &'a [f64],
+    /// Present components that are not at their bound, over `E`.
+    active: Vec<Vec<f64>>,
+    inverse: DMatrix<f64>,
+}
+
+impl<'a> Rise<'a> {
+    /// Beside `present` with the fit `base`; `None` if these cannot be told apart.
+    pub fn new(data: &Data, base: &'a Fit, present: &[Vec<f64>]) -> Option<Self> {
+        let expected = &base.expected;
+        let active: Vec<Vec<f64>> = present
+            .iter()
+            .zip(&base.squared)
+            .filter(|(_, squared)| **squared > 0.0)
+            .map(|(one, squared)| {
+                one.iter()
+                    .zip(expected)
+                    .map(|(c, e)| squared * c / e)
+                    .collect()
+            })
+            .collect();
+        let weights: Vec<f64> = data.dof.iter().map(|dof| 0.5 * dof).collect();
+        let product = |a: &[f64], b: &[f64]| -> f64 {
+            a.iter()
+                .zip(b)
+                .zip(&weights)
+                .map(|((a, b), w)| w * a * b)
+                .sum()
+        };
+        let information = DMatrix::from_fn(active.len(), active.len(), |i, j| {
+            product(&active[i], &active[j])
+        });
+        Some(Self {
+            inverse: information.try_inverse()?,
+            excess: data
+                .psd
+                .iter()
+                .zip(expected)
+                .map(|(y, e)| y / e - 1.0)
+                .collect(),
+            weights,
+            expected,
+            active,
+        })
+    }
+
+    /// Length of the path through `directions` (changes of the expectation) as the data see them,
+    /// radians: each beside the present components, of length one, and the arcs from one to the
+    /// next. How many independent searches a search of all of them is (R. B. Davies, Biometrika 74
+    /// (1987), eq. 3.1).
+    pub fn path(&self, directions: impl Iterator<Item = Vec<f64>>) -> f64 {
+        let mut length = 0.0;
+        let mut last: Option<Vec<f64>> = None;
+        for direction in directions {
+            let Some(next) = self.beside(&direction) else {
+                continue;
+            };
+            if let Some(last) = &last {
+                length += self.product(last, &next).clamp(-1.0, 1.0).acos();
+            }
+            last = Some(next);
+        }
+        length
+    }
+
+    /// What of a component the present ones do not make, over `E`, of length one; `None` if nothing.
+    fn beside(&self, component: &[f64]) -> Option<Vec<f64>> {
+        let mut share: Vec<f64> = component
+            .iter()
+            .zip(self.expected)
+            .map(|(c, e)| c / e)
+            .collect();
+        let own = self.product(&share, &share);
+        let products = DVector::from_iterator(
+            self.active.len(),
+            self.active.iter().map(|one| self.product(one, &share)),
+        );
+        for (active, size) in self.active.iter().zip((&self.inverse * products).iter()) {
+            for (share, active) in share.iter_mut().zip(active) {
+                *share -= size * active;
+            }
+        }
+        let left = self.product(&share, &share);
+        (left > 1e-9 * own).then(|| {
+            let norm = left.sqrt().recip();
+            share.iter_mut().for_each(|one| *one *= norm);
+            share
+        })
+    }
+
+    fn product(&self, a: &[f64], b: &[f64]) -> f64 {
+        let pairs = a.iter().zip(b).zip(&self.weights);
+        pairs.map(|((a, b), w)| w * a * b).sum()
+    }
+
+    /// Gain in log-likelihood from `component`, nats; zero where less of it would fit better.
+    pub fn of(&self, component: &[f64]) -> f64 {
+        let share: Vec<f64> = component
+            .iter()
+            .zip(self.expected)
+            .map(|(c, e)| c / e)
+            .collect();
+        let slope = self.product(&share, &self.excess);
+        let beside = DVector::from_iterator(
+            self.active.len(),
+            self.active.iter().map(|one| self.product(&share, one)),
+        );
+        let own = self.product(&share, &share);
+        let left = own - beside.dot(&(&self.inverse * &beside));
+        if slope > 0.0 && left > 1e-9 * own {
+            slope * slope / (2.0 * left)
+        } else {
+            0.0
+        }
+    }
+}

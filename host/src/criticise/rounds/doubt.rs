@@ -1,0 +1,171 @@
+//! Names that are given back: the effect explains some of what it was named for, but what is there
+//! does not behave as the effect does.
+
+use super::super::amplitudes;
+use super::super::finding::Remark;
+use super::super::laws::departure::{self, Departure};
+use super::super::mend::Wave;
+use super::super::steadiness;
+use super::Rounds;
+use super::steady;
+
+/// Shares of the density, the largest that a law reaches somewhere tells its band.
+const SHARES: [f64; 4] = [0.5, 0.25, 0.1, 0.03];
+
+/// Share of outliers on one side from which they are a matter of that side.
+const ONE_SIDED: f64 = 0.8;
+
+impl Rounds<'_> {
+    /// Takes back what the record speaks against; remarks on each.
+    pub(super) fn doubts(&mut self) -> Option<Vec<Remark>> {
+        self.tops()?;
+        let mut remarks = std::mem::take(&mut self.unsteady);
+        remarks.extend(self.lopsided()?);
+        let level = self.level();
+        let left = departure::departure(&self.axis.data, &self.axis.fit.expected)
+            .filter(|one| one.p_value < level);
+        for which in 0..self.axis.laws.len() {
+            let Some(place) = self.accepted.iter().position(|one| one.law == Some(which)) else {
+                continue;
+            };
+            let effect = self.accepted[place].effect;
+            if effect == "resonance" && self.is_skirt(which) {
+                self.accepted.remove(place);
+                continue;
+            }
+            let doubt = self
+                .unsteady_law(which, effect)
+                .or_else(|| self.misfit(which, effect, left.as_ref()));
+            if let Some(doubt) = doubt {
+                self.accepted.remove(place);
+                remarks.push(doubt);
+            }
+        }
+        Some(remarks)
+    }
+
+    /// Whether a resonance is what is left beside a band that was left out.
+    fn is_skirt(&self, which: usize) -> bool {
+        let [f_hz, width_hz, ..] = self.axis.laws[which].values[..] else {
+            return false;
+        };
+        let apart = self.axis.apart.iter();
+        let near = |band: &std::ops::Range<f64>| {
+            band.start < f_hz + width_hz && f_hz - width_hz < band.end
+        };
+        apart.into_iter().any(near)
+    }
+
+    /// Takes back lines that are tops of a resonance.
+    fn tops(&mut self) -> Option<()> {
+        let rate_hz = self.axis.rate_hz;
+        let rings = self.resonances();
+        let is_top = |f_hz: f64| rings.iter().any(|band| band.contains(&f_hz));
+        let before = self.axis.mended.waves.len();
+        self.axis
+            .mended
+            .waves
+            .retain(|wave| !matches!(wave, Wave::Line { cycles, .. } if is_top(cycles * rate_hz)));
+        if self.axis.mended.waves.len() < before {
+            self.accepted.retain(|one| {
+                let f_hz = one.parameters.get("f_hz").map_or(0.0, |f_hz| f_hz.value);
+                one.effect != "sinusoid" || !is_top(f_hz)
+            });
+            self.axis.refresh(false)?;
+        }
+        Some(())
+    }
+
+    /// Where a law makes most of the spectrum, or what it makes at most.
+    fn main_band(&self, which: usize) -> std::ops::Range<f64> {
+        let bands = SHARES.iter().map(|&share| self.band_of(which, share));
+        bands
+            .into_iter()
+            .find(|band| band.end > band.start)
+            .unwrap_or(0.0..0.0)
+    }
+
+    /// A law of steady noise where the noise is not steady.
+    fn unsteady_law(&self, which: usize, effect: &str) -> Option<Remark> {
+        // Filters act on all noise alike; two levels are not Gaussian.
+        let adds = self.axis.laws[which].effect.size().is_some();
+        if !adds || effect == "telegraph" {
+            return None;
+        }
+        let band = self.main_band(which);
+        let unsteady = |band| steadiness::unsteady(self.axis, band, &self.axis.apart, self.level());
+        let half_hz = 0.5 * self.axis.rate_hz;
+        let found = unsteady(band.clone())?;
+        // What moves everywhere is no matter of this law.
+        if self.restless {
+            let outside = unsteady(0.0..band.start).or(unsteady(band.end..half_hz));
+            if outside.is_some_and(|one| 2.0 * one.variance.abs() > found.variance.abs()) {
+                return None;
+            }
+        }
+        let mut remark = steady::remark(&found);
+        remark.description = format!(
+            "{}; a {effect} has the same mean spectrum, but would be steady",
+            remark.description
+        );
+        Some(remark)
+    }
+
+    /// A law in whose band the model still fails.
+    fn misfit(&self, which: usize, effect: &str, left: Option<&Departure>) -> Option<Remark> {
+        let left = left?;
+        let band = self.main_band(which);
+        (band.start < left.to_hz && left.from_hz < band.end).then(|| Remark {
+            test: "spectrum".into(),
+            place: format!("{:.5} to {:.5} Hz", band.start, band.end),
+            p_value: self
+                .accepted
+                .iter()
+                .find(|one| one.law == Some(which))
+                .map_or(left.p_value, |one| one.p_value),
+            description: format!(
+                "power that a {effect} comes nearest to, without agreeing with it"
+            ),
+        })
+    }
+
+    /// A law of amplitudes that is not the same on both sides, and outliers that are its tail.
+    fn lopsided(&mut self) -> Option<Option<Remark>> {
+        // These bend the law of amplitudes themselves.
+        let bends = ["clipping", "quantisation", "telegraph"];
+        if self.accepted.iter().any(|one| bends.contains(&one.effect)) {
+            return Some(None);
+        }
+        let found = amplitudes::lopsided(self.axis);
+        if found.p_value >= self.level() {
+            return Some(None);
+        }
+        let side = found.skewness.signum();
+        let mut sizes = self.axis.mended.waves.iter().flat_map(|wave| match wave {
+            Wave::Outliers(outliers) => outliers.as_slice(),
+            _ => &[],
+        });
+        let (with, all) = sizes.by_ref().fold((0.0, 0.0), |(with, all), one| {
+            (with + f64::from(u8::from(one.size * side > 0.0)), all + 1.0)
+        });
+        if with >= ONE_SIDED * all && self.withdraw("outliers") {
+            self.axis.refresh(false)?;
+        }
+        Some(Some(Remark {
+            test: "amplitude".into(),
+            place: if side > 0.0 {
+                "upper side"
+            } else {
+                "lower side"
+            }
+            .into(),
+            p_value: found.p_value,
+            description: format!(
+                "the law of amplitudes is lopsided, its tail longer on that side: skewness {:.2} \
+                 of the noise's whitened samples; something one-sided joins the noise behind all \
+                 filters",
+                found.skewness
+            ),
+        }))
+    }
+}

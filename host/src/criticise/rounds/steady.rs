@@ -1,0 +1,110 @@
+//! Bands of noise that no steady law speaks for.
+
+use super::super::finding::Remark;
+use super::super::steadiness::{self, Unsteady};
+use super::Rounds;
+use crate::model::effect::Part;
+
+/// Share of the ordinates that a band may hold: a wider one is not a band but all of the noise.
+const NARROW: f64 = 0.25;
+
+/// Bands at most.
+const MOST: usize = 6;
+
+/// Frequency, times the dwell, up to which jumps leave something.
+const LEFT_OF_JUMPS: f64 = 30.0;
+
+/// Share of the density from which a law decides what the noise there looks like.
+const DECIDES: f64 = 0.1;
+
+impl Rounds<'_> {
+    /// Takes the least steady band out of what fits and tests look at, and remarks on it.
+    pub(super) fn steady(&mut self) -> Option<bool> {
+        if self.axis.apart.len() == MOST {
+            return Some(false);
+        }
+        let half_hz = 0.5 * self.axis.rate_hz;
+        let mut apart = self.axis.apart.clone();
+        apart.extend(self.switching_band());
+        let Some(found) = steadiness::unsteady(self.axis, 0.0..half_hz, &apart, self.level())
+        else {
+            return Some(false);
+        };
+        if found.to_hz - found.from_hz > NARROW * half_hz {
+            return Some(false);
+        }
+        // Outliers too small to be told one by one, where the noise is least.
+        if found.shortest && self.find("outliers").is_some() {
+            return Some(false);
+        }
+        if self.switching_law()? {
+            return Some(true);
+        }
+        self.unsteady.push(remark(&found));
+        self.axis.apart.push(found.from_hz..found.to_hz);
+        // What was named while the band was still in may have been named for it.
+        self.withdraw("outliers");
+        self.axis.laws.clear();
+        let laws = ["markov", "resonance", "powerlaw", "rolloff"];
+        self.accepted.retain(|one| !laws.contains(&one.effect));
+        self.axis.refresh(false)?;
+        Some(true)
+    }
+
+    /// Where two levels decide what the noise looks like: Gaussian it is not.
+    fn switching_band(&self) -> Option<std::ops::Range<f64>> {
+        let telegraph = self.accepted.iter().find(|one| one.effect == "telegraph")?;
+        let end_hz = match telegraph.law {
+            Some(law) => self.band_of(law, DECIDES).end,
+            // Told jump by jump: what is left of them fades within some tens of 1 / dwell.
+            None => LEFT_OF_JUMPS / telegraph.parameters.get("dwell_s")?.value,
+        };
+        Some(0.0..end_hz)
+    }
+
+    /// Between which frequencies law number `which` makes at least `share` of the density; for a
+    /// filter, where it takes away as much.
+    pub(super) fn band_of(&self, which: usize, share: f64) -> std::ops::Range<f64> {
+        let axis = &*self.axis;
+        let law = &axis.laws[which];
+        let part = law.effect.part(&law.values);
+        let decides = |f_hz: f64| match &part {
+            Part::Term(_) => axis.law_density(which, f_hz) >= share * axis.density(f_hz),
+            Part::Distortion(filter) => filter.power(f_hz, axis.rate_hz) <= 1.0 - share,
+            Part::Clock(_) | Part::Follows(_) => false,
+        };
+        let bins = axis.frame.bins().iter().map(|bin| bin.f_hz);
+        let inside: Vec<f64> = bins.filter(|&f_hz| decides(f_hz)).collect();
+        match (inside.first(), inside.last()) {
+            (Some(&from_hz), Some(&to_hz)) => from_hz..to_hz,
+            _ => 0.0..0.0,
+        }
+    }
+}
+
+/// In words.
+pub(super) fn remark(found: &Unsteady) -> Remark {
+    let Unsteady {
+        from_hz,
+        to_hz,
+        tile_s,
+        variance,
+        p_value,
+        ..
+    } = *found;
+    let description = if variance < 0.0 {
+        "power that is steadier than noise: a tone that wanders within the band".into()
+    } else {
+        format!(
+            "power whose strength changes in time, by {:.0} % over {tile_s:.2} s: a tone that \
+             wanders or is switched, shocks that ring, or noise that comes and goes",
+            100.0 * variance.sqrt()
+        )
+    };
+    Remark {
+        test: "steadiness".into(),
+        place: format!("{from_hz:.5} to {to_hz:.5} Hz"),
+        p_value,
+        description,
+    }
+}

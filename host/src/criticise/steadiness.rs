@@ -1,0 +1,270 @@
+//! Whether noise keeps its strength: the whitened record in tiles of time and frequency.
+//!
+//! The ordinates of a steady Gaussian record over the root of its density are independent complex
+//! normal numbers. A group of `M` neighbours, transformed back by itself, is the record in a narrow
+//! band at `M` moments, again independent; the power `E` of each, over the mean of its group, follows
+//! the exponential law. Tones that wander or are switched, noise whose strength or colour changes,
+//! and shocks that ring all make some tiles stronger and others weaker than that, or, where a tone
+//! fills its band all the time, more alike.
+//!
+//! Each tile is scored by `s = e^-E - 1/2 + (E - 1) / 4`, which has mean 0, variance 1/48 and skewness
+//! `sqrt 3` under the exponential law (its moments are `E[E^j e^-kE] = j! / (1 + k)^(j+1)`), and
+//! for a strength of relative variance `v` the mean `v / 8`. Unlike the spectral kurtosis (J. Dwyer,
+//! Proc. IEEE ICASSP 1983; G. M. Nita and D. E. Gary, PASP 122 (2010)) it is bounded below the
+//! largest tiles' reach, so that single events do not decide. Sums over bands of all widths and
+//! tiles of several shapes are compared with a gamma law of the same three moments.
+
+use std::ops::Range;
+
+use realfft::num_complex::Complex64;
+
+use super::axis::{AxisState, Seen};
+use super::tail;
+use crate::fft;
+
+/// Ordinates of the narrowest group, and how much wider the next ones are.
+const NARROWEST: usize = 64;
+const WIDER: usize = 4;
+
+/// Samples of the shortest tile: what shorter events do is the business of single samples.
+const SHORTEST: usize = 128;
+
+/// Tiles that a sum must have to be compared with its law.
+const LEAST_TILES: usize = 256;
+
+/// Moments at which a tile is asked whether its samples count.
+const ASKED: usize = 8;
+
+/// Standard deviations from which a group beside an unsteady band belongs to it.
+const SKIRT: f64 = 2.5;
+
+/// Free ends make each trial of a band some more.
+const FREE_ENDS: f64 = 16.0;
+
+/// A band in which noise is not as steady as noise is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Unsteady {
+    /// Lower end, hertz.
+    pub from_hz: f64,
+    /// Upper end, hertz.
+    pub to_hz: f64,
+    /// Duration of the tiles that show it best, seconds.
+    pub tile_s: f64,
+    /// Whether these are the shortest: single samples, which the narrow band draws out, may do it.
+    pub shortest: bool,
+    /// Variance of the strength over its squared mean; negative where it is steadier than noise.
+    pub variance: f64,
+    /// Probability of as much in any band of steady noise.
+    pub p_value: f64,
+}
+
+/// Strength of the whitened record in the band of the ordinates, at `ordinates.len()` moments, in
+/// units of its density.
+pub fn strengths(seen: &Seen, ordinates: Range<usize>) -> Vec<f64> {
+    let count = ordinates.len();
+    let mut band: Vec<Complex64> = ordinates
+        .map(|k| seen.whole.ordinates()[k] / seen.density[k].sqrt())
+        .collect();
+    fft::inverse(count).process(&mut band);
+    let unit = (count as f64 * seen.whole.power()).recip();
+    band.iter().map(|value| value.norm_sqr() * unit).collect()
+}
+
+/// The least steady band between the frequencies `within`, leaving out those of `apart`, if it is
+/// significant at a family-wise `level`.
+pub fn unsteady(
+    axis: &AxisState,
+    within: Range<f64>,
+    apart: &[Range<f64>],
+    level: f64,
+) -> Option<Unsteady> {
+    let seen = axis.whole();
+    let length = seen.whole.len();
+    let mut best: Option<Best> = None;
+    let mut trials = 0.0;
+    let mut size = NARROWEST;
+    while size * SHORTEST <= length {
+        let groups = Groups::new(axis, &seen, size, &within, apart);
+        trials += groups.search(&mut best);
+        size *= WIDER;
+    }
+    let best = best?;
+    let p_value = tail::searched(best.tail, FREE_ENDS * trials);
+    (p_value < level).then(|| Unsteady {
+        from_hz: seen.whole.frequency(best.ordinates.start),
+        to_hz: seen.whole.frequency(best.ordinates.end),
+        tile_s: length as f64 / best.size as f64 / axis.rate_hz,
+        shortest: best.size * WIDER * SHORTEST > length,
+        variance: 8.0 * best.mean,
+        p_value,
+    })
+}
+
+/// The band that departs most so far.
+struct Best {
+    ordinates: Range<usize>,
+    size: usize,
+    mean: f64,
+    tail: f64,
+}
+
+/// Sums of the tiles' scores, group by group of `size` ordinates.
+struct Groups {
+    size: usize,
+    /// First ordinate of each.
+    starts: Vec<usize>,
+    /// Sums of scores, and tiles, up to each.
+    scores: Vec<f64>,
+    tiles: Vec<f64>,
+}
+
+impl Groups {
+    fn new(
+        axis: &AxisState,
+        seen: &Seen,
+        size: usize,
+        within: &Range<f64>,
+        apart: &[Range<f64>],
+    ) -> Self {
+        let counts = counting(axis, seen.whole.len(), size);
+        let mut groups = Self {
+            size,
+            starts: Vec::new(),
+            scores: vec![0.0],
+            tiles: vec![0.0],
+        };
+        let last = seen.top;
+        let first = (within.start / seen.whole.frequency(1)).ceil() as usize;
+        let mut start = first.max(NARROWEST);
+        while start + size < last && seen.whole.frequency(start + size) <= within.end {
+            let (low, high) = (
+                seen.whole.frequency(start),
+                seen.whole.frequency(start + size),
+            );
+            let is_apart = apart.iter().any(|one| one.start < high && low < one.end);
+            if !is_apart {
+                let strengths = strengths(seen, start..start + size);
+                let (score, tiles) = score(&strengths, &counts);
+                groups.starts.push(start);
+                groups
+                    .scores
+                    .push(groups.scores[groups.scores.len() - 1] + score);
+                groups
+                    .tiles
+                    .push(groups.tiles[groups.tiles.len() - 1] + tiles);
+            }
+            start += size;
+        }
+        groups
+    }
+
+    /// Mean score of a run of groups, and the probability of as much either way.
+    fn judge(&self, run: &Range<usize>) -> (f64, f64) {
+        let tiles = self.tiles[run.end] - self.tiles[run.start];
+        if tiles < LEAST_TILES as f64 {
+            return (0.0, 1.0);
+        }
+        let mean = (self.scores[run.end] - self.scores[run.start]) / tiles;
+        // Gamma of the skewness sqrt(3 / tiles): shape 4 tiles / 3.
+        let shape = 4.0 * tiles / 3.0;
+        let z = mean * (48.0 * tiles).sqrt();
+        (mean, tail::mean_square(1.0 + z / shape.sqrt(), 2.0 * shape))
+    }
+
+    /// Looks through all runs of 1, 2, 4 ... groups; how many there were.
+    fn search(&self, best: &mut Option<Best>) -> f64 {
+        let groups = self.starts.len();
+        let mut trials = 0.0;
+        let mut length = 1;
+        while length <= groups {
+            for from in (0..=groups - length).step_by((length / 2).max(1)) {
+                trials += 1.0;
+                let run = from..from + length;
+                let (_, tail) = self.judge(&run);
+                if tail < best.as_ref().map_or(1.0, |best| best.tail) {
+                    let run = self.ends(run);
+                    let (mean, tail) = self.judge(&run);
+                    let wide = self.skirts(run);
+                    *best = Some(Best {
+                        ordinates: self.starts[wide.start]..self.starts[wide.end - 1] + self.size,
+                        size: self.size,
+                        mean,
+                        tail,
+                    });
+                }
+            }
+            length *= 2;
+        }
+        trials
+    }
+
+    /// A run with the groups beside it that depart by themselves, the same way.
+    fn skirts(&self, mut run: Range<usize>) -> Range<usize> {
+        let (mean, _) = self.judge(&run);
+        let departs = |group: usize| {
+            let tiles = self.tiles[group + 1] - self.tiles[group];
+            let sum = self.scores[group + 1] - self.scores[group];
+            sum * mean.signum() > SKIRT * (tiles / 48.0).sqrt()
+        };
+        while run.start > 0 && departs(run.start - 1) {
+            run.start -= 1;
+        }
+        while run.end < self.starts.len() && departs(run.end) {
+            run.end += 1;
+        }
+        run
+    }
+
+    /// Moves both ends of a run to where it is least likely.
+    fn ends(&self, mut run: Range<usize>) -> Range<usize> {
+        let strength = |run: &Range<usize>| {
+            let (mean, _) = self.judge(run);
+            mean.abs() * (self.tiles[run.end] - self.tiles[run.start]).sqrt()
+        };
+        let reach = run.len();
+        for _ in 0..4 {
+            let before = run.clone();
+            run.start = (run.start.saturating_sub(reach)..run.end)
+                .max_by(|&a, &b| strength(&(a..run.end)).total_cmp(&strength(&(b..run.end))))
+                .unwrap_or(run.start);
+            run.end = (run.start + 1..=(run.end + reach).min(self.starts.len()))
+                .max_by(|&a, &b| strength(&(run.start..a)).total_cmp(&strength(&(run.start..b))))
+                .unwrap_or(run.end);
+            if run == before {
+                break;
+            }
+        }
+        run
+    }
+}
+
+/// Which of `size` moments count: those most of whose samples are measured ones.
+fn counting(axis: &AxisState, length: usize, size: usize) -> Vec<bool> {
+    (0..size)
+        .map(|moment| {
+            // A moment stands in the middle of its samples.
+            let good = (0..ASKED).filter(|part| {
+                let at = moment as f64 - 0.5 + (*part as f64 + 0.5) / ASKED as f64;
+                let sample = (at * length as f64 / size as f64).rem_euclid(length as f64);
+                axis.usable(sample as usize)
+            });
+            good.count() == ASKED
+        })
+        .collect()
+}
+
+/// Sum of scores of the tiles that count, and their number.
+fn score(strengths: &[f64], counts: &[bool]) -> (f64, f64) {
+    let good = || {
+        let pairs = strengths.iter().zip(counts);
+        pairs.filter(|(_, counts)| **counts).map(|(one, _)| *one)
+    };
+    let tiles = good().count() as f64;
+    let mean = good().sum::<f64>() / tiles.max(1.0);
+    if tiles < 8.0 || mean <= 0.0 {
+        return (0.0, 0.0);
+    }
+    // Over the group's own mean, which takes 1/8 a group off.
+    let sum: f64 = good().map(|one| (-one / mean).exp() - 0.5).sum();
+    (sum + 0.125, tiles)
+}

@@ -1,0 +1,68 @@
+//! Whether a line keeps its size and phase from one part of the record to the next.
+//!
+//! In each of eight parts the line's phasor is measured under a Hann window, `c_i`, each with the
+//! variance `2 S rate sum w^2 / (sum w)^2` of both its real and imaginary part for noise of two-sided
+//! density `S`. For a steady line at the frequency that fits all of the record best the squared
+//! distances from their mean, over that variance, are chi-squared with 2 (8 - 1) - 1 degrees of freedom.
+
+use std::f64::consts::{PI, TAU};
+
+use realfft::num_complex::Complex64;
+
+use super::axis::AxisState;
+use super::tail;
+
+/// Parts of the record.
+const PARTS: usize = 8;
+
+/// Cycles that a part must have for what wanders below not to pass the window.
+const LEAST_CYCLES: f64 = 8.0;
+
+/// Probability that a steady line of `cycles` a sample in the mended record differs as much between
+/// parts; 1 where the record is too short to tell.
+pub fn p_steady(axis: &AxisState, cycles: f64) -> f64 {
+    let length = axis.filled.len() / PARTS;
+    if cycles * (length as f64) < LEAST_CYCLES {
+        return 1.0;
+    }
+    let density = axis.density(cycles * axis.rate_hz) * axis.rate_hz;
+    let phasors: Vec<(Complex64, f64)> = (0..PARTS)
+        .filter_map(|part| phasor(axis, cycles, part * length, length))
+        .map(|(phasor, gain)| (phasor, 2.0 * density * gain))
+        .collect();
+    if phasors.len() < 3 {
+        return 1.0;
+    }
+    // Weighted by their certainty.
+    let weight: f64 = phasors.iter().map(|(_, variance)| variance.recip()).sum();
+    let mean = phasors
+        .iter()
+        .map(|(phasor, variance)| phasor / variance)
+        .sum::<Complex64>()
+        / weight;
+    let chi: f64 = phasors
+        .iter()
+        .map(|(phasor, variance)| (phasor - mean).norm_sqr() / variance)
+        .sum();
+    tail::chi_squared(chi, 2.0 * (phasors.len() - 1) as f64 - 1.0)
+}
+
+/// Phasor of the line in a part of the record, and `sum w^2 / (sum w)^2`; `None` where most of the
+/// part does not count.
+fn phasor(axis: &AxisState, cycles: f64, from: usize, length: usize) -> Option<(Complex64, f64)> {
+    let (mut sum, mut weights, mut squares) = (Complex64::ZERO, 0.0, 0.0);
+    let mut counted = 0;
+    for offset in 0..length {
+        let index = from + offset;
+        if !axis.usable(index) {
+            continue;
+        }
+        let window = 0.5 - 0.5 * (TAU * (offset as f64 + 0.5) / length as f64).cos();
+        let turn = -2.0 * PI * (index as f64 * cycles).fract();
+        sum += 2.0 * window * axis.filled[index] * Complex64::cis(turn);
+        weights += window;
+        squares += window * window;
+        counted += 1;
+    }
+    (4 * counted > 3 * length).then(|| (sum / weights, squares / (weights * weights)))
+}
