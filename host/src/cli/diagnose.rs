@@ -83,9 +83,8 @@ impl DiagnoseCommand {
             .map_err(|refused| anyhow::anyhow!("{}: {refused}", self.file))?;
         bar.finish_and_clear();
         if let Some(reference) = &reference {
-            for (number, axis) in axes.iter_mut().enumerate() {
-                axis.findings
-                    .extend(clock(&samples, reference, number, options.level()));
+            for (number, finding) in clock(&samples, reference, options.level()) {
+                axes[number].findings.push(finding);
             }
         }
         let diagnosis = result(&samples, &account, self.level, axes);

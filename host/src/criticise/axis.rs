@@ -5,11 +5,13 @@ use std::sync::{Arc, OnceLock};
 
 use super::frame::Frame;
 use super::laws::{self, Law, search};
+use super::levels::Jump;
 use super::mend::{Mended, block_means, bridge};
 use super::whole::{Transformer, Whole};
 use crate::chain::Chain;
 use crate::fit::likelihood::{Data, Fit};
 use crate::model::effect::Part;
+use crate::spectrum::{Line, record_lines};
 
 /// Points of the table of densities.
 const TABLE: usize = 2048;
@@ -20,8 +22,15 @@ const SLOW: usize = 1 << 18;
 /// Samples of its copy for what takes a good part of the record, at most.
 const DRIFT: usize = 1 << 15;
 
-/// Samples on either side of a bridge or a mask that tests of single moments leave out.
-const GUARD: usize = 256;
+/// Samples on either side of a bridge or a mask that tests of single moments leave out, at least
+/// and at most.
+const GUARD: [usize; 2] = [256, 1 << 14];
+
+/// Time constants of the whitening filter for which it remembers where noise was cut.
+const MEMORY: f64 = 5.0;
+
+/// The least behind a converter's filter, which ties samples further apart together.
+const FILTERED_GUARD: usize = 2048;
 
 /// Samples at both ends of the record that they leave out: the ring closes there.
 const SEAM: usize = 1024;
@@ -65,6 +74,7 @@ pub struct AxisState {
     fast: Transformer,
     seen: OnceLock<Arc<Seen>>,
     starts: OnceLock<Option<Arc<search::Starts>>>,
+    lines: OnceLock<Vec<Line>>,
 }
 
 /// The mended record's transform, closed into a ring, and the densities that whiten it.
@@ -98,6 +108,7 @@ impl AxisState {
             fast,
             seen: OnceLock::new(),
             starts: OnceLock::new(),
+            lines: OnceLock::new(),
         };
         state.refresh(false)?;
         Some(state)
@@ -118,28 +129,72 @@ impl AxisState {
         let mut gaps = bridge(&mut values);
         gaps.extend(self.mended.about_jumps(0));
         gaps.sort_by_key(|gap| gap.start);
+        let guard = self.guard();
         self.unusable.clear();
         for gap in gaps {
-            let wide = gap.start.saturating_sub(GUARD)..(gap.end + GUARD).min(values.len());
+            let wide = gap.start.saturating_sub(guard)..(gap.end + guard).min(values.len());
             match self.unusable.last_mut() {
                 Some(last) if last.end >= wide.start => last.end = last.end.max(wide.end),
                 _ => self.unusable.push(wide),
             }
         }
-        self.filled = values;
+        // A new law leaves the record as it was.
+        if self.filled != values {
+            self.filled = values;
+            self.lines = OnceLock::new();
+        }
         Some(())
+    }
+
+    /// Keeps tests of single moments off what a converter's filter makes of a jump, until all is
+    /// brought up to date.
+    pub fn set_aside(&mut self, jump: &Jump) {
+        self.lines = OnceLock::new();
+        if self.is_filtered() {
+            let range = jump.index.saturating_sub(SPREAD)..jump.index + SPREAD;
+            let place = self.unusable.partition_point(|one| one.start < range.start);
+            self.unusable.insert(place, range);
+        }
+    }
+
+    /// Whether a converter's filter stands before the samples.
+    fn is_filtered(&self) -> bool {
+        let chain = self.chain.as_ref();
+        chain.is_some_and(|chain| chain.converter.is_some())
     }
 
     /// Leaves out what a converter's filter makes of the jumps, and brings all up to date.
     pub fn refresh_jumps(&mut self) -> Option<()> {
-        let filtered = self
-            .chain
-            .as_ref()
-            .is_some_and(|chain| chain.converter.is_some());
+        let filtered = self.is_filtered();
         if filtered {
             self.mended.spread = self.mended.about_jumps(SPREAD).collect();
         }
         self.refresh(filtered)
+    }
+
+    /// Samples that what whitens the record remembers a cut for. Noise whose density rises with the
+    /// frequency (quantisation) is summed up, back to where it rises from.
+    fn guard(&self) -> usize {
+        const POINTS: i32 = 256;
+        let (low, high) = (8.0 / self.mended.len() as f64, 0.49_f64);
+        let (mut least, mut rises) = (f64::INFINITY, None);
+        for point in 0..=POINTS {
+            let cycles = low * (high / low).powf(f64::from(point) / f64::from(POINTS));
+            let density = self.density(cycles * self.rate_hz);
+            if density < least {
+                (least, rises) = (density, None);
+            } else if density > 2.0 * least && rises.is_none() {
+                rises = Some(cycles);
+            }
+        }
+        let samples = rises.map_or(0.0, |cycles| MEMORY / (std::f64::consts::TAU * cycles));
+        let [least, most] = GUARD;
+        let least = if self.is_filtered() {
+            FILTERED_GUARD
+        } else {
+            least
+        };
+        (samples as usize).clamp(least, most)
     }
 
     /// Whether tests of single moments may look at a sample.
@@ -147,10 +202,10 @@ impl AxisState {
         if index < SEAM || index + SEAM >= self.fast.len() {
             return false;
         }
-        let next = self.unusable.partition_point(|range| range.end <= index);
-        self.unusable
-            .get(next)
-            .is_none_or(|range| index < range.start)
+        // They overlap where one was added: no more than two can reach a sample.
+        let after = self.unusable.partition_point(|range| range.start <= index);
+        let near = self.unusable[..after].iter().rev().take(2);
+        near.into_iter().all(|range| range.end <= index)
     }
 
     /// Transform of the mended record and what whitens it; made once for each state.
@@ -168,6 +223,15 @@ impl AxisState {
             })
         });
         Arc::clone(seen)
+    }
+
+    /// Lines of the mended record at a family-wise `level`, the same for each of its states.
+    pub fn lines(&self, level: f64) -> &[Line] {
+        self.lines.get_or_init(|| {
+            let mut record: &[f64] = &self.filled;
+            let Ok(found) = record_lines::search(&mut record, self.rate_hz, level);
+            found
+        })
     }
 
     /// Where searches for laws begin; `None` without bins.

@@ -5,7 +5,6 @@ use std::f64::consts::{PI, TAU};
 use super::axis::AxisState;
 use super::mend::Wave;
 use crate::spectrum::lines::Line;
-use crate::spectrum::record_lines;
 
 /// Share of the record over which each end is tapered where a line is measured.
 const TAPER: f64 = 0.05;
@@ -54,13 +53,12 @@ pub enum Group {
 
 /// The lines of the mended record at a family-wise `level`, grouped.
 pub fn lines(axis: &AxisState, level: f64) -> Vec<Group> {
-    let mut record: &[f64] = &axis.filled;
-    let Ok(found) = record_lines::search(&mut record, axis.rate_hz, level);
+    let found = axis.lines(level);
     let duration_s = axis.filled.len() as f64 / axis.rate_hz;
     let mut groups = Vec::new();
     let mut singles = Vec::new();
     // Neighbours closer than some tens of 1/T belong together.
-    let mut rest = found.as_slice();
+    let mut rest = found;
     while let Some((first, _)) = rest.split_first() {
         let near = |a: &Line, b: &Line| {
             b.frequency_hz - a.frequency_hz < (40.0 / duration_s).max(0.004 * a.frequency_hz)
@@ -156,20 +154,32 @@ fn measure(axis: &AxisState, line: &Line) -> Measured {
     }
 }
 
+/// Mains frequency that a line at `f_hz` is a multiple of, hertz, and which: a low one, for any
+/// frequency above a kilohertz is near one.
+pub fn mains_base(f_hz: f64) -> Option<(f64, u32)> {
+    MAINS_HZ
+        .iter()
+        .filter_map(|&nominal_hz| base_near(f_hz, nominal_hz))
+        .min_by_key(|(_, number)| *number)
+}
+
+fn base_near(f_hz: f64, nominal_hz: f64) -> Option<(f64, u32)> {
+    let number = (f_hz / nominal_hz).round();
+    let base_hz = f_hz / number;
+    let is_near = (base_hz / nominal_hz - 1.0).abs() <= MAINS_SHARE;
+    ((1.0..=20.0).contains(&number) && is_near).then_some((base_hz, number as u32))
+}
+
 /// Gathers what fits one mains frequency; a mains line may be alone.
 pub fn with_hum(singles: Vec<Measured>) -> Vec<Group> {
     // The base frequency that most lines are multiples of, by the strongest line that is one.
     let mut best: Option<(f64, f64, Vec<usize>)> = None;
     for nominal_hz in MAINS_HZ {
         for (index, seed) in singles.iter().enumerate() {
-            let number = (seed.line.frequency_hz / nominal_hz).round();
-            if !(1.0..=20.0).contains(&number) {
+            let Some((base_hz, number)) = base_near(seed.line.frequency_hz, nominal_hz) else {
                 continue;
-            }
-            let base_hz = seed.line.frequency_hz / number;
-            if (base_hz / nominal_hz - 1.0).abs() > MAINS_SHARE {
-                continue;
-            }
+            };
+            let number = f64::from(number);
             let fits: Vec<usize> = (0..singles.len())
                 .filter(|&other| {
                     let one = &singles[other].line;

@@ -109,8 +109,10 @@ pub struct Mended {
     measured: Vec<f64>,
     /// What is taken out.
     pub waves: Vec<Wave>,
-    /// Stretches that the stationary law does not speak for.
+    /// Stretches of other noise, which the stationary law does not speak for.
     pub masked: Vec<Range<usize>>,
+    /// Moments at which samples were lost.
+    pub lost: Vec<Range<usize>>,
     /// Jumps as wide as a converter's filter spreads them.
     pub spread: Vec<Range<usize>>,
 }
@@ -122,6 +124,7 @@ impl Mended {
             measured,
             waves: Vec::new(),
             masked: Vec::new(),
+            lost: Vec::new(),
             spread: Vec::new(),
         }
     }
@@ -147,11 +150,16 @@ impl Mended {
         for wave in &self.waves {
             wave.take_out(&mut values);
         }
-        for mask in self.masked.iter().chain(&self.spread) {
+        for mask in self.left_out() {
             let end = mask.end.min(values.len());
             values[mask.start.min(end)..end].fill(f64::NAN);
         }
         values
+    }
+
+    /// All that is left out.
+    pub fn left_out(&self) -> impl Iterator<Item = &Range<usize>> {
+        self.masked.iter().chain(&self.lost).chain(&self.spread)
     }
 
     /// The same record with nothing explained but the stretches that are left out.

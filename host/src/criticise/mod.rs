@@ -2,8 +2,10 @@
 
 pub mod amplitudes;
 pub mod axis;
+pub mod bands;
 pub mod bursts;
 pub mod codes;
+pub mod coefficients;
 pub mod coherence;
 pub mod demodulate;
 pub mod diagnose;

@@ -16,15 +16,22 @@
 //! for the loss the others must still be for it, over the lengths which that one leaves open. Lines
 //! that wander or beat: the loss must explain nearly all that steady lines leave.
 
+mod peaks;
 mod ratio;
 #[cfg(test)]
 mod tests;
 
+use std::f64::consts::PI;
+
+use rustfft::num_complex::Complex64;
+
 use super::axis::AxisState;
 use super::demodulate::Blocks;
 use super::mend::Wave;
+use crate::spectrum::Line as Peak;
 
-use ratio::{Best, Line, Tables, Turned, fitted, held, zoom};
+use peaks::{Place, SPLIT};
+use ratio::{Best, Line, Posterior, Quiet, Tables, Turned, fitted, held, zoom};
 
 /// Blocks that a record is cut into, at most and at least.
 const BLOCKS: usize = 512;
@@ -36,12 +43,6 @@ const CYCLES: f64 = 8.0;
 /// Samples lost that are looked for, at most: as many as the slowest line has to a cycle, but
 /// within these.
 const LONGEST: [f64; 2] = [64.0, 256.0];
-
-/// Frequencies closer than this, in cycles a record, are one line that a jump has split.
-const SPLIT: f64 = 12.0;
-
-/// Frequencies farther apart are no line.
-const WIDEST: f64 = 100.0;
 
 /// How far from a steady line's best frequency the line may be, cycles a record.
 const REACH: f64 = 3.0;
@@ -61,6 +62,9 @@ const AS_GOOD: f64 = 2.0;
 /// Cycles a record on either side of a line where the loss must explain what is there.
 const NEAR: usize = 16;
 
+/// Times that the lines are freed of one another.
+const CLEANINGS: usize = 2;
+
 /// Largest share of what a loss explains that may remain unexplained.
 const LEFT_SHARE: f64 = 0.1;
 
@@ -71,6 +75,10 @@ pub struct Loss {
     pub index: usize,
     /// Standard deviation of it, samples.
     pub index_sd: f64,
+    /// Its 95 % interval.
+    pub index_lo: f64,
+    /// Upper end.
+    pub index_hi: f64,
     /// Samples lost. Numbers that differ by a common period of all lines cannot be told apart:
     /// the smallest.
     pub samples: u32,
@@ -98,6 +106,34 @@ pub struct SteadyLine {
     pub cosine: f64,
     /// Size of the sine.
     pub sine: f64,
+    /// Standard deviation of the frequency for not knowing how many samples are lost.
+    pub cycles_sd: f64,
+    /// The same of the amplitude.
+    pub amplitude_sd: f64,
+    /// Gain in log-likelihood over no line: its power over the noise.
+    pub nats: f64,
+}
+
+impl SteadyLine {
+    /// As a search of the whole record, loss repaired, would report it.
+    pub fn peak(&self, rate_hz: f64, duration_s: f64) -> Peak {
+        Peak {
+            frequency_hz: self.cycles * rate_hz,
+            // Cramer-Rao bound of a single tone (Rife and Boorstyn 1974, eq. 16).
+            frequency_sd_hz: ((1.5 / (PI * PI * self.nats)).sqrt() / duration_s)
+                .hypot(self.cycles_sd * rate_hz),
+            amplitude: self.cosine.hypot(self.sine),
+            ratio: self.nats,
+            false_alarm: self.false_alarm(),
+        }
+    }
+
+    /// Probability of as much at one of the places tried: a cycle a record is one trial, and
+    /// Rice's formula adds a factor of a few.
+    fn false_alarm(&self) -> f64 {
+        let trials = f64::from(peaks::HARMONICS) * 4.0 * REACH * (PI * self.nats / 3.0).sqrt();
+        (trials * (-self.nats).exp()).min(1.0)
+    }
 }
 
 impl Loss {
@@ -112,10 +148,11 @@ impl Loss {
     }
 }
 
-/// Looks for samples lost in an axis at a family-wise `level`, by lines near `lines_hz`; twins into
-/// which a jump splits a line count as one. Lines that were taken out of the record already are
-/// put back for the look, and are among the result's. `None` without two lines.
-pub fn lost_samples(axis: &AxisState, lines_hz: &[f64], level: f64) -> Option<Loss> {
+/// Looks for samples lost in an axis at a family-wise `level`, by the lines `found` and what else
+/// there is at multiples of a mains frequency among them; the side lobes into which a jump splits
+/// a line count as one with it. Lines that were taken out of the record already are put back for
+/// the look, and are among the result's. `None` without two lines.
+pub fn lost_samples(axis: &AxisState, found: &[Peak], level: f64) -> Option<Loss> {
     let mut values = axis.filled.clone();
     let near = SPLIT * axis.rate_hz / values.len() as f64;
     for wave in &axis.mended.waves {
@@ -129,7 +166,10 @@ pub fn lost_samples(axis: &AxisState, lines_hz: &[f64], level: f64) -> Option<Lo
             continue;
         };
         let f_hz = cycles * axis.rate_hz;
-        if lines_hz.iter().any(|line| (line - f_hz).abs() < near) {
+        if found
+            .iter()
+            .any(|line| (line.frequency_hz - f_hz).abs() < near)
+        {
             let (cosine, sine) = (-cosine, -sine);
             let back = Wave::Line {
                 cycles,
@@ -140,53 +180,95 @@ pub fn lost_samples(axis: &AxisState, lines_hz: &[f64], level: f64) -> Option<Lo
             back.take_out(&mut values);
         }
     }
-    let lines: Vec<f64> = lines_hz.iter().map(|f_hz| f_hz / axis.rate_hz).collect();
-    search(&values, &lines, level, |index| axis.usable(index))
+    let peaks = peaks::merged(found, axis.rate_hz, values.len());
+    let places = peaks::with_harmonics(peaks, axis.rate_hz, values.len());
+    if places.len() < 2 {
+        return None;
+    }
+    let usable = |index: usize| axis.usable(index);
+    let quiet = quiet(axis, &places);
+    search(&values, &quiet, &places, level, usable)
 }
 
-/// [`lost_samples`] in a plain series: `rough` frequencies in cycles a sample.
+/// The record with loud noise brought down to what is under the lines.
+fn quiet(axis: &AxisState, places: &[Place]) -> Quiet {
+    let least = places
+        .iter()
+        .map(|place| axis.density(place.cycles * axis.rate_hz))
+        .fold(f64::INFINITY, f64::min);
+    let seen = axis.whole();
+    let (whole, density) = (&seen.whole, &seen.density);
+    let mut values = whole.filtered(|k| Complex64::new((least / density[k]).min(1.0), 0.0));
+    for (index, value) in values.iter_mut().enumerate() {
+        if !axis.usable(index) {
+            *value = 0.0;
+        }
+    }
+    Quiet {
+        values,
+        variance: least * axis.rate_hz,
+    }
+}
+
+/// [`lost_samples`] in a plain series.
 fn search(
     values: &[f64],
-    rough: &[f64],
+    quiet: &Quiet,
+    places: &[Place],
     level: f64,
     usable: impl Fn(usize) -> bool,
 ) -> Option<Loss> {
-    let mut groups = merged(rough, values.len());
     // The slowest line decides how fine the blocks are; what is slower than any allows is left.
-    groups.retain(|group| {
-        group.cycles * values.len() as f64 >= CYCLES * FEWEST_BLOCKS as f64 && group.cycles < 0.5
-    });
-    let slowest = groups.first()?.cycles;
+    let places: Vec<&Place> = places
+        .iter()
+        .filter(|place| {
+            place.cycles * values.len() as f64 >= CYCLES * FEWEST_BLOCKS as f64
+                && place.cycles < 0.5
+        })
+        .collect();
+    let slowest = places
+        .iter()
+        .map(|place| place.cycles)
+        .min_by(f64::total_cmp)?;
     let count = ((slowest * values.len() as f64 / CYCLES) as usize).min(BLOCKS);
     let blocks = Blocks::new(values, count, usable);
-    let mut lines: Vec<Line> = groups
+    let mut lines: Vec<Line> = places
         .iter()
-        .map(|group| {
-            let seen = blocks.at(group.cycles);
-            let (offset, gain) = seen.best_offset(0.0, 0.5 * group.width + 2.0 * REACH, None);
-            Line { seen, offset, gain }
-        })
+        .map(|place| Line::new(blocks.at(place.cycles), 0.5 * place.width + 2.0 * REACH))
         .filter(|line| line.gain > LEAST_LINE)
         .collect();
     lines.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let mut apart: Vec<Line> = Vec::new();
+    for line in lines {
+        let place = |line: &Line| line.cycles(line.offset, blocks.len) * values.len() as f64;
+        let alone = |other: &Line| (place(other) - place(&line)).abs() > NEAR as f64;
+        if apart.iter().all(alone) {
+            apart.push(line);
+        }
+    }
+    let mut lines = apart;
     lines.truncate(MOST_LINES);
     if lines.len() < 2 {
         return None;
     }
     let longest = (1.0 / slowest).clamp(LONGEST[0], LONGEST[1]) as usize;
-
-    let tables = Tables::new(&lines, longest);
+    let (mut tables, mut found) = looked(&blocks, quiet, &lines, longest);
+    // A strong line that jumps is noise to the others and, by its skirts, to itself: each is looked
+    // at again without the rest, against the noise that all of them leave.
+    for _ in 0..CLEANINGS {
+        let (chosen, ..) = smallest_of_the_best(&found)?;
+        if found[chosen].nats(&lines) < LEAST_LINE {
+            return None;
+        }
+        let chosen = &found[chosen];
+        lines = ratio::cleaned(&blocks, &lines, &chosen.turned, chosen.index());
+        (tables, found) = looked(&blocks, quiet, &lines, longest);
+    }
     let table_highest = tables.sum.iter().copied().fold(f64::MIN, f64::max);
-    let found: Vec<Found> = tables
-        .candidates()
-        .into_iter()
-        .map(|best| Found::new(&blocks, &lines, &tables, best))
-        .collect();
     let (chosen, samples_lo, samples_hi) = smallest_of_the_best(&found)?;
     let Found {
         best,
-        index,
-        index_sd,
+        moment,
         ref turned,
         ..
     } = found[chosen];
@@ -217,8 +299,10 @@ fn search(
         return None;
     }
     Some(Loss {
-        index,
-        index_sd,
+        index: found[chosen].index(),
+        index_sd: moment.sd,
+        index_lo: moment.lo,
+        index_hi: moment.hi,
         samples: best.samples as u32,
         samples_lo,
         samples_hi,
@@ -228,47 +312,84 @@ fn search(
         lines: turned
             .iter()
             .zip(&lines)
-            .map(|(turned, line)| SteadyLine {
+            .enumerate()
+            .map(|(which, (turned, line))| SteadyLine {
                 cycles: line.cycles(turned.offset, blocks.len),
+                cycles_sd: between(&found, chosen, |one| {
+                    line.cycles(one.turned[which].offset, blocks.len)
+                })
+                .sqrt(),
                 cosine: turned.amplitude.re,
                 sine: -turned.amplitude.im,
+                amplitude_sd: between(&found, chosen, |one| one.turned[which].amplitude.norm())
+                    .sqrt(),
+                nats: turned.gain,
             })
+            // A harmonic that was only tried for is one if it is no chance.
+            .filter(|line| line.false_alarm() < level)
             .collect(),
     })
+}
+
+/// Gains of all moments and lengths, and the best of them looked at closely.
+fn looked(blocks: &Blocks, quiet: &Quiet, lines: &[Line], longest: usize) -> (Tables, Vec<Found>) {
+    let tables = Tables::new(lines, longest);
+    let found = tables
+        .candidates()
+        .into_iter()
+        .map(|best| Found::new(blocks, quiet, lines, &tables, best))
+        .collect();
+    (tables, found)
 }
 
 /// A length looked at closely.
 struct Found {
     best: Best,
-    index: usize,
-    index_sd: f64,
+    /// The moment, samples.
+    moment: Posterior,
     turned: Vec<Turned>,
     /// Gain in log-likelihood over no lines at all.
     gain: f64,
 }
 
 impl Found {
-    fn new(blocks: &Blocks, lines: &[Line], tables: &Tables, best: Best) -> Self {
-        let (middle, sd) = tables.moment(best.samples);
-        let (mut index, mut index_sd, mut place) = (
-            (middle * blocks.len as f64).round() as usize,
-            sd * blocks.len as f64,
-            best.place as f64,
-        );
-        let mut turned = fitted(lines, place, best.samples);
-        if sd < 1.0 {
-            (index, index_sd) = zoom(blocks, lines, &turned, best);
-            place = index as f64 / blocks.len as f64;
-            turned = fitted(lines, place, best.samples);
+    /// Gain over steady lines.
+    fn nats(&self, lines: &[Line]) -> f64 {
+        self.gain - lines.iter().map(|line| line.gain).sum::<f64>()
+    }
+
+    fn new(blocks: &Blocks, quiet: &Quiet, lines: &[Line], tables: &Tables, best: Best) -> Self {
+        let mut moment = tables.moment(best.samples, blocks.len);
+        let mut turned = fitted(lines, best.place as f64, best.samples);
+        if moment.sd < blocks.len as f64 {
+            moment = zoom(blocks, quiet, lines, &turned, best);
+            turned = fitted(lines, moment.middle / blocks.len as f64, best.samples);
         }
         Self {
             best,
-            index,
-            index_sd,
+            moment,
             gain: turned.iter().map(|turned| turned.gain).sum(),
             turned,
         }
     }
+
+    /// First sample after the loss.
+    fn index(&self) -> usize {
+        self.moment.middle.round() as usize
+    }
+}
+
+/// Mean square distance of `value` among all that was looked at, each by its likelihood, from that
+/// of the one chosen.
+fn between(found: &[Found], chosen: usize, value: impl Fn(&Found) -> f64) -> f64 {
+    let here = value(&found[chosen]);
+    let (mut sum, mut weights) = (0.0, 0.0);
+    for one in found {
+        let weight = (one.gain - found[chosen].gain).exp();
+        sum += weight * (value(one) - here).powi(2);
+        weights += weight;
+    }
+    sum / weights
 }
 
 /// Which of the lengths, ascending, to name: the best of the smallest that are as good and adjoin
@@ -294,28 +415,4 @@ fn smallest_of_the_best(found: &[Found]) -> Option<(usize, f64, f64)> {
         samples(run[0]) as f64 - 0.5,
         samples(run[run.len() - 1]) as f64 + 0.5,
     ))
-}
-
-/// Frequencies that are one line, ascending.
-struct Group {
-    /// Middle, cycles a sample.
-    cycles: f64,
-    /// Distance of the outermost, cycles a record.
-    width: f64,
-}
-
-fn merged(rough: &[f64], len: usize) -> Vec<Group> {
-    let mut rough = rough.to_vec();
-    rough.sort_by(f64::total_cmp);
-    rough
-        .chunk_by(|a, b| (b - a) * (len as f64) < SPLIT)
-        .map(|twins| {
-            let (first, last) = (twins[0], twins[twins.len() - 1]);
-            Group {
-                cycles: 0.5 * (first + last),
-                width: (last - first) * len as f64,
-            }
-        })
-        .filter(|group| group.width < WIDEST)
-        .collect()
 }

@@ -1,46 +1,141 @@
 //! A record beside another of the same sensor: is its clock right?
+//!
+//! All axes have one clock, so their lines count together. A line that keeps its frequency to one
+//! cycle in the record is as sure as its height over the noise makes it; one that wanders, or a
+//! band of noise, is a [`Band`] and as sure as it stays in its place.
 
 use super::axis::AxisState;
-use super::finding::{Finding, Gain, Value};
+use super::bands::{self, Band};
+use super::demodulate::Blocks;
+use super::finding::{Finding, Gain, Rival, Value};
 use super::lines::{self, Group};
 use super::samples::Samples;
-use super::timebase;
+use super::timebase::{self, Mark, Rate};
 use crate::model::PerCoefficient;
 use crate::model::catalogue;
+use crate::spectrum::Line;
 
-/// The finding that an axis of `samples` was taken at another rate than it says, beside the same
-/// axis of `reference`, at a family-wise `level`.
-pub fn clock(samples: &Samples, reference: &Samples, number: usize, level: f64) -> Option<Finding> {
-    let record = lines_of(samples, number, level)?;
-    let other = lines_of(reference, number, level)?;
-    let rate = timebase::ratio(&record, &other, level)?;
+/// Share of a band's power that a line within it must hold to stand for it.
+const HOLDS: f64 = 0.5;
+
+/// Blocks in which the steadiness of a line is looked at, and cycles a record about it that must
+/// hold no more than noise.
+const BLOCKS: usize = 512;
+const NEAR: usize = 16;
+
+/// Largest share of a steady line's log-likelihood that may be left beside it.
+const LEFT_SHARE: f64 = 0.1;
+
+/// The finding that `samples` were taken at another rate than they say, beside `reference`, at a
+/// family-wise `level`: for each axis whose lines say so.
+pub fn clock(samples: &Samples, reference: &Samples, level: f64) -> Vec<(usize, Finding)> {
+    let count = samples.axes.len();
+    let of = |samples: &Samples| -> Vec<Vec<Mark>> {
+        (0..count)
+            .map(|number| marks_of(samples, number, level).unwrap_or_default())
+            .collect()
+    };
+    let (here, there) = (of(samples), of(reference));
+    let Some(rate) = timebase::ratio(&merged(&here), &merged(&there), level) else {
+        return Vec::new();
+    };
+    let Some(finding) = finding(&rate) else {
+        return Vec::new();
+    };
+    (0..count)
+        .filter(|&axis| timebase::agree(&here[axis], &there[axis], &rate))
+        .map(|axis| (axis, finding.clone()))
+        .collect()
+}
+
+fn finding(rate: &Rate) -> Option<Finding> {
     let kind = catalogue::find("timebase")?;
+    let mut check = kind.check(&[rate.ratio]);
+    let mut rivals = Vec::new();
+    if rate.sources < 2 {
+        // Both say exactly the same about every line.
+        rivals.push(Rival {
+            effect: "sinusoid".into(),
+            log_odds: 0.0,
+        });
+        check.push_str(
+            "; all lines that moved may come from one machine, which then itself turned slower by \
+             as much: only a line of another source, or that clock, can tell",
+        );
+    }
     Some(Finding {
         effect: kind.name().to_owned(),
         cause: kind.meaning().to_owned(),
-        check: kind.check(&[rate.ratio]),
+        check,
         parameters: [("ratio".to_owned(), Value::normal(rate.ratio, rate.ratio_sd))].into(),
         p_value: rate.p_value,
-        rivals: Vec::new(),
+        rivals,
         gain: Gain::default(),
         without: PerCoefficient::default(),
     })
 }
 
-/// Frequency and standard deviation of every line of an axis, hertz.
-fn lines_of(samples: &Samples, number: usize, level: f64) -> Option<Vec<(f64, f64)>> {
+/// The marks of all axes: what stands at the same place in several is one, by the surest.
+fn merged(axes: &[Vec<Mark>]) -> Vec<Mark> {
+    let mut all: Vec<Mark> = axes.iter().flatten().copied().collect();
+    all.sort_by(|a, b| a.f_sd_hz.total_cmp(&b.f_sd_hz));
+    let mut kept: Vec<Mark> = Vec::new();
+    for mark in all {
+        if !kept.iter().any(|other| other.is(&mark)) {
+            kept.push(mark);
+        }
+    }
+    kept
+}
+
+/// What can be told apart in the spectrum of an axis by its place.
+fn marks_of(samples: &Samples, number: usize, level: f64) -> Option<Vec<Mark>> {
     let signal = samples.signal.axes.get(number)?;
     let (measured, _) = samples.axes.get(number)?.centred(signal.scale);
     let axis = AxisState::new(measured, samples.signal.rate_hz, signal.chain.as_ref())?;
-    let mut found: Vec<(f64, f64)> = lines::lines(&axis, level)
+    let bands = bands::bands(&axis.filled, axis.rate_hz);
+    let found: Vec<Line> = lines::lines(&axis, level)
         .into_iter()
         .flat_map(|group| match group {
             Group::Single(one) => vec![one.line],
             Group::Hum { lines, .. } => lines.into_iter().map(|(_, one)| one.line).collect(),
             Group::Cluster { lines, .. } => lines,
         })
-        .map(|line| (line.frequency_hz, line.frequency_sd_hz))
         .collect();
-    found.sort_by(|a, b| a.0.total_cmp(&b.0));
-    Some(found)
+    let blocks = Blocks::new(&axis.filled, BLOCKS, |index| axis.usable(index));
+    let steady: Vec<Line> = found
+        .into_iter()
+        .filter(|line| {
+            let holds = |band: &Band| 0.5 * line.amplitude.powi(2) > HOLDS * band.power;
+            let within = bands.iter().find(|band| inside(band, line));
+            within.is_none_or(holds) && is_steady(&blocks, line, axis.rate_hz)
+        })
+        .collect();
+    let wandering = bands
+        .iter()
+        .filter(|band| !steady.iter().any(|line| inside(band, line)))
+        .map(|band| Mark {
+            f_hz: band.f_hz,
+            f_sd_hz: band.f_sd_hz,
+            wanders: true,
+        });
+    let lines = steady.iter().map(|line| Mark {
+        f_hz: line.frequency_hz,
+        f_sd_hz: line.frequency_sd_hz,
+        wanders: false,
+    });
+    Some(lines.chain(wandering).collect())
+}
+
+fn inside(band: &Band, line: &Line) -> bool {
+    (band.ends_hz[0]..=band.ends_hz[1]).contains(&line.frequency_hz)
+}
+
+/// Whether one frequency explains what there is about a line: no noise that rings, nothing that
+/// strays.
+fn is_steady(blocks: &Blocks, line: &Line, rate_hz: f64) -> bool {
+    let seen = blocks.at(line.frequency_hz / rate_hz);
+    let (offset, gain) = seen.best_offset(0.0, 1.0, None);
+    let spread = ((2 * NEAR + 1) as f64).sqrt();
+    seen.left_over(offset, None, NEAR) < LEFT_SHARE * gain + 3.0 * spread
 }

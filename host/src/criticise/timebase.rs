@@ -6,8 +6,9 @@
 //! least squares. Its worth is the gain in log-likelihood over lines that have nothing to do with
 //! one another (log-uniform over `RANGE`), less what a right clock gains in the same way.
 //!
-//! What lines cannot tell is a machine that itself turned faster: its harmonics shift together as
-//! well. [`Rate::sources`] counts the matched lines that are no multiples of one another.
+//! Lines of one machine wander together: as many of them are no surer than the surest. And what
+//! lines cannot tell is a machine that itself turned faster, whose harmonics and side lines shift
+//! together as well: [`Rate::sources`] counts those that can have nothing to do with one another.
 
 use std::f64::consts::TAU;
 
@@ -30,6 +31,28 @@ const RANGE: f64 = 6.9;
 /// Highest harmonic that counts as the same source.
 const HARMONICS: f64 = 20.0;
 
+/// Side lines on either side of a harmonic that do: a machine that is modulated.
+const SIDE_LINES: i32 = 2;
+
+/// A line, or something else that has its place in the spectrum.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mark {
+    /// Frequency, hertz.
+    pub f_hz: f64,
+    /// Standard deviation of it.
+    pub f_sd_hz: f64,
+    /// Whether that is by how much it wanders.
+    pub wanders: bool,
+}
+
+impl Mark {
+    /// Whether another one may be the same.
+    pub fn is(&self, other: &Self) -> bool {
+        let sd = self.f_sd_hz.hypot(other.f_sd_hz).max(STEADY * self.f_hz);
+        (self.f_hz - other.f_hz).abs() < SAME * sd
+    }
+}
+
 /// A factor between what a record's clock says and what is true.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rate {
@@ -49,9 +72,9 @@ pub struct Rate {
     pub nats: f64,
 }
 
-/// Looks for one factor between the lines of a record and of a reference, each a frequency and its
-/// standard deviation in hertz, at a family-wise `level`. `None` where fewer than two lines agree.
-pub fn ratio(record: &[(f64, f64)], reference: &[(f64, f64)], level: f64) -> Option<Rate> {
+/// Looks for one factor between the lines of a record and of a reference at a family-wise `level`.
+/// `None` where fewer than two lines agree.
+pub fn ratio(record: &[Mark], reference: &[Mark], level: f64) -> Option<Rate> {
     let record = logarithms(record);
     let reference = logarithms(reference);
     let [low, high] = RATIOS.map(f64::ln);
@@ -71,23 +94,32 @@ pub fn ratio(record: &[(f64, f64)], reference: &[(f64, f64)], level: f64) -> Opt
     if best.pairs.len() < 2 {
         return None;
     }
+    let (sources, sd) = best.sources();
     // Markov's inequality for the likelihood ratio, over the ways to choose as many pairs; a shift
     // keeps their order.
     let ways = ln_binomial(record.len() as u64, best.pairs.len() as u64)
         + ln_binomial(reference.len() as u64, best.pairs.len() as u64);
     let chance = (ways - best.evidence()).exp().min(1.0);
-    let p_value = chance.max(tail::two_sided(best.shift / best.sd));
+    let p_value = chance.max(tail::two_sided(best.shift / sd));
     // A clock that is right has no ratio to fit.
     let right = Match::at(&record, &reference, 0.0, 0.0);
     let nats = best.evidence() - right.agreement().max(0.0);
     (p_value < level && nats > 0.0).then(|| Rate {
         ratio: best.shift.exp(),
-        ratio_sd: best.shift.exp() * best.sd,
+        ratio_sd: best.shift.exp() * sd,
         matched: best.pairs.len(),
-        sources: sources(&best.pairs),
+        sources,
         p_value,
         nats,
     })
+}
+
+/// Whether a line of a record and one of a reference agree with a rate.
+pub fn agree(record: &[Mark], reference: &[Mark], rate: &Rate) -> bool {
+    let (shift, sd) = (rate.ratio.ln(), rate.ratio_sd / rate.ratio);
+    !Match::at(&logarithms(record), &logarithms(reference), shift, sd)
+        .pairs
+        .is_empty()
 }
 
 /// A line on a logarithmic axis.
@@ -95,15 +127,17 @@ pub fn ratio(record: &[(f64, f64)], reference: &[(f64, f64)], level: f64) -> Opt
 struct Log {
     log: f64,
     sd: f64,
+    wanders: bool,
 }
 
-fn logarithms(lines: &[(f64, f64)]) -> Vec<Log> {
+fn logarithms(lines: &[Mark]) -> Vec<Log> {
     lines
         .iter()
-        .filter(|(f_hz, sd_hz)| *f_hz > 0.0 && sd_hz.is_finite())
-        .map(|(f_hz, sd_hz)| Log {
-            log: f_hz.ln(),
-            sd: (sd_hz / f_hz).hypot(STEADY),
+        .filter(|line| line.f_hz > 0.0 && line.f_sd_hz.is_finite())
+        .map(|line| Log {
+            log: line.f_hz.ln(),
+            sd: (line.f_sd_hz / line.f_hz).hypot(STEADY),
+            wanders: line.wanders,
         })
         .collect()
 }
@@ -170,6 +204,28 @@ impl Match {
             .sum()
     }
 
+    /// Pairs that can have nothing to do with one another, and how sure the shift is: steady lines
+    /// each by their own errors, lines that wander only once a source.
+    fn sources(&self) -> (usize, f64) {
+        let lines: Vec<Log> = self.pairs.iter().map(|(_, there)| *there).collect();
+        let source = sources(&lines);
+        let count = source.iter().max().map_or(0, |last| last + 1);
+        let mut weight = 0.0;
+        for one in 0..count {
+            let (mut steady, mut wandering) = (0.0, 0.0);
+            for ((here, there), _) in self.pairs.iter().zip(&source).filter(|(_, of)| **of == one) {
+                let own = (here.sd.powi(2) + there.sd.powi(2)).recip();
+                if here.wanders || there.wanders {
+                    wandering = f64::max(wandering, own);
+                } else {
+                    steady += own;
+                }
+            }
+            weight += steady + wandering;
+        }
+        (count, f64::sqrt(weight).recip())
+    }
+
     /// The same with the shift, log-uniform beforehand, integrated out.
     fn evidence(&self) -> f64 {
         let before = (RATIOS[1] / RATIOS[0]).ln();
@@ -177,23 +233,70 @@ impl Match {
     }
 }
 
-/// Lines that are no multiples of a slower one, nor share a base with it: in the reference.
-fn sources(pairs: &[(Log, Log)]) -> usize {
-    let mut lines: Vec<Log> = pairs.iter().map(|(_, there)| *there).collect();
-    lines.sort_by(|a, b| a.log.total_cmp(&b.log));
-    let mut bases: Vec<Log> = Vec::new();
-    for line in lines {
-        let multiple = bases.iter().any(|base| {
-            let number = (line.log - base.log).exp();
-            let whole = number.round();
-            let off = (number / whole).ln().abs();
-            whole <= HARMONICS && off < SAME * line.sd.hypot(base.sd)
-        });
-        if !multiple {
-            bases.push(line);
+/// The source of each line, numbered from 0: multiples of one base, with side lines at equal
+/// distances, are one source.
+fn sources(lines: &[Log]) -> Vec<usize> {
+    let hertz: Vec<f64> = lines.iter().map(|line| line.log.exp()).collect();
+    let sd_hz = |line: usize| lines[line].sd * hertz[line];
+    // Which lines a base and a distance of side lines explain.
+    let explained = |base: usize, side_hz: f64, side_sd_hz: f64| -> Vec<bool> {
+        (0..lines.len())
+            .map(|line| {
+                (-SIDE_LINES..=SIDE_LINES).any(|side| {
+                    let side = f64::from(side);
+                    let number = ((hertz[line] - side * side_hz) / hertz[base]).round();
+                    let off = hertz[line] - side * side_hz - number * hertz[base];
+                    let sd = sd_hz(line)
+                        .hypot(number * sd_hz(base))
+                        .hypot(side * side_sd_hz);
+                    (1.0..=HARMONICS).contains(&number) && off.abs() < SAME * sd
+                })
+            })
+            .collect()
+    };
+    let count = |explained: &[bool]| explained.iter().filter(|one| **one).count();
+    let mut source = vec![usize::MAX; lines.len()];
+    let mut next = 0;
+    while source.contains(&usize::MAX) {
+        let left = |line: &usize| source[*line] == usize::MAX;
+        let mut best: Vec<bool> = Vec::new();
+        let mut most = 0;
+        for base in (0..lines.len()).filter(left) {
+            let plain = explained(base, 0.0, 0.0);
+            let own = (0..lines.len())
+                .filter(left)
+                .filter(|&line| plain[line])
+                .count();
+            if own > most {
+                (best, most) = (plain.clone(), own);
+            }
+            // A distance is known by one line; it must explain another to be believed.
+            for other in (0..lines.len()).filter(left).filter(|&line| !plain[line]) {
+                let side_hz = (hertz[other] - hertz[base]).abs();
+                if side_hz > 0.4 * hertz[base] {
+                    continue;
+                }
+                let all = explained(base, side_hz, sd_hz(other).hypot(sd_hz(base)));
+                let own = (0..lines.len())
+                    .filter(left)
+                    .filter(|&line| all[line])
+                    .count();
+                if own > most && count(&all) > count(&plain) + 1 {
+                    (best, most) = (all, own);
+                }
+            }
         }
+        for (line, explained) in best.iter().enumerate() {
+            if *explained && source[line] == usize::MAX {
+                source[line] = next;
+            }
+        }
+        if most == 0 {
+            break;
+        }
+        next += 1;
     }
-    bases.len()
+    source
 }
 
 #[cfg(test)]
@@ -203,10 +306,25 @@ mod tests {
     use crate::simulate::Gaussian;
 
     /// Lines at `f_hz` over `ratio`, measured to the share `sd`.
-    fn seen(random: &mut Gaussian, f_hz: &[f64], ratio: f64, sd: f64) -> Vec<(f64, f64)> {
+    fn seen(random: &mut Gaussian, f_hz: &[f64], ratio: f64, sd: f64) -> Vec<Mark> {
         f_hz.iter()
-            .map(|f_hz| (f_hz / ratio * (1.0 + sd * random.draw()), sd * f_hz))
+            .map(|f_hz| steady(f_hz / ratio * (1.0 + sd * random.draw()), sd * f_hz))
             .collect()
+    }
+
+    fn steady(f_hz: f64, f_sd_hz: f64) -> Mark {
+        Mark {
+            f_hz,
+            f_sd_hz,
+            wanders: false,
+        }
+    }
+
+    fn wandering(f_hz: f64, f_sd_hz: f64) -> Mark {
+        Mark {
+            wanders: true,
+            ..steady(f_hz, f_sd_hz)
+        }
     }
 
     #[test]
@@ -221,8 +339,8 @@ mod tests {
             let mut record = seen(&mut random, &[7.3, 31.0, 222.2], truth, 1e-4);
             let mut reference = seen(&mut random, &[7.3, 31.0, 222.2], 1.0, 1e-4);
             // Lines that only one of the two has, and one that is missing.
-            record.extend([(400.0, 4e-2), (3.0, 3e-4)]);
-            reference.extend([(55.0, 5e-3), (120.0, 1e-2), (61.0, 6e-3)]);
+            record.extend([steady(400.0, 4e-2), steady(3.0, 3e-4)]);
+            reference.extend([steady(55.0, 5e-3), steady(120.0, 1e-2), steady(61.0, 6e-3)]);
             let missing = (seed % 2) as usize;
             record.drain(..missing);
             // Two lines by themselves reach p = 5e-4, and 1e-2 unless their errors disagree by 2.5
@@ -265,13 +383,13 @@ mod tests {
         let mut found = 0;
         for seed in 0..RUNS {
             let mut random = Gaussian::new(Seed { seed, stream: 2 }, 1.0);
-            let mut lines = |count: usize| -> Vec<(f64, f64)> {
+            let mut lines = |count: usize| -> Vec<Mark> {
                 (0..count)
                     .map(|_| {
                         // Log-uniform over the three decades by the normal law's own.
                         let share = 1.0 - 0.5 * tail::two_sided(random.draw().abs());
                         let f_hz = (RANGE * (2.0 * share - 1.0)).exp();
-                        (f_hz, 1e-3 * f_hz)
+                        steady(f_hz, 1e-3 * f_hz)
                     })
                     .collect()
             };
@@ -287,13 +405,24 @@ mod tests {
     }
 
     #[test]
-    fn harmonics_are_one_source() {
+    fn a_machine_with_side_lines_is_one_source() {
         // Runs 3 and 1 of an ADIS16405 (SMAC-Group/imudata), each nominally at 100 Hz: a machine's
-        // line, its third harmonic, and their widths.
-        let record = [(0.5394, 0.0016), (1.6185, 0.0039)];
-        let reference = [(0.5640, 0.0017), (1.6905, 0.0040)];
-        let rate = ratio(&record, &reference, 1e-3).expect("two lines agree");
-        assert_eq!((rate.matched, rate.sources), (2, 1));
-        assert!((rate.ratio - 1.045).abs() < 4.0 * rate.ratio_sd);
+        // line, its harmonics, side lines at 0.10 Hz, and by how much they wander.
+        let at = |lines: [f64; 6]| lines.map(|f_hz| wandering(f_hz, 2.5e-3));
+        let record = at([0.4434, 0.5399, 0.6353, 1.5224, 1.6187, 2.6017]);
+        let reference = at([0.4630, 0.5641, 0.6654, 1.5905, 1.6914, 2.7182]);
+        let rate = ratio(&record, &reference, 1e-3).expect("six lines agree");
+        assert_eq!((rate.matched, rate.sources), (6, 1));
+        assert!((rate.ratio - 1.045).abs() < 2.0 * rate.ratio_sd, "{rate:?}");
+        // Six lines that wander together are no surer than the fastest, 2.5e-3 sqrt(2) / 2.66.
+        assert!((rate.ratio_sd / 1.045 - 1.33e-3).abs() < 2e-5, "{rate:?}");
+        // A line of its own that agrees is a second source.
+        let more = |lines: &[Mark], f_hz: f64| [lines, &[steady(f_hz, 1e-3)]].concat();
+        let rate = ratio(&more(&record, 20.0 / 1.0448), &more(&reference, 20.0), 1e-3);
+        assert_eq!(rate.expect("seven lines agree").sources, 2);
+        // Two lines that do not agree are a source that moved.
+        let record = [wandering(0.5399, 2.5e-3), wandering(19.73, 0.05)];
+        let reference = [wandering(0.5641, 2.5e-3), wandering(20.19, 0.05)];
+        assert_eq!(ratio(&record, &reference, 1e-3), None);
     }
 }

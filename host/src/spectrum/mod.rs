@@ -48,6 +48,7 @@ pub mod pool;
 pub mod quadrature;
 pub mod record_lines;
 pub mod segments;
+mod slow_floor;
 pub mod window;
 
 pub use cascade::{Cascade, OutOfOrder};

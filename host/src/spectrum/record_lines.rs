@@ -12,12 +12,14 @@
 //! rate: by Rice's formula the power over the floor exceeds `z` somewhere with probability at
 //! most `2 sqrt(z lambda / 2 pi) e^{-z}` times the band, `lambda` = half the variance of
 //! `2 pi t` over the record (for the untapered: `T sqrt(pi z / 3) e^{-z}` a hertz), averaged over
-//! the floor's own error. The ends are tapered over 5 % each so that wander does not leak,
+//! the floor's own error; a tenth of the level belongs to slow lines ([`slow_floor`]), down to 64
+//! cycles a record. The ends are tapered over 5 % each so that wander does not leak,
 //! which costs 1.9 % of amplitude.
 
 use super::{
     fill::{Filler, Piece},
     lines::{Floor, Line, LineSearch, SEGMENT},
+    slow_floor::{Blocks, SlowFloor},
 };
 use rustfft::num_complex::Complex64;
 use std::f64::consts::PI;
@@ -39,6 +41,9 @@ const TAPER: f64 = 0.05;
 
 /// Candidates that are evaluated between the grid's points; the strongest if there are more.
 const CANDIDATES: usize = 64;
+
+/// Share of the level that slow lines have, whose frequencies are few.
+const SLOW_SHARE: f64 = 0.1;
 
 /// Blocks that a candidate's demodulated record is kept in.
 const BLOCKS: usize = 1024;
@@ -89,9 +94,10 @@ impl Replay for &[i32] {
 /// # Errors
 /// What a replay fails with.
 pub fn search<R: Replay>(record: &mut R, rate_hz: f64, level: f64) -> Result<Vec<Line>, R::Error> {
-    let Some(survey) = Survey::take(record, rate_hz)? else {
+    let Some(mut survey) = Survey::take(record, rate_hz)? else {
         return Ok(Vec::new());
     };
+    survey.look_slow(record)?;
     let threshold = survey.threshold(level);
     let mut candidates = survey.grid(record, threshold * SCALLOPING)?;
     candidates.sort_by(|one, other| other.1.total_cmp(&one.1));
@@ -126,6 +132,8 @@ struct Survey {
     middle: f64,
     slope: f64,
     floor: Floor,
+    /// Below the lowest frequency of `floor`.
+    slow: Option<SlowFloor>,
 }
 
 impl Survey {
@@ -171,7 +179,32 @@ impl Survey {
             middle: reference + (x - slope * t) / n,
             slope,
             floor,
+            slow: None,
         }))
+    }
+
+    /// Measures the floor below what segments resolve.
+    fn look_slow<R: Replay>(&mut self, record: &mut R) -> Result<(), R::Error> {
+        let highest = (self.floor.lowest_hz() * self.duration_s()).ceil() as usize;
+        let Some(mut blocks) = Blocks::new(self.len as usize, highest) else {
+            return Ok(());
+        };
+        self.tapered(record, |at, values| blocks.push(at, values))?;
+        self.slow = Some(blocks.floor(self.taper_energy() * self.rate_hz));
+        Ok(())
+    }
+
+    /// The floor at frequencies that only the whole record resolves.
+    fn slow_at(&self, f_hz: f64) -> Option<&SlowFloor> {
+        self.slow.as_ref().filter(|_| f_hz < self.floor.lowest_hz())
+    }
+
+    /// Lowest frequency that is searched, hertz.
+    fn lowest_hz(&self) -> f64 {
+        match self.slow {
+            Some(_) => SlowFloor::lowest() / self.duration_s(),
+            None => self.floor.lowest_hz(),
+        }
     }
 
     fn duration_s(&self) -> f64 {
@@ -223,7 +256,18 @@ impl Survey {
 
     /// Power over the floor of a squared transform at `f_hz`.
     fn ratio(&self, power: f64, f_hz: f64) -> f64 {
-        power / (self.taper_energy() * self.rate_hz * self.floor.at(f_hz))
+        let floor = self.slow_at(f_hz).map_or_else(
+            || self.floor.at(f_hz),
+            |slow| slow.at(f_hz * self.duration_s()),
+        );
+        power / (self.taper_energy() * self.rate_hz * floor)
+    }
+
+    /// Probability that the power at a slow line's frequency exceeds `ratio` at any slow one.
+    fn slow_false_alarm(&self, ratio: f64, f_hz: f64) -> f64 {
+        let band = (self.floor.lowest_hz() - self.lowest_hz()) * self.duration_s();
+        let tail = SlowFloor::tail(f_hz * self.duration_s(), ratio);
+        band * (PI * ratio / 3.0).sqrt() * tail / SLOW_SHARE
     }
 
     /// Probability that the power exceeds `ratio` anywhere without a line.
@@ -231,6 +275,7 @@ impl Survey {
         let band_hz = 0.5 * self.rate_hz - self.floor.lowest_hz();
         let crossings = |z: f64| band_hz * self.duration_s() * (PI * z / 3.0).sqrt() * (-z).exp();
         0.5 * (crossings(ratio * (1.0 - floor_sd)) + crossings(ratio * (1.0 + floor_sd)))
+            / (1.0 - SLOW_SHARE)
     }
 
     /// Ratio whose false alarm is `level`, for a floor that is well known.
@@ -257,7 +302,7 @@ impl Survey {
         let mut scratch = vec![Complex64::default(); fft.get_inplace_scratch_len()];
         let mut folded = vec![vec![Complex64::default(); points]; RESIDUES.min(folds / 2 + 1)];
         let mut high: Vec<(usize, f64)> = Vec::new();
-        let lowest = self.floor.lowest_hz() / self.rate_hz;
+        let lowest = self.lowest_hz() / self.rate_hz;
         let mut residue = 0;
         while residue <= folds / 2 {
             for sums in &mut folded {
@@ -365,14 +410,18 @@ impl Survey {
         }
         let frequency_hz = (cycles + best.0 / self.len as f64) * self.rate_hz;
         let ratio = self.ratio(best.1, frequency_hz);
-        let floor_sd = self.floor.relative_sd_at(frequency_hz);
+        let false_alarm = if self.slow_at(frequency_hz).is_some() {
+            self.slow_false_alarm(ratio, frequency_hz)
+        } else {
+            self.false_alarm(ratio, self.floor.relative_sd_at(frequency_hz))
+        };
         Line {
             frequency_hz,
             // Cramer-Rao bound of a single tone (Rife and Boorstyn 1974, eq. 16).
             frequency_sd_hz: (1.5 / (PI * PI * ratio)).sqrt() / self.duration_s(),
             amplitude: 2.0 * best.1.sqrt() / self.taper_sum(),
             ratio,
-            false_alarm: self.false_alarm(ratio, floor_sd).min(1.0),
+            false_alarm: false_alarm.min(1.0),
         }
     }
 }

@@ -142,7 +142,7 @@ fn waveform_curve(axis: &AxisState, with: &Snapshot) -> Vec<Point> {
             *value = f64::NAN;
         }
     }
-    for mask in &axis.mended.masked {
+    for mask in axis.mended.left_out() {
         waveform[mask.clone()].fill(f64::NAN);
     }
     curve(&leave(&waveform, 0), axis.rate_hz)

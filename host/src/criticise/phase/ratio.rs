@@ -4,10 +4,14 @@ use rustfft::num_complex::Complex64;
 use std::f64::consts::TAU;
 
 use super::super::demodulate::{Blocks, Demodulated, Turn};
+use super::super::mend::Wave;
 use super::{AS_GOOD, REACH};
 
 /// Share of the record at each end in which no loss is looked for.
 const MARGIN: f64 = 0.02;
+
+/// Blocks about the best in which the moment is looked for sample by sample.
+const ZOOM: usize = 6;
 
 /// Error of the tables, at most, as a share of the gain: they know a moment by its block alone.
 const TABLE_SHARE: f64 = 0.1;
@@ -22,6 +26,12 @@ pub(super) struct Line {
 }
 
 impl Line {
+    /// The best steady line within `reach` cycles a record of where it is looked at.
+    pub(super) fn new(seen: Demodulated, reach: f64) -> Self {
+        let (offset, gain) = seen.best_offset(0.0, reach, None);
+        Self { seen, offset, gain }
+    }
+
     pub(super) fn cycles(&self, offset: f64, block: usize) -> f64 {
         self.seen.cycles + offset / (self.seen.sums.len() * block) as f64
     }
@@ -29,6 +39,7 @@ impl Line {
 
 /// A line with a jump of phase.
 pub(super) struct Turned {
+    pub(super) samples: usize,
     pub(super) turn: Turn,
     pub(super) offset: f64,
     pub(super) amplitude: Complex64,
@@ -47,11 +58,51 @@ pub(super) fn fitted(lines: &[Line], place: f64, samples: usize) -> Vec<Turned> 
             let (offset, _) = line.seen.best_offset(line.offset, REACH, Some(turn));
             let (amplitude, gain) = line.seen.line(offset, Some(turn));
             Turned {
+                samples,
                 turn,
                 offset,
                 amplitude,
                 gain,
             }
+        })
+        .collect()
+}
+
+/// The lines, each without the others and at its own frequency, against the noise that is left
+/// when all are out: as `turned` has them, with the loss ahead of sample `index`.
+pub(super) fn cleaned(
+    blocks: &Blocks,
+    lines: &[Line],
+    turned: &[Turned],
+    index: usize,
+) -> Vec<Line> {
+    let samples = turned.first().map_or(0, |turned| turned.samples);
+    let mut left = blocks.values.clone();
+    for (line, turned) in lines.iter().zip(turned) {
+        let wave = Wave::Line {
+            cycles: line.cycles(turned.offset, blocks.len),
+            cosine: turned.amplitude.re,
+            sine: -turned.amplitude.im,
+            lost: Some((index, samples as u32)),
+        };
+        wave.take_out(&mut left);
+    }
+    let left = blocks.with(left);
+    lines
+        .iter()
+        .zip(turned)
+        .map(|(line, turned)| {
+            let cycles = line.cycles(turned.offset, blocks.len);
+            let mut seen = left.at(cycles);
+            let turn = Turn {
+                place: index as f64 / blocks.len as f64,
+                angle: TAU * cycles * samples as f64,
+            };
+            for block in 0..seen.sums.len() {
+                let own = turned.amplitude * seen.template(block, 0.0, Some(turn));
+                seen.sums[block] += own * seen.weights[block];
+            }
+            Line::new(seen, 2.0 * REACH)
         })
         .collect()
 }
@@ -119,11 +170,17 @@ impl Tables {
         log_sum(&self.sum) - (self.sum.len() as f64).ln()
     }
 
-    /// Middle and standard deviation of the moment, in blocks, all moments alike beforehand.
-    pub(super) fn moment(&self, samples: usize) -> (f64, f64) {
+    /// The moment, in samples for blocks of `len`.
+    pub(super) fn moment(&self, samples: usize, len: usize) -> Posterior {
         let gains = self.sum[samples - 1..].iter().step_by(self.longest);
-        let (middle, sd) = posterior(gains.copied());
-        (self.first as f64 + middle, sd)
+        let found = posterior(gains.copied());
+        let place = |blocks: f64| (self.first as f64 + blocks) * len as f64;
+        Posterior {
+            middle: place(found.middle),
+            sd: found.sd * len as f64,
+            lo: place(found.lo),
+            hi: place(found.hi),
+        }
     }
 
     /// Logarithm of the odds that the other lines give at a moment, over the lengths that one line
@@ -200,57 +257,110 @@ pub(super) fn gains(line: &Line, places: std::ops::Range<usize>, longest: usize)
     gains
 }
 
-/// Middle and standard deviation of a whole number by its log-likelihoods from 0 on.
-pub(super) fn posterior(gains: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
+/// Where a whole number lies.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Posterior {
+    pub(super) middle: f64,
+    pub(super) sd: f64,
+    /// Ends of the 95 % interval.
+    pub(super) lo: f64,
+    pub(super) hi: f64,
+}
+
+/// A whole number by its log-likelihoods from 0 on, all alike beforehand.
+pub(super) fn posterior(gains: impl Iterator<Item = f64> + Clone) -> Posterior {
     let highest = gains.clone().fold(f64::NEG_INFINITY, f64::max);
+    let weights = || gains.clone().map(|gain| (gain - highest).exp());
+    let total: f64 = weights().sum();
     let (mut sum, mut first, mut second) = (0.0, 0.0, 0.0);
-    for (number, gain) in gains.enumerate() {
-        let (weight, number) = ((gain - highest).exp(), number as f64);
+    let (mut lo, mut hi) = (0.0, 0.0);
+    for (number, weight) in weights().enumerate() {
+        let number = number as f64;
+        // Each number stands for itself and half of the way to its neighbours.
+        let reached = |share: f64| number - 0.5 + (share * total - sum) / weight;
+        for (end, share) in [(&mut lo, 0.025), (&mut hi, 0.975)] {
+            if sum < share * total && sum + weight >= share * total {
+                *end = reached(share);
+            }
+        }
         sum += weight;
         first += weight * number;
         second += weight * number * number;
     }
-    let middle = first / sum;
-    (middle, (second / sum - middle * middle).max(0.0).sqrt())
+    let middle = first / total;
+    Posterior {
+        middle,
+        sd: (second / total - middle * middle).max(0.0).sqrt(),
+        lo,
+        hi,
+    }
 }
 
-/// Index and standard deviation of a loss close to the edge of a block: the lines are known from
-/// the whole record, and each sample speaks for the phase ahead of the loss or behind it.
-pub(super) fn zoom(blocks: &Blocks, lines: &[Line], turned: &[Turned], best: Best) -> (usize, f64) {
-    let from = best.place.saturating_sub(4) * blocks.len;
-    let to = ((best.place + 4) * blocks.len).min(blocks.values.len());
-    // One density for all lines, each by what it contributes.
-    let (mut power, mut weight) = (0.0, 0.0);
-    for (line, turned) in lines.iter().zip(turned) {
-        power += turned.amplitude.norm_sqr();
-        weight += turned.amplitude.norm_sqr() / line.seen.noise;
-    }
-    // 4 rate S of the demodulated record; the samples' own variance is rate S.
-    let variance = 0.25 * power / weight;
-    let at = |moment: usize| -> f64 {
-        let one = |(line, turned): (&Line, &Turned)| {
+/// A record for judging single moments: noise that is louder elsewhere than under the lines is
+/// brought down to that.
+pub(super) struct Quiet {
+    /// The record, by the share that the least density under a line is of the density, where less
+    /// than 1; zero where not usable.
+    pub(super) values: Vec<f64>,
+    /// Variance of a sample of white noise of that least density.
+    pub(super) variance: f64,
+}
+
+/// Index of a loss close to the edge of a block: the lines are known from the whole record, and
+/// each sample speaks for the phase ahead of the loss or behind it. Between moments `t` and `t + 1`
+/// lie
+///
+/// ```text
+/// x' C^-1 (a - b) - (a' C^-1 a - b' C^-1 b) / 2
+/// ```
+///
+/// with `a` and `b` the lines ahead and behind at sample `t`, and `C^-1` one number a line.
+pub(super) fn zoom(
+    blocks: &Blocks,
+    quiet: &Quiet,
+    lines: &[Line],
+    turned: &[Turned],
+    best: Best,
+) -> Posterior {
+    let from = best.place.saturating_sub(ZOOM) * blocks.len;
+    let to = ((best.place + ZOOM) * blocks.len).min(quiet.values.len());
+    // The sum of the lines, and the same with each by the root of its share of the information.
+    let at = |moment: usize| -> (f64, f64) {
+        let (mut sum, mut weighed) = (0.0, 0.0);
+        for (line, turned) in lines.iter().zip(turned) {
             let cycles = line.cycles(turned.offset, blocks.len);
             let turn = TAU * (moment as f64 * cycles).fract();
-            (turned.amplitude * Complex64::from_polar(1.0, turn)).re
-        };
-        lines.iter().zip(turned).map(one).sum()
+            let value = (turned.amplitude * Complex64::from_polar(1.0, turn)).re;
+            // 4 rate S of the demodulated record; the samples' own variance is rate S.
+            let share = (4.0 * quiet.variance / line.seen.noise).min(1.0);
+            sum += value;
+            weighed += share.sqrt() * value;
+        }
+        (sum, weighed)
     };
     let mut gain = 0.0;
     let gains: Vec<f64> = (from..to)
         .map(|index| {
             let here = gain;
-            let value = blocks.values[index];
+            let value = quiet.values[index];
             // What is not usable is exactly zero, and speaks for neither.
             if value != 0.0 {
                 let (ahead, behind) = (at(index), at(index + best.samples));
-                gain += ((value - behind).powi(2) - (value - ahead).powi(2)) / (2.0 * variance);
+                let own = 0.5 * (behind.1.powi(2) - ahead.1.powi(2));
+                gain += (value * (ahead.0 - behind.0) + own) / quiet.variance;
             }
             here
         })
         .collect();
-    let (middle, sd) = posterior(gains.iter().copied());
-    // A whole number, by its rounding.
-    (from + middle.round() as usize, sd.max(12f64.sqrt().recip()))
+    let found = posterior(gains.iter().copied());
+    let from = from as f64;
+    Posterior {
+        middle: from + found.middle,
+        lo: from + found.lo,
+        hi: from + found.hi,
+        // A whole number, by its rounding.
+        sd: found.sd.max(12f64.sqrt().recip()),
+    }
 }
 
 /// Gain on every second block of what was fitted to the others.

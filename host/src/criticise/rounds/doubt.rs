@@ -89,7 +89,12 @@ impl Rounds<'_> {
     fn unsteady_law(&self, which: usize, effect: &str) -> Option<Remark> {
         // Filters act on all noise alike; two levels are not Gaussian.
         let adds = self.axis.laws[which].effect.size().is_some();
-        if !adds || effect == "telegraph" {
+        let [f_hz, ..] = self.axis.laws[which].values[..] else {
+            return None;
+        };
+        let breathes =
+            effect == "resonance" && self.breathing.iter().any(|band| band.contains(&f_hz));
+        if !adds || effect == "telegraph" || breathes {
             return None;
         }
         let band = self.main_band(which);

@@ -12,7 +12,6 @@ impl Rounds<'_> {
     pub(super) fn left_over(&mut self) -> Vec<Remark> {
         let level = self.level();
         let mut remarks = Vec::new();
-        self.describe_laws();
         let departure = departure::departure(&self.axis.data, &self.axis.fit.expected);
         if let Some(departure) = departure.filter(|one| one.p_value < level) {
             remarks.push(spectrum_remark(&departure));

@@ -4,18 +4,12 @@ use super::super::axis::AxisState;
 use super::super::finding::{Remark, Value};
 use super::super::lines::{self, Group, Measured};
 use super::super::mend::Wave;
-use super::super::phase;
 use super::super::tone;
 use super::{Rounds, Snapshot, named};
-use crate::spectrum::Line;
 
 impl Rounds<'_> {
-    /// Takes out every line, with the samples that were lost under them.
-    pub(super) fn lines(&mut self) -> Option<bool> {
-        let groups = lines::lines(self.axis, self.level());
-        if self.lost(&groups)? {
-            return Some(true);
-        }
+    /// Takes out every line.
+    pub(super) fn lines(&mut self, groups: Vec<Group>) -> Option<bool> {
         let mut any = false;
         for group in groups {
             match group {
@@ -90,82 +84,7 @@ impl Rounds<'_> {
         Some(true)
     }
 
-    /// Takes out lines that all jump in phase at one moment.
-    fn lost(&mut self, groups: &[Group]) -> Option<bool> {
-        let found: Vec<Line> = groups
-            .iter()
-            .flat_map(|group| match group {
-                Group::Single(one) => vec![one.line],
-                Group::Hum { lines, .. } => lines.iter().map(|(_, one)| one.line).collect(),
-                Group::Cluster { lines, .. } => lines.clone(),
-            })
-            .collect();
-        // Once lines are out, what a loss leaves of them is no measure of it.
-        let is_line = |wave: &Wave| matches!(wave, Wave::Line { .. });
-        if found.len() < 2
-            || self.refused.contains(&"dropped")
-            || self.axis.mended.waves.iter().any(is_line)
-        {
-            return Some(false);
-        }
-        let rough: Vec<f64> = found.iter().map(|line| line.frequency_hz).collect();
-        let Some(loss) = phase::lost_samples(self.axis, &rough, self.level()) else {
-            return Some(false);
-        };
-        let rate_hz = self.axis.rate_hz;
-        let measured = loss.waves().zip(&loss.lines).filter_map(|(wave, steady)| {
-            let f_hz = steady.cycles * rate_hz;
-            let near = found.iter().min_by(|a, b| {
-                let away = |line: &Line| (line.frequency_hz - f_hz).abs();
-                away(a).total_cmp(&away(b))
-            })?;
-            let density = self.axis.density(f_hz);
-            Some(Measured {
-                line: Line {
-                    frequency_hz: f_hz,
-                    amplitude: steady.cosine.hypot(steady.sine),
-                    ..*near
-                },
-                wave,
-                amplitude_sd: (4.0 * density * rate_hz / self.axis.filled.len() as f64).sqrt(),
-            })
-        });
-        for group in lines::with_hum(measured.collect()) {
-            match group {
-                Group::Single(one) => self.single(one)?,
-                Group::Hum {
-                    base_hz,
-                    base_sd_hz,
-                    lines,
-                } => self.hum(base_hz, base_sd_hz, lines)?,
-                Group::Cluster { .. } => false,
-            };
-        }
-        let parameters = named([
-            (
-                "time_s_1",
-                Value::normal(loss.index as f64 / rate_hz, loss.index_sd / rate_hz),
-            ),
-            (
-                "samples_1",
-                Value {
-                    value: f64::from(loss.samples),
-                    lo: Some(loss.samples_lo),
-                    hi: Some(loss.samples_hi),
-                },
-            ),
-        ]);
-        self.accept(
-            "dropped",
-            parameters,
-            loss.p_value,
-            2.0,
-            Some(loss.held_nats),
-            |_| Some(()),
-        )
-    }
-
-    fn single(&mut self, one: Measured) -> Option<bool> {
+    pub(super) fn single(&mut self, one: Measured) -> Option<bool> {
         if self
             .resonances()
             .iter()
@@ -190,7 +109,7 @@ impl Rounds<'_> {
                 "f_hz",
                 Value::normal(one.line.frequency_hz, one.line.frequency_sd_hz),
             ),
-            ("amplitude", self.ahead(&one)),
+            ("amplitude", self.ahead_of_chain(&one)),
         ]);
         let p_value = one.line.false_alarm;
         self.accept("sinusoid", parameters, p_value, 3.0, None, |axis| {
@@ -205,20 +124,25 @@ impl Rounds<'_> {
         self.single(one)
     }
 
-    /// Amplitude of a line ahead of the signal chain, as a model has it.
-    fn ahead(&self, one: &Measured) -> Value {
+    /// Amplitude of a line as it was ahead of the declared chain, like that of all other effects.
+    fn ahead_of_chain(&self, one: &Measured) -> Value {
         let passed = self.axis.frame.chain_power(one.line.frequency_hz).sqrt();
         Value::normal(one.line.amplitude / passed, one.amplitude_sd / passed)
     }
 
-    fn hum(&mut self, base_hz: f64, base_sd_hz: f64, lines: Vec<(u32, Measured)>) -> Option<bool> {
+    pub(super) fn hum(
+        &mut self,
+        base_hz: f64,
+        base_sd_hz: f64,
+        lines: Vec<(u32, Measured)>,
+    ) -> Option<bool> {
         let p_value = lines
             .iter()
             .map(|(_, one)| one.line.false_alarm)
             .fold(1.0, f64::min);
         let mut parameters = named([("f_hz", Value::normal(base_hz, base_sd_hz))]);
         for (number, one) in &lines {
-            parameters.insert(format!("amplitude_{number}"), self.ahead(one));
+            parameters.insert(format!("amplitude_{number}"), self.ahead_of_chain(one));
         }
         let freedom = 1.0 + 2.0 * lines.len() as f64;
         let change = |axis: &mut AxisState| {
@@ -229,12 +153,12 @@ impl Rounds<'_> {
         };
         if self.find("hum").is_some() {
             change(self.axis)?;
-            let with = Snapshot::of(self.axis);
+            let (with, after) = (Snapshot::of(self.axis), self.axis.fit.clone());
             let one = self.find("hum")?;
             for (name, value) in parameters {
                 one.parameters.entry(name).or_insert(value);
             }
-            one.with = with;
+            (one.with, one.after) = (with, after);
             one.freedom += freedom;
         } else {
             return self.accept("hum", parameters, p_value, freedom, None, change);

@@ -8,6 +8,9 @@ use crate::model::effect::Part;
 /// Share of the ordinates that a band may hold: a wider one is not a band but all of the noise.
 const NARROW: f64 = 0.25;
 
+/// Standard deviations up to which the moments of a band are those of noise.
+const LOCALLY: f64 = 4.0;
+
 /// Bands at most.
 const MOST: usize = 6;
 
@@ -20,12 +23,13 @@ const DECIDES: f64 = 0.1;
 impl Rounds<'_> {
     /// Takes the least steady band out of what fits and tests look at, and remarks on it.
     pub(super) fn steady(&mut self) -> Option<bool> {
-        if self.axis.apart.len() == MOST {
+        if self.axis.apart.len() + self.breathing.len() >= MOST {
             return Some(false);
         }
         let half_hz = 0.5 * self.axis.rate_hz;
         let mut apart = self.axis.apart.clone();
         apart.extend(self.switching_band());
+        apart.extend(self.breathing.iter().cloned());
         let Some(found) = steadiness::unsteady(self.axis, 0.0..half_hz, &apart, self.level())
         else {
             return Some(false);
@@ -40,8 +44,17 @@ impl Rounds<'_> {
         if self.switching_law()? {
             return Some(true);
         }
-        self.unsteady.push(remark(&found));
-        self.axis.apart.push(found.from_hz..found.to_hz);
+        let band = found.from_hz..found.to_hz;
+        if found.variance > 0.0
+            && is_peak(&band)
+            && steadiness::locally(self.axis, band.clone()).abs() < LOCALLY
+        {
+            // Noise that rings, of a strength that changes: its law holds for the mean.
+            self.unsteady.push(remark(&found));
+            self.breathing.push(band);
+            return Some(true);
+        }
+        self.set_band_apart(&found, band);
         // What was named while the band was still in may have been named for it.
         self.withdraw("outliers");
         self.axis.laws.clear();
@@ -49,6 +62,29 @@ impl Rounds<'_> {
         self.accepted.retain(|one| !laws.contains(&one.effect));
         self.axis.refresh(false)?;
         Some(true)
+    }
+
+    /// Leaves a band out, joined with one beside it.
+    fn set_band_apart(&mut self, found: &Unsteady, band: std::ops::Range<f64>) {
+        let width = band.end - band.start;
+        let beside = |one: &std::ops::Range<f64>| {
+            one.start < band.end + width && band.start - width < one.end
+        };
+        let joined = self.axis.apart.iter().position(beside);
+        let Some(joined) = joined else {
+            self.unsteady.push(remark(found));
+            self.axis.apart.push(band);
+            return;
+        };
+        let old = self.axis.apart[joined].clone();
+        let all = old.start.min(band.start)..old.end.max(band.end);
+        let place = place(&old);
+        for one in &mut self.unsteady {
+            if one.place == place {
+                one.place = self::place(&all);
+            }
+        }
+        self.axis.apart[joined] = all;
     }
 
     /// Where two levels decide what the noise looks like: Gaussian it is not.
@@ -82,6 +118,15 @@ impl Rounds<'_> {
     }
 }
 
+fn place(band: &std::ops::Range<f64>) -> String {
+    format!("{:.5} to {:.5} Hz", band.start, band.end)
+}
+
+/// Whether a band is about one frequency.
+fn is_peak(band: &std::ops::Range<f64>) -> bool {
+    band.end - band.start < 0.25 * (band.end + band.start)
+}
+
 /// In words.
 pub(super) fn remark(found: &Unsteady) -> Remark {
     let Unsteady {
@@ -103,7 +148,7 @@ pub(super) fn remark(found: &Unsteady) -> Remark {
     };
     Remark {
         test: "steadiness".into(),
-        place: format!("{from_hz:.5} to {to_hz:.5} Hz"),
+        place: place(&(from_hz..to_hz)),
         p_value,
         description,
     }

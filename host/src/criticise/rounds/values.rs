@@ -141,9 +141,10 @@ impl Rounds<'_> {
         };
         if self.find("outliers").is_some() {
             change(self.axis)?;
-            let with = Snapshot::of(self.axis);
+            let (with, after) = (Snapshot::of(self.axis), self.axis.fit.clone());
             let one = self.find("outliers")?;
-            (one.parameters, one.with, one.freedom) = (parameters, with, 2.0 * count);
+            (one.parameters, one.freedom) = (parameters, 2.0 * count);
+            (one.with, one.after) = (with, after);
             one.nats = one.nats.map(|before| before + nats);
         } else {
             let p_value = found.p_value;
