@@ -29,10 +29,14 @@ impl Counts {
     pub fn new(axis: &AxisState) -> Self {
         let seen = axis.whole();
         let rate_hz = axis.rate_hz;
-        // Bands that are left out have no density: nothing of them passes.
+        // Of bands that are left out nothing passes, of what a converter shuts out next to nothing:
+        // what is left is scaled back to a deviation of one.
+        let kept = |density: &&f64| density.is_finite() && **density > seen.floor;
+        let all = seen.density.len() as f64;
+        let share = seen.density.iter().filter(kept).count() as f64 / all;
         let white = seen
             .whole
-            .filtered(|k| (seen.density[k] * rate_hz).sqrt().recip().into());
+            .filtered(|k| (share * seen.density[k] * rate_hz).sqrt().recip().into());
         let mut counts = vec![0; 2 * CLASSES];
         for (index, value) in white.into_iter().enumerate() {
             if axis.usable(index) {
