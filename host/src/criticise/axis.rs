@@ -3,6 +3,7 @@
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
+use super::bursts::{self, Powers};
 use super::frame::Frame;
 use super::laws::{self, Law, search};
 use super::levels::Jump;
@@ -73,6 +74,7 @@ pub struct AxisState {
     unusable: Vec<Range<usize>>,
     fast: Transformer,
     seen: OnceLock<Arc<Seen>>,
+    powers: OnceLock<Arc<Powers>>,
     starts: OnceLock<Option<Arc<search::Starts>>>,
     lines: OnceLock<Vec<Line>>,
 }
@@ -89,7 +91,7 @@ pub struct Seen {
 
 impl AxisState {
     /// An axis with nothing known. `None` where the record is too short, or all the same.
-    pub fn new(measured: Vec<f64>, rate_hz: f64, chain: Option<&Chain>) -> Option<Self> {
+    pub fn new(measured: Arc<Vec<f64>>, rate_hz: f64, chain: Option<&Chain>) -> Option<Self> {
         let frame = Frame::new(&measured, rate_hz, chain)?;
         let fast = Transformer::new(measured.len());
         let data = frame.measure(&measured);
@@ -107,6 +109,7 @@ impl AxisState {
             unusable: Vec::new(),
             fast,
             seen: OnceLock::new(),
+            powers: OnceLock::new(),
             starts: OnceLock::new(),
             lines: OnceLock::new(),
         };
@@ -119,6 +122,7 @@ impl AxisState {
     pub fn refresh(&mut self, regrid: bool) -> Option<()> {
         let mut values = self.mended.values();
         self.seen = OnceLock::new();
+        self.powers = OnceLock::new();
         if regrid {
             self.starts = OnceLock::new();
             self.frame = Frame::new(&values, self.rate_hz, self.chain.as_ref())?;
@@ -223,6 +227,16 @@ impl AxisState {
             })
         });
         Arc::clone(seen)
+    }
+
+    /// Power of the whitened record over time; made once for each state.
+    pub fn powers(&self) -> Arc<Powers> {
+        let powers = self.powers.get_or_init(|| {
+            let seen = self.whole();
+            let powers = bursts::powers(&seen.whole, &seen.density, |n| self.usable(n));
+            Arc::new(powers)
+        });
+        Arc::clone(powers)
     }
 
     /// Lines of the mended record at a family-wise `level`, the same for each of its states.

@@ -2,6 +2,7 @@
 
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use super::axis::AxisState;
 use super::codes::CodeFindings;
@@ -10,6 +11,7 @@ use super::coherence::{self, Common};
 use super::finding::{AxisDiagnosis, Base, Final, Finding, Gain, Value};
 use super::frame::Frame;
 use super::gain::laws::Ordinates;
+use super::gain::size::Sizes;
 use super::gain::{self, Halves, HeldCurve};
 use super::laws;
 use super::rounds::{self, Accepted, Options, Snapshot};
@@ -24,6 +26,10 @@ use crate::model::{Coefficient as Letter, PerCoefficient};
 
 /// Samples below which no spectrum is worth the name.
 const LEAST: usize = 1 << 13;
+
+/// Samples of an axis above which the axes wait for one another: each needs some hundred bytes a
+/// sample.
+const LONG: usize = 1 << 22;
 
 /// Effects that may be refused before the rest is taken as it is.
 const MOST_REFUSED: usize = 4;
@@ -59,11 +65,27 @@ pub fn diagnose(
     mut progress: impl FnMut(usize),
 ) -> Result<Vec<AxisDiagnosis>, Refused> {
     let (mut axes, mut residuals) = (Vec::new(), Vec::new());
-    for number in 0..samples.axes.len() {
-        let (axis, residual) = diagnose_axis(samples, number, options)?;
-        axes.push(axis);
-        residuals.push(residual);
-        progress(number);
+    let numbers: Vec<usize> = (0..samples.axes.len()).collect();
+    let beside = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let at_once = if samples.len() > LONG { 1 } else { beside };
+    for some in numbers.chunks(at_once) {
+        let done: Vec<_> = std::thread::scope(|scope| {
+            let workers: Vec<_> = some
+                .iter()
+                .map(|&number| scope.spawn(move || diagnose_axis(samples, number, options)))
+                .collect();
+            let joined = workers.into_iter().map(std::thread::ScopedJoinHandle::join);
+            // A panic goes on where it came from.
+            joined
+                .map(|one| one.unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+                .collect()
+        });
+        for one in done {
+            let (axis, residual) = one?;
+            progress(axes.len());
+            axes.push(axis);
+            residuals.push(residual);
+        }
     }
     for common in coherence::common(&residuals, samples.signal.rate_hz, options.level()) {
         axes[common.axis].findings.push(common_finding(&common));
@@ -120,11 +142,12 @@ fn diagnose_axis(
         axis: signal.name.clone(),
     };
     let mean = mean - signal.zero * signal.scale;
+    let measured = Arc::new(measured);
     let values = CodeFindings::new(record, signal, options.level(), &measured, mean);
     let mut refused: Vec<&'static str> = Vec::new();
     let mut before: Option<Before> = None;
     let (axis, base_fit, outcome, nats) = loop {
-        let mut axis = AxisState::new(measured.clone(), rate_hz, signal.chain.as_ref())
+        let mut axis = AxisState::new(Arc::clone(&measured), rate_hz, signal.chain.as_ref())
             .ok_or_else(constant)?;
         let base_fit = axis.fit.clone();
         before.get_or_insert_with(|| Before::new(&axis));
@@ -161,6 +184,7 @@ fn diagnose_axis(
     let last_snapshot = Snapshot::of(&axis);
     let stationary = model(&last_snapshot, &axis.fit);
     let last_error = error(&stationary, &last_snapshot);
+    let sizes = Sizes::new(&axis, &held, &stationary, &last_snapshot);
     let mut findings = Vec::new();
     for (one, nats) in outcome.accepted.iter().zip(nats) {
         let before = model(&one.without, &one.before);
@@ -169,6 +193,7 @@ fn diagnose_axis(
             one,
             Gain {
                 heldout_nats: nats,
+                allan_change_percent: sizes.change_percent(one),
                 allan_error_percent_before: error(&before, &one.without).map(|error| error.0),
                 allan_error_percent_after: error(&after, &one.with).map(|error| error.0),
             },

@@ -115,6 +115,18 @@ pub struct Finding {
     pub without: PerCoefficient<Option<f64>>,
 }
 
+/// Change of the Allan deviation below which an effect is small, percent: a quarter of what the
+/// source's simulation was off by (Pavlov and Petrov: 4 %).
+pub const SMALL_PERCENT: f64 = 1.0;
+
+impl Finding {
+    /// Whether it hardly changes the Allan deviation, however sure it is.
+    pub fn is_small(&self) -> bool {
+        let change = self.gain.allan_change_percent;
+        change.is_some_and(|change| change < SMALL_PERCENT)
+    }
+}
+
 /// A number with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Value {
@@ -174,6 +186,9 @@ pub struct Rival {
 pub struct Gain {
     /// Gain in predictive log-likelihood, nats.
     pub heldout_nats: Option<f64>,
+    /// Largest change of the model's Allan deviation when it is taken out, percent: its size, however
+    /// sure it is.
+    pub allan_change_percent: Option<f64>,
     /// Error of the model's Allan deviation without it, percent.
     pub allan_error_percent_before: Option<f64>,
     /// With it.

@@ -170,6 +170,21 @@ fn base_near(f_hz: f64, nominal_hz: f64) -> Option<(f64, u32)> {
     ((1.0..=20.0).contains(&number) && is_near).then_some((base_hz, number as u32))
 }
 
+/// What a tone at `f_hz` that does not keep its frequency may be.
+pub fn wandering(f_hz: f64) -> String {
+    let mains = MAINS_HZ.into_iter().find(|nominal_hz| {
+        let number = (f_hz / nominal_hz).round();
+        number >= 1.0 && (f_hz / (number * nominal_hz) - 1.0).abs() < MAINS_SHARE
+    });
+    match mains {
+        Some(nominal_hz) => format!(
+            "pick-up from {nominal_hz} Hz mains, whose frequency wanders with the grid, or another \
+             tone that wanders or is switched"
+        ),
+        None => "a tone that wanders or is switched".into(),
+    }
+}
+
 /// Gathers what fits one mains frequency; a mains line may be alone.
 pub fn with_hum(singles: Vec<Measured>) -> Vec<Group> {
     // The base frequency that most lines are multiples of, by the strongest line that is one.

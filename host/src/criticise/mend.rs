@@ -5,6 +5,7 @@
 
 use std::f64::consts::TAU;
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::impulses::Outlier;
 use super::levels::Jump;
@@ -38,7 +39,7 @@ pub enum Wave {
         /// Gain.
         gain: f64,
         /// The covariate, about its mean.
-        column: std::sync::Arc<Vec<f32>>,
+        column: Arc<Vec<f32>>,
     },
     /// Single samples that do not belong.
     Outliers(Vec<Outlier>),
@@ -106,7 +107,7 @@ impl Wave {
 #[derive(Debug, Clone)]
 pub struct Mended {
     /// As measured, about the mean; missing samples are NaN.
-    measured: Vec<f64>,
+    measured: Arc<Vec<f64>>,
     /// What is taken out.
     pub waves: Vec<Wave>,
     /// Stretches of other noise, which the stationary law does not speak for.
@@ -119,7 +120,7 @@ pub struct Mended {
 
 impl Mended {
     /// A record as measured.
-    pub fn new(measured: Vec<f64>) -> Self {
+    pub fn new(measured: Arc<Vec<f64>>) -> Self {
         Self {
             measured,
             waves: Vec::new(),
@@ -146,7 +147,7 @@ impl Mended {
 
     /// What is left; NaN where missing or masked.
     pub fn values(&self) -> Vec<f64> {
-        let mut values = self.measured.clone();
+        let mut values = self.measured.to_vec();
         for wave in &self.waves {
             wave.take_out(&mut values);
         }
@@ -242,7 +243,7 @@ mod tests {
     #[test]
     fn waves_are_taken_out_and_given_back() {
         let measured: Vec<f64> = (0..1000).map(|n| f64::from(n % 7)).collect();
-        let mut record = Mended::new(measured.clone());
+        let mut record = Mended::new(Arc::new(measured.clone()));
         let jump = |index, height| Jump {
             index,
             height,

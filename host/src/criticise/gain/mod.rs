@@ -14,6 +14,9 @@
 //! - A stretch of another variance: fitted to the even ones of short blocks, judged by the odd.
 
 pub mod laws;
+pub mod size;
+
+use std::sync::Arc;
 
 use inm_allan::Statistic;
 
@@ -134,7 +137,7 @@ pub fn allan_error(
 
 /// Allan curve of the waveforms of a snapshot, where the held-out half has samples.
 fn waveform_curve(axis: &AxisState, with: &Snapshot) -> Vec<Point> {
-    let mut record = Mended::new(vec![0.0; axis.mended.len()]);
+    let mut record = Mended::new(Arc::new(vec![0.0; axis.mended.len()]));
     record.waves.clone_from(&with.waves);
     let mut waveform = record.waveform();
     for (value, measured) in waveform.iter_mut().zip(axis.mended.measured()) {

@@ -74,9 +74,9 @@ impl Rounds<'_> {
             place: format!("{f_hz:.5} Hz"),
             p_value: one.line.false_alarm,
             description: format!(
-                "a line of amplitude {:.3e} that does not keep its size and phase: a tone that \
-                 wanders or is switched",
-                one.line.amplitude
+                "a line of amplitude {:.3e} that does not keep its size and phase: {}",
+                one.line.amplitude,
+                lines::wandering(f_hz)
             ),
         });
         self.axis.apart.push(f_hz - width_hz..f_hz + width_hz);

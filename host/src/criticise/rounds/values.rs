@@ -72,7 +72,7 @@ impl Rounds<'_> {
         let seen = self.axis.whole();
         let (whole, density) = (&seen.whole, &seen.density);
         let axis = &*self.axis;
-        let powers = bursts::powers(whole, density, |n| axis.usable(n));
+        let powers = axis.powers();
         let local = self.restless.then(|| powers.local());
         let found = impulses::outliers(
             whole,

@@ -14,15 +14,14 @@ impl Rounds<'_> {
             return Some(false);
         }
         let seen = self.axis.whole();
-        let (whole, density) = (&seen.whole, &seen.density);
         let axis = &*self.axis;
-        let powers = bursts::powers(whole, density, |n| axis.usable(n));
+        let powers = axis.powers();
         let Some(burst) = bursts::burst(&powers, self.level()) else {
             return Some(false);
         };
         let Burst { range, factor, .. } = burst.clone();
         // A stretch that is most of the record is its law.
-        if range.len() > whole.len() / 2 {
+        if range.len() > seen.whole.len() / 2 {
             return Some(false);
         }
         // On a coarse grid noise seems to rest wherever its level lies within a step.
@@ -83,8 +82,7 @@ impl Rounds<'_> {
         if self.restless {
             return Some(false);
         }
-        let seen = self.axis.whole();
-        let powers = bursts::powers(&seen.whole, &seen.density, |n| self.axis.usable(n));
+        let powers = self.axis.powers();
         let moves = wander::wander(&powers)
             .is_some_and(|moves| moves.cyclic.p_value.min(moves.slow.p_value) < self.level());
         if moves {
