@@ -29,14 +29,16 @@ impl Counts {
     pub fn new(axis: &AxisState) -> Self {
         let seen = axis.whole();
         let rate_hz = axis.rate_hz;
-        // Of bands that are left out nothing passes, of what a converter shuts out next to nothing:
-        // what is left is scaled back to a deviation of one.
-        let kept = |density: &&f64| density.is_finite() && **density > seen.floor;
-        let all = seen.density.len() as f64;
-        let share = seen.density.iter().filter(kept).count() as f64 / all;
-        let white = seen
-            .whole
-            .filtered(|k| (share * seen.density[k] * rate_hz).sqrt().recip().into());
+        // Bands that are left out and what a converter shuts out are no part of it; the rest is scaled
+        // back to a deviation of one.
+        let kept = |k: usize| k < seen.top && seen.density[k].is_finite();
+        let all = seen.density.len();
+        let share = (0..all).filter(|&k| kept(k)).count() as f64 / all as f64;
+        let response = |k: usize| match kept(k) {
+            true => (share * seen.density[k] * rate_hz).sqrt().recip(),
+            false => 0.0,
+        };
+        let white = seen.whole.filtered(|k| response(k).into());
         let mut counts = vec![0; 2 * CLASSES];
         for (index, value) in white.into_iter().enumerate() {
             if axis.usable(index) {
