@@ -1,6 +1,5 @@
-//! Formats a finished [`Analysis`](crate::analyse::Analysis) or
-//! [`Diagnosis`](crate::criticise::finding::Diagnosis): text, JSON, HTML, PNG. Nothing is computed
-//! here that the result does not hold.
+//! Formats a finished [`Analysis`] or [`Diagnosis`]: text, JSON, HTML, PNG. Nothing is computed here
+//! that the result does not hold.
 
 pub mod allan_plot;
 pub mod bitmap;

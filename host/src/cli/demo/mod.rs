@@ -31,7 +31,7 @@ use crate::source::virtual_board::VirtualConnect;
 #[derive(Debug, Args)]
 pub struct DemoCommand {
     /// Seconds of board time; the published experiment took 5400.
-    #[arg(long, value_name = "S", default_value_t = 3600.0)]
+    #[arg(long, value_name = "S", default_value_t = 1800.0)]
     duration: f64,
     /// Folder for capture, JSON, HTML, PNG and model; what an earlier demo left there is replaced.
     #[arg(long, value_name = "FOLDER", default_value = "inm-demo")]

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::criticise::finding::{Diagnosis, Finding};
-use crate::report::number::significant;
+use crate::report::number::{estimated, significant};
 use crate::source::shaken::Hidden;
 
 /// What was hidden and what was found, with a newline at the end.
@@ -47,22 +47,20 @@ fn parameters(text: &mut String, hidden: &Hidden, found: &Finding) -> std::fmt::
     let names = hidden.effect.parameters();
     for (parameter, truth) in names.iter().zip(hidden.effect.values()) {
         let name = parameter.name.as_ref();
-        let (value, interval) = match found.parameters.get(name) {
-            Some(found) => (
-                significant(found.value, 5),
-                match (found.lo, found.hi) {
-                    (Some(lo), Some(hi)) => {
-                        format!("{} to {}", significant(lo, 5), significant(hi, 5))
-                    }
-                    _ => String::new(),
-                },
-            ),
-            None => ("not found".to_owned(), String::new()),
+        let found = found.parameters.get(name);
+        let ends = found.and_then(|found| Some((found.value, found.lo?, found.hi?)));
+        let (value, interval) = match (found, ends) {
+            (_, Some((value, lo, hi))) => {
+                let [value, lo, hi] = estimated(value, lo, hi);
+                (value, format!("{lo} to {hi}"))
+            }
+            (Some(found), None) => (significant(found.value, 6), String::new()),
+            (None, None) => ("not found".to_owned(), String::new()),
         };
         writeln!(
             text,
             "  {name:<14} {:>12} {value:>12}   {interval}",
-            significant(*truth, 5)
+            significant(*truth, 8)
         )?;
     }
     Ok(())

@@ -29,10 +29,16 @@ impl Counts {
     pub fn new(axis: &AxisState) -> Self {
         let seen = axis.whole();
         let rate_hz = axis.rate_hz;
-        // Bands that are left out have no density: nothing of them passes.
-        let white = seen
-            .whole
-            .filtered(|k| (seen.density[k] * rate_hz).sqrt().recip().into());
+        // Bands that are left out and what a converter shuts out are no part of it; the rest is scaled
+        // back to a deviation of one.
+        let kept = |k: usize| k < seen.top && seen.density[k].is_finite();
+        let all = seen.density.len();
+        let share = (0..all).filter(|&k| kept(k)).count() as f64 / all as f64;
+        let response = |k: usize| match kept(k) {
+            true => (share * seen.density[k] * rate_hz).sqrt().recip(),
+            false => 0.0,
+        };
+        let white = seen.whole.filtered(|k| response(k).into());
         let mut counts = vec![0; 2 * CLASSES];
         for (index, value) in white.into_iter().enumerate() {
             if axis.usable(index) {

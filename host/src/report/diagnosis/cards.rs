@@ -124,6 +124,13 @@ fn evidence(page: &mut String, one: &Finding) -> Result {
             format!("{} nats", significant(nats, 3)),
         )?;
     }
+    if let Some(change) = one.gain.allan_change_percent {
+        let small = if one.is_small() { ", small" } else { "" };
+        entry(
+            "changes the Allan deviation by",
+            format!("{} % at most{small}", significant(change, 2)),
+        )?;
+    }
     if let (Some(before), Some(after)) = (
         one.gain.allan_error_percent_before,
         one.gain.allan_error_percent_after,

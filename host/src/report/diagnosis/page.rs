@@ -6,6 +6,7 @@ use super::super::number::significant;
 use super::super::page;
 use super::super::plot::frame::WIDTH;
 use super::super::svg::{PAGE, escape, typeset};
+use super::text::MOST_TOLD;
 use super::{HEIGHT, cards, pictures};
 use crate::criticise::finding::{AxisDiagnosis, Diagnosis};
 use crate::criticise::views::growth::VelocityError;
@@ -48,13 +49,27 @@ fn axis(page: &mut String, diagnosis: &Diagnosis, index: usize, axis: &AxisDiagn
         write!(page, "</figure>")?;
     }
     write!(page, "</div><div class=\"cards\">")?;
-    for number in 0..axis.findings.len() {
+    let is_folded =
+        |number: &usize| axis.findings.len() > MOST_TOLD && axis.findings[*number].is_small();
+    let (folded, plain): (Vec<_>, Vec<_>) = (0..axis.findings.len()).partition(is_folded);
+    for number in plain {
         cards::finding(page, axis, number)?;
     }
     for one in &axis.unexplained {
         cards::remark(page, one)?;
     }
     write!(page, "</div>")?;
+    if !folded.is_empty() {
+        write!(
+            page,
+            "<details><summary>There, but small: {} more</summary><div class=\"cards\">",
+            folded.len()
+        )?;
+        for number in folded {
+            cards::finding(page, axis, number)?;
+        }
+        write!(page, "</div></details>")?;
+    }
     coefficients(page, axis)?;
     velocity(page, axis)?;
     write!(page, "</section>")

@@ -8,7 +8,7 @@ use crate::criticise::finding::{AxisDiagnosis, Diagnosis, Finding, Remark, SMALL
 use crate::model::Coefficient;
 
 /// Findings that are all told in full; of more, the small ones in a line each.
-const MOST_TOLD: usize = 3;
+pub(super) const MOST_TOLD: usize = 3;
 
 /// Numbers of one finding that are listed, at most; JSON has all.
 const MOST_PARAMETERS: usize = 12;

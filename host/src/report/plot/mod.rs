@@ -3,6 +3,7 @@
 
 pub mod frame;
 pub mod legend;
+mod marks;
 pub mod ratio;
 pub mod scale;
 pub mod tags;
