@@ -9,7 +9,8 @@
 //! The caller knows a bound on the differences and gets the cheapest arithmetic that is exact below
 //! it:
 //!
-//! - up to [`PAIRED`]: a word is two knots, half a row apart;
+//! - up to [`PAIRED`]: a word is two knots, half a row apart; up to [`SMALL`] the squares are added
+//!   up without a thought;
 //! - up to [`SPLIT`]: a word is one knot, its low 25 bits and the rest;
 //! - up to [`WIDEST`]: plain 64-bit differences, squared to 128 bits.
 
@@ -19,13 +20,15 @@ use crate::kernels::{CHUNK, WIDEST, squares};
 use crate::row::LONGEST;
 
 /// Added to both halves of a word of differences, whose magnitude it exceeds.
-const BIAS: u64 = 1 << 27;
+const BIAS: u64 = 1 << 31;
 const BIASES: u64 = BIAS << 32 | BIAS;
+/// Largest magnitude of a difference of which a word holds two.
+const PAIRED: u64 = BIAS - 1;
+/// Largest magnitude of differences of which 2^11 squares stay below 2^64.
+const SMALL: u64 = 1 << 26;
 /// Words in two parts that are summed before a partial sum is moved to a wider one: so many products
-/// below `BIAS^2` stay below 2^63.
+/// of parts below 2^27 stay below 2^63.
 const SOME: usize = 1 << 9;
-/// Largest magnitude of a difference of which a word holds two: 2^11 squares stay below 2^64.
-const PAIRED: u64 = 1 << 26;
 /// Bits of the lower of two parts of a knot: third differences of it are below 2^27.
 const LOW_BITS: u32 = 25;
 const LOW_MASK: u64 = (1 << LOW_BITS) - 1;
@@ -111,13 +114,15 @@ impl<'a, O: Order> Differences<'a, O> {
             // them is left: of an odd number the last, and where the row has no room for the
             // first fresh differences, as many.
             let paired = to - half;
-            let pairs = if from < paired {
-                pairs(O::raised(self.packed, lag, from, paired))
-            } else {
+            let pairs = if from >= paired {
                 0
+            } else if bound <= SMALL {
+                u128::from(small_pairs(O::raised(self.packed, lag, from, paired)))
+            } else {
+                pairs(O::raised(self.packed, lag, from, paired))
             };
             let (from, to) = (from.max(paired), to.min(from + half));
-            u128::from(pairs) + squares(bound, O::plain(self.row, lag, from, to))
+            pairs + squares(bound, O::plain(self.row, lag, from, to))
         } else if bound <= SPLIT {
             self.hold_parts();
             chunks(
@@ -248,22 +253,39 @@ fn halves(word: u64) -> (u64, u64) {
     (word & u64::from(u32::MAX), word >> 32)
 }
 
-/// Sum of the squares of both differences `d` of each word, at most 2^10 words of differences up to
-/// [`PAIRED`], by `(b + d)(b - d) = b^2 - d^2`: its factors are positive, since not every vector
-/// unit multiplies signed numbers.
+/// `2 b^2` less the squares of both differences `d` of a word, as `(b + d)(b - d)` twice: the factors
+/// are positive, since not every vector unit multiplies signed numbers.
 #[inline(always)]
-fn pairs(words: impl Iterator<Item = u64>) -> u64 {
-    let (mut squares, mut count) = (0_u64, 0_u64);
+fn short_of_biases(word: u64) -> u64 {
+    let (low, high) = halves(word);
+    // 2 b less b + d, in both halves.
+    let (low_rest, high_rest) = halves(BIASES.wrapping_mul(2).wrapping_sub(word));
+    low * low_rest + high * high_rest
+}
+
+/// Sum of the squares of both differences of each word, below 2^64.
+#[inline(always)]
+fn small_pairs(words: impl Iterator<Item = u64>) -> u64 {
+    let (mut count, mut short) = (0_u64, 0_u64);
     for word in words {
-        // 2 b less b + d, in both halves.
-        let (low, high) = halves(word);
-        let (low_rest, high_rest) = halves((2 * BIASES).wrapping_sub(word));
-        squares = squares.wrapping_sub(low * low_rest);
-        squares = squares.wrapping_sub(high * high_rest);
-        count += 2;
+        count += 1;
+        short = short.wrapping_add(short_of_biases(word));
     }
-    // What wraps on the way does not matter: the result is below 2^64.
-    squares.wrapping_add(count.wrapping_mul(BIAS * BIAS))
+    // What wraps on the way does not matter.
+    count.wrapping_mul(2 * BIAS * BIAS).wrapping_sub(short)
+}
+
+/// Sum of the squares of both differences of each word.
+#[inline(always)]
+fn pairs(words: impl Iterator<Item = u64>) -> u128 {
+    let (mut count, mut low, mut high) = (0_u64, 0_u64, 0_u64);
+    for word in words {
+        let short = halves(short_of_biases(word));
+        count += 1;
+        low += short.0;
+        high += short.1;
+    }
+    u128::from(count) * u128::from(2 * BIAS * BIAS) - u128::from(low) - (u128::from(high) << 32)
 }
 
 /// Sum of the squares of differences `d = 2^25 h + l` in at most [`SOME`] words that hold `h + b` and
@@ -312,7 +334,7 @@ mod tests {
     #[test]
     fn a_whole_row_at_each_limit() {
         let mut packed = Packed::EMPTY;
-        for limit in [PAIRED, SPLIT, WIDEST / 2].map(|limit| limit as i64) {
+        for limit in [SMALL, PAIRED + 1, SPLIT, WIDEST / 2].map(|limit| limit as i64) {
             // A second difference is two swings, a third one four.
             for size in [limit / 2 - 1, limit / 2, limit / 2 + 1] {
                 let row = swinging(size, 121);
@@ -340,7 +362,12 @@ mod tests {
             let mut differences =
                 |bound| Differences::<Third>::new(row, fresh, &mut packed).squares(lag, bound);
             let expected = differences(WIDEST);
-            assert_eq!(differences(8000), expected, "pairs: {len} {fresh} {lag}");
+            assert_eq!(
+                differences(8000),
+                expected,
+                "small pairs: {len} {fresh} {lag}"
+            );
+            assert_eq!(differences(PAIRED), expected, "pairs: {len} {fresh} {lag}");
             assert_eq!(differences(SPLIT), expected, "parts: {len} {fresh} {lag}");
         }
         let none = Differences::<Second>::new(&row[..80], 1, &mut packed).squares(40, 8000);
