@@ -6,6 +6,8 @@
 //! - below 2^51: squares in two halves of 26 bits;
 //! - up to 2^58: squares of 128 bits.
 //!
+//! Only a damaged state has numbers beyond their bound; its sums wrap then.
+//!
 //! They are plain loops that the compiler vectorises; [`with_vectors`] lets it use what the
 //! processor has. Differences over a row of knots have loops of their own
 //! ([`packed`](crate::packed)).
@@ -45,7 +47,7 @@ pub(crate) fn squares(bound: u64, differences: impl Iterator<Item = i64>) -> u12
 fn narrow(differences: impl Iterator<Item = i32>) -> u128 {
     // Of magnitudes, since SSE2 multiplies unsigned numbers only.
     let square = |d: i32| u64::from(d.unsigned_abs()) * u64::from(d.unsigned_abs());
-    u128::from(differences.fold(0_u64, |sum, d| sum + square(d)))
+    u128::from(differences.fold(0_u64, |sum, d| sum.wrapping_add(square(d))))
 }
 
 /// Squares of at most [`CHUNK`] numbers of magnitude up to `bound`.
@@ -88,7 +90,7 @@ fn split(differences: impl Iterator<Item = i64>) -> u128 {
 fn full(differences: impl Iterator<Item = i64>) -> u128 {
     differences.fold(0_u128, |sum, difference| {
         let magnitude = u128::from(difference.unsigned_abs());
-        sum + magnitude * magnitude
+        sum.wrapping_add(magnitude * magnitude)
     })
 }
 

@@ -13,6 +13,8 @@
 //!   up without a thought;
 //! - up to [`SPLIT`]: a word is one knot, its low 25 bits and the rest;
 //! - up to [`WIDEST`]: plain 64-bit differences, squared to 128 bits.
+//!
+//! Only a damaged state has differences beyond their bound; its sums wrap then.
 
 use core::marker::PhantomData;
 
@@ -122,7 +124,7 @@ impl<'a, O: Order> Differences<'a, O> {
                 pairs(O::raised(self.packed, lag, from, paired))
             };
             let (from, to) = (from.max(paired), to.min(from + half));
-            pairs + squares(bound, O::plain(self.row, lag, from, to))
+            pairs.wrapping_add(squares(bound, O::plain(self.row, lag, from, to)))
         } else if bound <= SPLIT {
             self.hold_parts();
             chunks(
@@ -242,7 +244,7 @@ fn chunks((from, to, most): (usize, usize, usize), sum: impl Fn(usize, usize) ->
     let mut begin = from;
     while begin < to {
         let end = to.min(begin + most);
-        total += sum(begin, end);
+        total = sum(begin, end).wrapping_add(total);
         begin = end;
     }
     total
@@ -260,7 +262,7 @@ fn short_of_biases(word: u64) -> u64 {
     let (low, high) = halves(word);
     // 2 b less b + d, in both halves.
     let (low_rest, high_rest) = halves(BIASES.wrapping_mul(2).wrapping_sub(word));
-    low * low_rest + high * high_rest
+    (low * low_rest).wrapping_add(high * high_rest)
 }
 
 /// Sum of the squares of both differences of each word, below 2^64.
@@ -285,7 +287,8 @@ fn pairs(words: impl Iterator<Item = u64>) -> u128 {
         low += short.0;
         high += short.1;
     }
-    u128::from(count) * u128::from(2 * BIAS * BIAS) - u128::from(low) - (u128::from(high) << 32)
+    let short = u128::from(low) + (u128::from(high) << 32);
+    (u128::from(count) * u128::from(2 * BIAS * BIAS)).wrapping_sub(short)
 }
 
 /// Sum of the squares of differences `d = 2^25 h + l` in at most [`SOME`] words that hold `h + b` and
@@ -350,6 +353,19 @@ mod tests {
                 let expected = u128::from(bound) * u128::from(bound) * 2048;
                 assert_eq!(third, Some((2048, expected)), "third, up to {bound}");
             }
+        }
+    }
+
+    /// As in a damaged state: any result, no panic.
+    #[test]
+    fn differences_beyond_their_bound_wrap() {
+        let mut packed = Packed::EMPTY;
+        let row: [i64; LONGEST] = core::array::from_fn(|i| [i64::MIN, i64::MAX, 7][i % 3]);
+        for bound in [SMALL, PAIRED, SPLIT, WIDEST] {
+            let second = Differences::<Second>::new(&row, 121, &mut packed).squares(1, bound);
+            let third = Differences::<Third>::new(&row, 121, &mut packed).squares(2, bound);
+            assert_eq!(second.map(|(terms, _)| terms), Some(2048));
+            assert_eq!(third.map(|(terms, _)| terms), Some(2048));
         }
     }
 
