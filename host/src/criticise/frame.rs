@@ -143,10 +143,18 @@ impl Frame {
     /// The same through one more filter, ahead of what joins behind the converter.
     pub fn units_through(&self, power: impl Fn(f64) -> f64) -> Vec<Vec<f64>> {
         let operator = &self.estimate.operator;
-        let powers: Vec<f64> = operator.nodes_hz().iter().map(|&f_hz| power(f_hz)).collect();
+        let powers: Vec<f64> = operator
+            .nodes_hz()
+            .iter()
+            .map(|&f_hz| power(f_hz))
+            .collect();
         let through = self.densities.iter().map(|densities| {
             let pairs = densities.iter().zip(&powers);
-            operator.apply(&pairs.map(|(density, power)| density * power).collect::<Vec<f64>>())
+            operator.apply(
+                &pairs
+                    .map(|(density, power)| density * power)
+                    .collect::<Vec<f64>>(),
+            )
         });
         let behind = self.units.iter().skip(SEEN.len()).cloned();
         through.chain(behind).collect()

@@ -137,7 +137,6 @@ pub fn run(
         ringing: false,
         restless: false,
         unsteady: Vec::new(),
-        breathing: Vec::new(),
         kept: Vec::new(),
     };
     rounds.note_base();
@@ -188,8 +187,6 @@ struct Rounds<'a> {
     restless: bool,
     /// Lines that were seen to lose no samples.
     kept: Vec<f64>,
-    /// Bands of noise whose strength changes slowly.
-    breathing: Vec<std::ops::Range<f64>>,
     /// Bands that no steady law speaks for.
     unsteady: Vec<Remark>,
 }
