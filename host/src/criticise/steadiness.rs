@@ -48,6 +48,8 @@ pub struct Unsteady {
     pub from_hz: f64,
     /// Upper end, hertz.
     pub to_hz: f64,
+    /// Where it is plainest, hertz.
+    pub peak_hz: f64,
     /// Duration of the tiles that show it best, seconds.
     pub tile_s: f64,
     /// Whether these are the shortest: single samples, which the narrow band draws out, may do it.
@@ -105,6 +107,7 @@ pub fn unsteady(
     (p_value < level).then(|| Unsteady {
         from_hz: seen.whole.frequency(best.ordinates.start),
         to_hz: seen.whole.frequency(best.ordinates.end),
+        peak_hz: seen.whole.frequency(best.peak + best.size / 2),
         tile_s: length as f64 / best.size as f64 / axis.rate_hz,
         shortest: best.size * WIDER * SHORTEST > length,
         variance: 8.0 * best.mean,
@@ -115,6 +118,8 @@ pub fn unsteady(
 /// The band that departs most so far.
 struct Best {
     ordinates: Range<usize>,
+    /// First ordinate of the group that departs most.
+    peak: usize,
     size: usize,
     mean: f64,
     tail: f64,
@@ -196,9 +201,10 @@ impl Groups {
                 if tail < best.as_ref().map_or(1.0, |best| best.tail) {
                     let run = self.ends(run);
                     let (mean, tail) = self.judge(&run);
-                    let wide = self.skirts(run);
+                    let wide = self.skirts(run.clone());
                     *best = Some(Best {
                         ordinates: self.starts[wide.start]..self.starts[wide.end - 1] + self.size,
+                        peak: self.peak(run, mean),
                         size: self.size,
                         mean,
                         tail,
@@ -208,6 +214,13 @@ impl Groups {
             length *= 2;
         }
         trials
+    }
+
+    /// First ordinate of the group of a run that departs most in the direction of `mean`.
+    fn peak(&self, run: Range<usize>, mean: f64) -> usize {
+        let score = |group: usize| (self.scores[group + 1] - self.scores[group]) * mean.signum();
+        let most = run.max_by(|&a, &b| score(a).total_cmp(&score(b)));
+        most.map_or(0, |group| self.starts[group])
     }
 
     /// A run with the groups beside it that depart by themselves, the same way.

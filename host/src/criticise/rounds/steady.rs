@@ -65,11 +65,9 @@ impl Rounds<'_> {
         };
         let old = self.axis.apart[joined].clone();
         let all = old.start.min(band.start)..old.end.max(band.end);
-        let place = place(&old);
-        for one in &mut self.unsteady {
-            if one.place == place {
-                one.place = self::place(&all);
-            }
+        let before = self.unsteady.iter_mut();
+        for one in before.filter(|one| one.place.starts_with(&place_of(&old))) {
+            one.place = one.place.replace(&place_of(&old), &place_of(&all));
         }
         self.axis.apart[joined] = all;
     }
@@ -129,7 +127,7 @@ impl Rounds<'_> {
     }
 }
 
-fn place(band: &std::ops::Range<f64>) -> String {
+fn place_of(band: &std::ops::Range<f64>) -> String {
     format!("{:.5} to {:.5} Hz", band.start, band.end)
 }
 
@@ -138,6 +136,7 @@ pub(super) fn remark(found: &Unsteady) -> Remark {
     let Unsteady {
         from_hz,
         to_hz,
+        peak_hz,
         tile_s,
         variance,
         p_value,
@@ -154,7 +153,10 @@ pub(super) fn remark(found: &Unsteady) -> Remark {
     };
     Remark {
         test: "steadiness".into(),
-        place: place(&(from_hz..to_hz)),
+        place: format!(
+            "{}, plainest at {peak_hz:.5} Hz",
+            place_of(&(from_hz..to_hz))
+        ),
         p_value,
         description,
     }
