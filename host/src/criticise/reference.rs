@@ -8,25 +8,17 @@ use std::sync::Arc;
 
 use super::axis::AxisState;
 use super::bands::{self, Band};
-use super::demodulate::Blocks;
 use super::finding::{Finding, Gain, Rival, Value};
 use super::lines::{self, Group};
 use super::samples::Samples;
 use super::timebase::{self, Mark, Rate};
+use super::tone;
 use crate::model::PerCoefficient;
 use crate::model::catalogue;
 use crate::spectrum::Line;
 
 /// Share of a band's power that a line within it must hold to stand for it.
 const HOLDS: f64 = 0.5;
-
-/// Blocks in which the steadiness of a line is looked at, and cycles a record about it that must
-/// hold no more than noise.
-const BLOCKS: usize = 512;
-const NEAR: usize = 16;
-
-/// Largest share of a steady line's log-likelihood that may be left beside it.
-const LEFT_SHARE: f64 = 0.1;
 
 /// The finding that `samples` were taken at another rate than they say, beside `reference`, at a
 /// family-wise `level`: for each axis whose lines say so.
@@ -108,13 +100,13 @@ fn marks_of(samples: &Samples, number: usize, level: f64) -> Option<Vec<Mark>> {
             Group::Cluster { lines, .. } => lines,
         })
         .collect();
-    let blocks = Blocks::new(&axis.filled, BLOCKS, |index| axis.usable(index));
     let steady: Vec<Line> = found
         .into_iter()
         .filter(|line| {
             let holds = |band: &Band| 0.5 * line.amplitude.powi(2) > HOLDS * band.power;
             let within = bands.iter().find(|band| inside(band, line));
-            within.is_none_or(holds) && is_steady(&blocks, line, axis.rate_hz)
+            within.is_none_or(holds)
+                && tone::p_steady(&axis, line.frequency_hz / axis.rate_hz) >= level
         })
         .collect();
     let wandering = bands
@@ -135,13 +127,4 @@ fn marks_of(samples: &Samples, number: usize, level: f64) -> Option<Vec<Mark>> {
 
 fn inside(band: &Band, line: &Line) -> bool {
     (band.ends_hz[0]..=band.ends_hz[1]).contains(&line.frequency_hz)
-}
-
-/// Whether one frequency explains what there is about a line: no noise that rings, nothing that
-/// strays.
-fn is_steady(blocks: &Blocks, line: &Line, rate_hz: f64) -> bool {
-    let seen = blocks.at(line.frequency_hz / rate_hz);
-    let (offset, gain) = seen.best_offset(0.0, 1.0, None);
-    let spread = ((2 * NEAR + 1) as f64).sqrt();
-    seen.left_over(offset, None, NEAR) < LEFT_SHARE * gain + 3.0 * spread
 }

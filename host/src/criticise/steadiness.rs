@@ -61,13 +61,8 @@ pub struct Unsteady {
 /// Strength of the whitened record in the band of the ordinates, at `ordinates.len()` moments, in
 /// units of its density.
 pub fn strengths(seen: &Seen, ordinates: Range<usize>) -> Vec<f64> {
-    over_time(seen, white(seen, ordinates))
-}
-
-fn white(seen: &Seen, ordinates: Range<usize>) -> Vec<Complex64> {
-    ordinates
-        .map(|k| seen.whole.ordinates()[k] / seen.density[k].sqrt())
-        .collect()
+    let white = ordinates.map(|k| seen.whole.ordinates()[k] / seen.density[k].sqrt());
+    over_time(seen, white.collect())
 }
 
 fn over_time(seen: &Seen, mut band: Vec<Complex64>) -> Vec<f64> {
@@ -76,25 +71,15 @@ fn over_time(seen: &Seen, mut band: Vec<Complex64>) -> Vec<f64> {
     band.iter().map(|value| value.norm_sqr() * unit).collect()
 }
 
-/// Takes what is left of the shape of the spectrum out of ordinates: each over the mean power about
-/// it.
-fn flatten(band: &mut [Complex64]) {
-    /// Ordinates on either side.
-    const REACH: usize = 64;
-    let sums: Vec<f64> = std::iter::once(0.0)
-        .chain(band.iter().scan(0.0, |sum, value| {
-            *sum += value.norm_sqr();
-            Some(*sum)
-        }))
-        .collect();
-    let last = band.len();
-    for (k, value) in band.iter_mut().enumerate() {
-        let (from, to) = (k.saturating_sub(REACH), (k + REACH + 1).min(last));
-        let mean = (sums[to] - sums[from]) / (to - from) as f64;
-        if mean > 0.0 {
-            *value /= mean.sqrt();
-        }
-    }
+/// Power in a band over time, at even moments, over its mean: of the record as it is, whether or not the band is left out.
+pub fn course(axis: &AxisState, band: &Range<f64>) -> Vec<f64> {
+    let seen = axis.whole();
+    let place = |f_hz: f64| (f_hz / seen.whole.frequency(1)) as usize;
+    let last = seen.whole.ordinates().len();
+    let ordinates = place(band.start).max(1)..(place(band.end) + 1).min(last);
+    let powers = over_time(&seen, seen.whole.ordinates()[ordinates].to_vec());
+    let mean = powers.iter().sum::<f64>() / powers.len().max(1) as f64;
+    powers.iter().map(|power| power / mean).collect()
 }
 
 /// The least steady band between the frequencies `within`, leaving out those of `apart`, if it is
@@ -125,34 +110,6 @@ pub fn unsteady(
         variance: 8.0 * best.mean,
         p_value,
     })
-}
-
-/// Score of a band's moments, each over the mean of those about it, in standard deviations: near zero
-/// where the power is that of noise at every moment though its strength changes slowly, negative
-/// for a tone, positive for shocks.
-pub fn locally(axis: &AxisState, band: Range<f64>) -> f64 {
-    /// Moments on either side of one that tell its strength.
-    const NEAR: usize = 16;
-    let seen = axis.whole();
-    let place = |f_hz: f64| (f_hz / seen.whole.frequency(1)) as usize;
-    let ordinates = place(band.start).max(1)..place(band.end).min(seen.top);
-    if ordinates.len() < LEAST_TILES {
-        return f64::NAN;
-    }
-    let counts = counting(axis, seen.whole.len(), ordinates.len());
-    let mut band = white(&seen, ordinates);
-    flatten(&mut band);
-    let strengths = over_time(&seen, band);
-    let (mut sum, mut number) = (0.0, 0.0);
-    let parts = strengths
-        .chunks_exact(2 * NEAR)
-        .zip(counts.chunks_exact(2 * NEAR));
-    for (part, counts) in parts {
-        let (score, tiles) = score(part, counts);
-        sum += score;
-        number += tiles;
-    }
-    sum * (48.0 / f64::max(number, 1.0)).sqrt()
 }
 
 /// The band that departs most so far.
@@ -375,8 +332,6 @@ mod tests {
                 found.from_hz > 260.0 && found.to_hz < 340.0,
                 "seed {seed}: {found:?}"
             );
-            let local = locally(&axis(seed, wandering(0.5)), 280.0..320.0);
-            assert!(local < -4.0, "seed {seed}: {local}");
         }
     }
 

@@ -137,7 +137,7 @@ pub fn run(
         ringing: false,
         restless: false,
         unsteady: Vec::new(),
-        breathing: Vec::new(),
+        kept: Vec::new(),
     };
     rounds.note_base();
     rounds.take_codes(values)?;
@@ -185,8 +185,8 @@ struct Rounds<'a> {
     ringing: bool,
     /// Whether the strength of the noise moves all the time: no business of bursts.
     restless: bool,
-    /// Bands of noise whose strength changes slowly.
-    breathing: Vec<std::ops::Range<f64>>,
+    /// Lines that were seen to lose no samples.
+    kept: Vec<f64>,
     /// Bands that no steady law speaks for.
     unsteady: Vec<Remark>,
 }

@@ -8,9 +8,6 @@ use crate::model::effect::Part;
 /// Share of the ordinates that a band may hold: a wider one is not a band but all of the noise.
 const NARROW: f64 = 0.25;
 
-/// Standard deviations up to which the moments of a band are those of noise.
-const LOCALLY: f64 = 4.0;
-
 /// Bands at most.
 const MOST: usize = 6;
 
@@ -23,13 +20,12 @@ const DECIDES: f64 = 0.1;
 impl Rounds<'_> {
     /// Takes the least steady band out of what fits and tests look at, and remarks on it.
     pub(super) fn steady(&mut self) -> Option<bool> {
-        if self.axis.apart.len() + self.breathing.len() >= MOST {
+        if self.axis.apart.len() == MOST {
             return Some(false);
         }
         let half_hz = 0.5 * self.axis.rate_hz;
         let mut apart = self.axis.apart.clone();
         apart.extend(self.switching_band());
-        apart.extend(self.breathing.iter().cloned());
         let Some(found) = steadiness::unsteady(self.axis, 0.0..half_hz, &apart, self.level())
         else {
             return Some(false);
@@ -45,15 +41,6 @@ impl Rounds<'_> {
             return Some(true);
         }
         let band = found.from_hz..found.to_hz;
-        if found.variance > 0.0
-            && is_peak(&band)
-            && steadiness::locally(self.axis, band.clone()).abs() < LOCALLY
-        {
-            // Noise that rings, of a strength that changes: its law holds for the mean.
-            self.unsteady.push(remark(&found));
-            self.breathing.push(band);
-            return Some(true);
-        }
         self.set_band_apart(&found, band);
         // What was named while the band was still in may have been named for it.
         self.withdraw("outliers");
@@ -85,6 +72,30 @@ impl Rounds<'_> {
             }
         }
         self.axis.apart[joined] = all;
+    }
+
+    /// Whether what happens at `samples` belongs to a band that was left out: its power is several
+    /// times as large there as on average.
+    pub(super) fn is_of_band(&self, samples: &[std::ops::Range<usize>]) -> bool {
+        /// How many times.
+        const SEVERAL: f64 = 3.0;
+        let length = self.axis.whole().whole.len() as f64;
+        self.axis.apart.iter().any(|band| {
+            let course = steadiness::course(self.axis, band);
+            let moment = |sample: usize| {
+                let at = sample as f64 / length * course.len() as f64;
+                (at as usize).min(course.len() - 1)
+            };
+            let (mut sum, mut count) = (0.0, 0.0);
+            for range in samples {
+                let moments = moment(range.start)..=moment(range.end);
+                // An event's largest power is near, but not always at its first moment.
+                let near = course[moments.start().saturating_sub(1)..=*moments.end()].iter();
+                sum += near.fold(0.0, |most: f64, power| most.max(*power));
+                count += 1.0;
+            }
+            count > 0.0 && sum > SEVERAL * count
+        })
     }
 
     /// Where two levels decide what the noise looks like: Gaussian it is not.
@@ -120,11 +131,6 @@ impl Rounds<'_> {
 
 fn place(band: &std::ops::Range<f64>) -> String {
     format!("{:.5} to {:.5} Hz", band.start, band.end)
-}
-
-/// Whether a band is about one frequency.
-fn is_peak(band: &std::ops::Range<f64>) -> bool {
-    band.end - band.start < 0.25 * (band.end + band.start)
 }
 
 /// In words.

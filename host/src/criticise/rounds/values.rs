@@ -9,7 +9,7 @@ use super::super::mend::Wave;
 use super::{CodeFindings, Rounds, Snapshot, named};
 
 /// How much further out an outlier must be where the strength of the noise moves.
-const RESTLESS: f64 = 1.5;
+const RESTLESS: f64 = 3.0;
 
 impl Rounds<'_> {
     /// Takes over what the values themselves say.
@@ -90,7 +90,13 @@ impl Rounds<'_> {
         if found.found.is_empty() {
             return Some(false);
         }
-        if impulses::together(&found.found, whole.len()) < self.level() {
+        let moments: Vec<_> = found
+            .found
+            .iter()
+            .map(|one| one.index..one.index + 1)
+            .collect();
+        let together = impulses::together(&found.found, whole.len()) < self.level();
+        if together || self.is_of_band(&moments) {
             self.ringing = true;
             return Some(false);
         }

@@ -29,7 +29,8 @@ impl Rounds<'_> {
             return Some(false);
         }
         // What is stronger in some band only is something else.
-        if even::p_value(&seen, &range) < self.level() {
+        let of_band = self.is_of_band(std::slice::from_ref(&range));
+        if of_band || even::p_value(&seen, &range) < self.level() {
             return Some(false);
         }
         let before = self.accepted.iter().filter(|one| one.effect == "burst");
@@ -95,11 +96,7 @@ impl Rounds<'_> {
     /// outliers only against the noise about them. Whether anything is taken back.
     fn restless_noise(&mut self) -> Option<bool> {
         self.restless = true;
-        let several = self.accepted.iter().filter(|one| one.effect == "burst");
-        let mut any = false;
-        if several.count() == MOST {
-            any |= self.withdraw("burst");
-        }
+        let mut any = self.withdraw("burst");
         any |= self.withdraw("outliers");
         if any {
             self.axis.refresh(true)?;
