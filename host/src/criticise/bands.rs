@@ -95,8 +95,8 @@ pub fn bands(values: &[f64], rate_hz: f64) -> Vec<Band> {
         .map(|&[low, high]| {
             let middle = |power: &dyn Fn(usize) -> f64| {
                 let (mut sum, mut first) = (0.0, 0.0);
-                for k in low..=high {
-                    let power = (power(k) - floor[k]).max(0.0);
+                for (k, floor) in floor.iter().enumerate().take(high + 1).skip(low) {
+                    let power = (power(k) - floor).max(0.0);
                     sum += power;
                     first += power * k as f64;
                 }

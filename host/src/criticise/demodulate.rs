@@ -74,9 +74,9 @@ impl Blocks {
 
     /// The same blocks of other values, their straight lines taken out again; what is not usable
     /// stays zero.
-    pub fn with(&self, values: Vec<f64>) -> Self {
+    pub fn with(&self, values: &[f64]) -> Self {
         let kept: Vec<bool> = self.values.iter().map(|value| *value != 0.0).collect();
-        Self::new(&values, self.usable.len(), |index| kept[index])
+        Self::new(values, self.usable.len(), |index| kept[index])
     }
 
     /// The record at `cycles` a sample.

@@ -154,8 +154,8 @@ mod tests {
                 all
             };
             let floor = blocks.floor(LEN as f64);
-            for k in LOWEST..HIGHEST {
-                let ratio = powers[k].norm_sqr() / LEN as f64 / floor.at(k as f64);
+            for (k, power) in powers.iter().enumerate().take(HIGHEST).skip(LOWEST) {
+                let ratio = power.norm_sqr() / LEN as f64 / floor.at(k as f64);
                 beyond += f64::from(ratio > 4.0);
                 expected += SlowFloor::tail(k as f64, 4.0);
                 total += 1.0;

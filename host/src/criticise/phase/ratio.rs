@@ -87,7 +87,7 @@ pub(super) fn cleaned(
         };
         wave.take_out(&mut left);
     }
-    let left = blocks.with(left);
+    let left = blocks.with(&left);
     lines
         .iter()
         .zip(turned)
@@ -173,7 +173,7 @@ impl Tables {
     /// The moment, in samples for blocks of `len`.
     pub(super) fn moment(&self, samples: usize, len: usize) -> Posterior {
         let gains = self.sum[samples - 1..].iter().step_by(self.longest);
-        let found = posterior(gains.copied());
+        let found = posterior(&gains.copied());
         let place = |blocks: f64| (self.first as f64 + blocks) * len as f64;
         Posterior {
             middle: place(found.middle),
@@ -268,7 +268,7 @@ pub(super) struct Posterior {
 }
 
 /// A whole number by its log-likelihoods from 0 on, all alike beforehand.
-pub(super) fn posterior(gains: impl Iterator<Item = f64> + Clone) -> Posterior {
+pub(super) fn posterior(gains: &(impl Iterator<Item = f64> + Clone)) -> Posterior {
     let highest = gains.clone().fold(f64::NEG_INFINITY, f64::max);
     let weights = || gains.clone().map(|gain| (gain - highest).exp());
     let total: f64 = weights().sum();
@@ -352,7 +352,7 @@ pub(super) fn zoom(
             here
         })
         .collect();
-    let found = posterior(gains.iter().copied());
+    let found = posterior(&gains.iter().copied());
     let from = from as f64;
     Posterior {
         middle: from + found.middle,
