@@ -8,6 +8,7 @@ use inm_tests::hidden::case::Plan;
 use inm_tests::hidden::effect::find;
 use inm_tests::hidden::judge::program::Program;
 use inm_tests::hidden::judge::trial::{Task, Trial, run_all};
+use inm_tests::hidden::outside;
 use inm_tests::hidden::strength::Strength;
 
 /// The kinds that the diagnosis is expected to name.
@@ -61,7 +62,10 @@ fn run(kinds: &[&[&str]], seeds: std::ops::RangeInclusive<u64>) -> Vec<Trial> {
         .flat_map(|names| seeds.clone().map(move |seed| (names, seed)))
         .map(|(names, seed)| Task {
             plan: Plan {
-                kinds: names.iter().filter_map(|name| find(name)).collect(),
+                kinds: names
+                    .iter()
+                    .filter_map(|name| find(name).or(outside::find(name)))
+                    .collect(),
                 strength: Strength::At(STRENGTH),
                 samples: SAMPLES,
             },
@@ -101,4 +105,23 @@ fn clean_records_are_left_in_peace() {
             .is_ok_and(|(score, _)| score.is_right())
     });
     assert!(wrong.is_empty(), "false alarms:\n{}", wrong.join("\n"));
+}
+
+#[test]
+fn what_no_catalogue_holds_gets_a_place_and_no_name() {
+    let names: Vec<[&str; 1]> = outside::KINDS.iter().map(|kind| [kind.name]).collect();
+    let kinds: Vec<&[&str]> = names.iter().map(|names| names.as_slice()).collect();
+    let trials = run(&kinds, 1..=1);
+    assert_eq!(trials.len(), outside::KINDS.len());
+    let wrong = wrong(&trials, |trial| {
+        trial
+            .result
+            .as_ref()
+            .is_ok_and(|(score, _)| score.extra.is_empty() && score.placed == Some(true))
+    });
+    assert!(
+        wrong.is_empty(),
+        "named, or not placed:\n{}",
+        wrong.join("\n")
+    );
 }

@@ -12,7 +12,7 @@
 //! rate: by Rice's formula the power over the floor exceeds `z` somewhere with probability at
 //! most `2 sqrt(z lambda / 2 pi) e^{-z}` times the band, `lambda` = half the variance of
 //! `2 pi t` over the record (for the untapered: `T sqrt(pi z / 3) e^{-z}` a hertz), averaged over
-//! the floor's own error; a tenth of the level belongs to slow lines ([`slow_floor`]), down to 64
+//! the floor's own error; a tenth of the level belongs to slow lines (`slow_floor`), down to 64
 //! cycles a record. The ends are tapered over 5 % each so that wander does not leak,
 //! which costs 1.9 % of amplitude.
 
