@@ -66,7 +66,7 @@ impl<const LEVELS: usize> AllanBins<LEVELS> {
 
     /// Accepts a run of codes; the result is the same bits as pushing them one by one.
     ///
-    /// For hosts: needs about 100 KiB of stack.
+    /// For hosts: needs about 110 KiB of stack.
     pub fn push_slice(&mut self, codes: &[i32]) {
         let mut scratch = Scratch::EMPTY;
         for block in codes.chunks(BLOCK) {

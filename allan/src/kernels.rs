@@ -1,14 +1,16 @@
-//! Sums of squared differences over a row of neighbouring knots, as fast as exactness allows.
+//! Sums of squares of integers, as fast as exactness allows.
 //!
-//! A row holds cumulative sums modulo 2^64. The caller knows a bound on the differences and the
-//! kernels choose the cheapest arithmetic that is exact below it:
+//! The caller knows a bound on the numbers and gets the cheapest arithmetic that is exact below it:
 //!
-//! - up to 2^28: differences modulo 2^32, squares of 32-bit numbers;
-//! - up to 2^51: 64-bit differences, squared in two halves of 26 bits;
-//! - up to 2^58: 64-bit differences, squared to 128 bits.
+//! - below 2^28: squares of 32-bit numbers;
+//! - below 2^51: squares in two halves of 26 bits;
+//! - up to 2^58: squares of 128 bits.
+//!
+//! Only a damaged state has numbers beyond their bound; its sums wrap then.
 //!
 //! They are plain loops that the compiler vectorises; [`with_vectors`] lets it use what the
-//! processor has.
+//! processor has. Differences over a row of knots have loops of their own
+//! ([`packed`](crate::packed)).
 
 /// Runs `work` with the widest vector instructions found at run time.
 #[inline]
@@ -19,9 +21,9 @@ pub(crate) fn with_vectors<R>(work: impl FnOnce() -> R) -> R {
     work()
 }
 
-/// Squares summed before a partial sum is moved to a wider one: 2^8 of 2^56 fit 64 bits.
+/// Squares summed before a partial sum is moved to a wider one: 2^8 of less than 2^56 fit 64 bits.
 pub(crate) const CHUNK: usize = 256;
-/// Largest magnitude whose square is taken in 32-bit arithmetic.
+/// Magnitudes below this are squared in 32-bit arithmetic.
 pub(crate) const NARROW: u64 = 1 << 28;
 /// Largest magnitude at all: 2^11 squares of 2^116 fit 128 bits.
 pub(crate) const WIDEST: u64 = 1 << 58;
@@ -30,131 +32,22 @@ const SPLIT: u64 = 1 << 51;
 const HALF_BITS: u32 = 26;
 const HALF_MASK: u64 = (1 << HALF_BITS) - 1;
 
-/// A row of cumulative sums modulo 2^64, and the same modulo 2^32.
-#[derive(Clone, Copy)]
-pub(crate) struct Row<'a> {
-    words: &'a [i64],
-    halves: &'a [i32],
-}
-
-impl<'a> Row<'a> {
-    /// Of `words`, with room for their halves.
-    #[inline(always)]
-    pub(crate) fn new(words: &'a [i64], halves: &'a mut [i32]) -> Self {
-        let halves = &mut halves[..words.len()];
-        for (half, &word) in halves.iter_mut().zip(words) {
-            *half = word as i32;
-        }
-        Self { words, halves }
-    }
-}
-
-/// Sum of the squares of `v[i] - 2 v[i-lag] + v[i-2 lag]` for `i` from `from` (at least `2 lag`) to
-/// the end, at most 2^11 of them of magnitude at most `bound`, itself at most [`WIDEST`].
-#[inline(always)]
-pub(crate) fn second_differences(row: Row<'_>, lag: usize, from: usize, bound: u64) -> u128 {
-    if bound <= NARROW {
-        chunks(
-            row.halves.len(),
-            from,
-            #[inline(always)]
-            |from, to| {
-                let part = |lags: usize| &row.halves[from - lags * lag..to - lags * lag];
-                let knots = part(2).iter().zip(part(1)).zip(part(0));
-                narrow(knots.map(|((old, middle), new)| {
-                    new.wrapping_sub(*middle)
-                        .wrapping_sub(middle.wrapping_sub(*old))
-                }))
-            },
-        )
-    } else {
-        chunks(
-            row.words.len(),
-            from,
-            #[inline(always)]
-            |from, to| {
-                let part = |lags: usize| &row.words[from - lags * lag..to - lags * lag];
-                let knots = part(2).iter().zip(part(1)).zip(part(0));
-                wider(
-                    bound,
-                    knots.map(|((old, middle), new)| {
-                        new.wrapping_sub(*middle)
-                            .wrapping_sub(middle.wrapping_sub(*old))
-                    }),
-                )
-            },
-        )
-    }
-}
-
-/// Sum of the squares of `v[i] - 3 v[i-lag] + 3 v[i-2 lag] - v[i-3 lag]`, likewise.
-#[inline(always)]
-pub(crate) fn third_differences(row: Row<'_>, lag: usize, from: usize, bound: u64) -> u128 {
-    if bound <= NARROW {
-        chunks(
-            row.halves.len(),
-            from,
-            #[inline(always)]
-            |from, to| {
-                let part = |lags: usize| &row.halves[from - lags * lag..to - lags * lag];
-                let knots = part(3).iter().zip(part(2)).zip(part(1)).zip(part(0));
-                narrow(knots.map(|(((oldest, old), middle), new)| {
-                    let inner = middle.wrapping_sub(*old);
-                    new.wrapping_sub(*oldest)
-                        .wrapping_sub(inner.wrapping_mul(3))
-                }))
-            },
-        )
-    } else {
-        chunks(
-            row.words.len(),
-            from,
-            #[inline(always)]
-            |from, to| {
-                let part = |lags: usize| &row.words[from - lags * lag..to - lags * lag];
-                let knots = part(3).iter().zip(part(2)).zip(part(1)).zip(part(0));
-                wider(
-                    bound,
-                    knots.map(|(((oldest, old), middle), new)| {
-                        let inner = middle.wrapping_sub(*old);
-                        let thrice = inner.wrapping_add(inner).wrapping_add(inner);
-                        new.wrapping_sub(*oldest).wrapping_sub(thrice)
-                    }),
-                )
-            },
-        )
-    }
-}
-
 /// Squares of at most [`CHUNK`] numbers of magnitude up to `bound`, itself at most [`WIDEST`].
 #[inline(always)]
 pub(crate) fn squares(bound: u64, differences: impl Iterator<Item = i64>) -> u128 {
-    if bound <= NARROW {
+    if bound < NARROW {
         narrow(differences.map(|difference| difference as i32))
     } else {
         wider(bound, differences)
     }
 }
 
-/// Adds up what `sum` gives for chunks of the indices from `from` to `len`.
-#[inline(always)]
-fn chunks(len: usize, from: usize, sum: impl Fn(usize, usize) -> u128) -> u128 {
-    let mut total = 0;
-    let mut begin = from;
-    while begin < len {
-        let end = len.min(begin + CHUNK);
-        total += sum(begin, end);
-        begin = end;
-    }
-    total
-}
-
-/// Squares of at most [`CHUNK`] numbers of magnitude up to [`NARROW`].
+/// Squares of at most [`CHUNK`] numbers of magnitude below [`NARROW`].
 #[inline(always)]
 fn narrow(differences: impl Iterator<Item = i32>) -> u128 {
     // Of magnitudes, since SSE2 multiplies unsigned numbers only.
     let square = |d: i32| u64::from(d.unsigned_abs()) * u64::from(d.unsigned_abs());
-    u128::from(differences.fold(0_u64, |sum, d| sum + square(d)))
+    u128::from(differences.fold(0_u64, |sum, d| sum.wrapping_add(square(d))))
 }
 
 /// Squares of at most [`CHUNK`] numbers of magnitude up to `bound`.
@@ -197,6 +90,21 @@ fn split(differences: impl Iterator<Item = i64>) -> u128 {
 fn full(differences: impl Iterator<Item = i64>) -> u128 {
     differences.fold(0_u128, |sum, difference| {
         let magnitude = u128::from(difference.unsigned_abs());
-        sum + magnitude * magnitude
+        sum.wrapping_add(magnitude * magnitude)
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_whole_chunk_at_each_limit() {
+        for bound in [NARROW - 1, NARROW, SPLIT - 1, SPLIT, WIDEST] {
+            let magnitude = bound as i64;
+            let numbers = (0..CHUNK).map(|i| [magnitude, -magnitude][i % 2]);
+            let expected = u128::from(bound) * u128::from(bound) * CHUNK as u128;
+            assert_eq!(squares(bound, numbers), expected, "up to {bound}");
+        }
+    }
 }

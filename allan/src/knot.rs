@@ -14,6 +14,9 @@ pub(crate) trait Knot: core::fmt::Debug + Copy + PartialEq {
     /// Before the first sample.
     const ORIGIN: Self;
 
+    /// Whether the sum of sums is kept.
+    const DOUBLES: bool;
+
     /// The sum modulo 2^64.
     fn sum_word(self) -> u64;
 
@@ -55,6 +58,7 @@ pub(crate) struct SumKnot(u64);
 impl Knot for SumKnot {
     type Running = Self;
     const ORIGIN: Self = Self(0);
+    const DOUBLES: bool = false;
 
     #[inline]
     fn sum_word(self) -> u64 {
@@ -173,6 +177,7 @@ impl Knot for PairKnot {
         double_low: 0,
         high: 0,
     };
+    const DOUBLES: bool = true;
 
     #[inline]
     fn sum_word(self) -> u64 {

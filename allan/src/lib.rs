@@ -53,6 +53,8 @@ mod history;
 mod kernels;
 mod knot;
 mod merge;
+mod packed;
+mod row;
 mod state;
 mod statistic;
 mod sums;

@@ -211,3 +211,24 @@ fn states_that_do_not_meet_refuse() {
     left.skip(1);
     assert_eq!(left.merge(&right), Ok(()));
 }
+
+/// The block kernels choose their arithmetic by the size of the differences: sums that swing
+/// between two values make all of them as large as the bound allows, at and beside each limit.
+#[test]
+fn differences_at_the_limits_of_the_arithmetic() {
+    for exponent in 17..31 {
+        for code in (-1..=1).map(|beside| (1 << exponent) + beside) {
+            for period in [1, 5, 40] {
+                let codes: Vec<i32> = (0..2500).map(|i| [code, -code][i / period % 2]).collect();
+                let mut bins = Bins::<LEVELS>::new();
+                bins.push_slice(&codes);
+                let runs = vec![(0, codes)];
+                for statistic in ALL {
+                    let points: Vec<_> = bins.points(statistic).collect();
+                    let context = format!("swings by {code}, period {period}");
+                    assert_equals_direct(&points, statistic, &runs, &context);
+                }
+            }
+        }
+    }
+}

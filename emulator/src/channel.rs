@@ -52,6 +52,8 @@ pub struct Channel {
     ramp: i64,
     walk: i64,
     flicker: Flicker,
+    /// What acts on the sensing element beside gravity, 2^-32 steps.
+    outside: i64,
     /// Level ahead of the pole, steps.
     level: i64,
     /// State of the pole, 2^-20 steps.
@@ -85,10 +87,17 @@ impl Channel {
             ramp: 0,
             walk: 0,
             flicker,
+            outside: 0,
             level,
             output: level << FAST_FRACTION,
             velocity: 255,
         }
+    }
+
+    /// Lets an acceleration act on the sensing element from the next conversion on, beside gravity
+    /// and in the same way: in 2^-32 steps of the code ([`Sensor::steps_per_m_s2`]).
+    pub fn act(&mut self, acceleration: i64) {
+        self.outside = acceleration;
     }
 
     /// The slow terms of the next conversion.
@@ -103,7 +112,8 @@ impl Channel {
             .rest
             .saturating_add(self.ramp)
             .saturating_add(self.walk)
-            .saturating_add(flicker);
+            .saturating_add(flicker)
+            .saturating_add(self.outside);
         self.level = sum >> SLOW_FRACTION;
     }
 

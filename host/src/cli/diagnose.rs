@@ -1,7 +1,6 @@
 //! `inm diagnose`: what a simulation of the fitted model gets wrong about a record, why, and what
 //! is gained by mending it.
 
-use std::io::Write;
 use std::process::ExitCode;
 
 use clap::Args;
@@ -9,14 +8,19 @@ use indicatif::ProgressBar;
 
 use super::input::InputOptions;
 use super::output::write_to;
+use super::results::ResultOptions;
+use crate::bins::record::Account;
 use crate::criticise::diagnose::diagnose;
-use crate::criticise::finding::Diagnosis;
+use crate::criticise::finding::{AxisDiagnosis, Diagnosis};
 use crate::criticise::reference::clock;
 use crate::criticise::rounds::Options;
 use crate::criticise::samples::Samples;
 use crate::report;
 use crate::source::open::open;
 use crate::source::options::Selector;
+
+/// Probability of any finding where nothing is hidden, unless told otherwise.
+pub(super) const FAMILY_LEVEL: f64 = 0.005;
 
 /// Exit status where something is left unexplained.
 const UNEXPLAINED: u8 = 1;
@@ -35,11 +39,13 @@ pub struct DiagnoseCommand {
     #[arg(long, value_name = "FILE")]
     reference: Option<String>,
     /// Probability of any finding where nothing is hidden.
-    #[arg(long, value_name = "P", default_value_t = 0.005)]
+    #[arg(long, value_name = "P", default_value_t = FAMILY_LEVEL)]
     level: f64,
-    /// Write the result as JSON to this file; - is standard output, in place of the text.
-    #[arg(long, value_name = "OUT")]
-    json: Option<String>,
+    /// Write the extended model to this file, as `inm simulate --model` reads it.
+    #[arg(long, value_name = "OUT.json")]
+    model: Option<String>,
+    #[command(flatten)]
+    results: ResultOptions,
 }
 
 impl DiagnoseCommand {
@@ -81,22 +87,13 @@ impl DiagnoseCommand {
                 axes[number].findings.push(finding);
             }
         }
-        let diagnosis = Diagnosis {
-            schema: crate::analyse::SCHEMA,
-            source: crate::analyse::summary(&samples.signal, &account),
-            family_level: self.level,
-            axes,
-        };
-        if let Some(path) = &self.json {
+        let diagnosis = result(&samples, &account, self.level, axes);
+        if let Some(path) = &self.model {
             write_to(path, |mut output| {
-                report::json::write(&diagnosis, &mut output)
+                report::json::write(&diagnosis.model(), &mut output)
             })?;
         }
-        if self.json.as_deref() != Some("-") {
-            let mut output = std::io::stdout().lock();
-            output.write_all(report::diagnosis_text::render(&diagnosis).as_bytes())?;
-            output.flush()?;
-        }
+        self.results.write(&diagnosis)?;
         let left = diagnosis
             .axes
             .iter()
@@ -127,5 +124,20 @@ impl DiagnoseCommand {
             *value += mean;
         }
         Ok(values)
+    }
+}
+
+/// The result for the axes of a record.
+pub(super) fn result(
+    samples: &Samples,
+    account: &Account,
+    family_level: f64,
+    axes: Vec<AxisDiagnosis>,
+) -> Diagnosis {
+    Diagnosis {
+        schema: crate::analyse::SCHEMA,
+        source: crate::analyse::summary(&samples.signal, account),
+        family_level,
+        axes,
     }
 }

@@ -1,52 +1,47 @@
-//! Where the result of an analysis goes, shared by the subcommands that make one.
+//! Where the result of an analysis or a diagnosis goes, shared by the subcommands that make one.
 
 use std::io::Write;
 
 use clap::Args;
 
 use super::output::write_to;
-use crate::analyse::Analysis;
-use crate::report;
+use crate::report::{self, Report};
 use crate::source::audit::Proof;
 
-/// Files for the result; the table on the terminal comes in any case.
+/// Files for the result; the text on the terminal comes in any case.
 #[derive(Debug, Clone, Default, Args)]
 #[command(next_help_heading = "Results")]
 pub struct ResultOptions {
-    /// Write the result as JSON to this file; - is standard output, in place of the table.
+    /// Write the result as JSON to this file; - is standard output, in place of the text.
     #[arg(long, value_name = "OUT")]
     pub json: Option<String>,
     /// Write a self-contained page with plots to this file.
     #[arg(long, value_name = "OUT.html")]
     pub report: Option<String>,
-    /// Write the plots of Allan deviation and spectrum to this file as a bitmap.
+    /// Write the plots to this file as a bitmap.
     #[arg(long, value_name = "OUT.png")]
     pub png: Option<String>,
 }
 
 impl ResultOptions {
-    /// Writes the files that were asked for, and the table.
+    /// Writes the files that were asked for, and the text.
     ///
     /// # Errors
     /// If a file cannot be written; the message names it.
-    pub fn write(&self, analysis: &Analysis) -> anyhow::Result<()> {
+    pub fn write(&self, result: &impl Report) -> anyhow::Result<()> {
         if let Some(path) = &self.json {
-            write_to(path, |mut output| {
-                report::json::write(analysis, &mut output)
-            })?;
+            write_to(path, |mut output| report::json::write(result, &mut output))?;
         }
         if let Some(path) = &self.report {
-            write_to(path, |output| {
-                output.write_all(report::html::render(analysis).as_bytes())
-            })?;
+            write_to(path, |output| output.write_all(result.page().as_bytes()))?;
         }
         if let Some(path) = &self.png {
-            let bitmap = report::png::render(analysis)?;
+            let bitmap = result.bitmap()?;
             write_to(path, |output| output.write_all(&bitmap))?;
         }
         if self.json.as_deref() != Some("-") {
             let mut output = std::io::stdout().lock();
-            output.write_all(report::text::render(analysis).as_bytes())?;
+            output.write_all(result.text().as_bytes())?;
             output.flush()?;
         }
         Ok(())

@@ -3,13 +3,16 @@
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
+use super::bursts::{self, Powers};
 use super::frame::Frame;
 use super::laws::{self, Law, search};
+use super::levels::Jump;
 use super::mend::{Mended, block_means, bridge};
 use super::whole::{Transformer, Whole};
 use crate::chain::Chain;
 use crate::fit::likelihood::{Data, Fit};
 use crate::model::effect::Part;
+use crate::spectrum::{Line, record_lines};
 
 /// Points of the table of densities.
 const TABLE: usize = 2048;
@@ -26,6 +29,9 @@ const GUARD: [usize; 2] = [256, 1 << 14];
 
 /// Time constants of the whitening filter for which it remembers where noise was cut.
 const MEMORY: f64 = 5.0;
+
+/// The least behind a converter's filter, which ties samples further apart together.
+const FILTERED_GUARD: usize = 2048;
 
 /// Samples at both ends of the record that they leave out: the ring closes there.
 const SEAM: usize = 1024;
@@ -68,7 +74,9 @@ pub struct AxisState {
     unusable: Vec<Range<usize>>,
     fast: Transformer,
     seen: OnceLock<Arc<Seen>>,
+    powers: OnceLock<Arc<Powers>>,
     starts: OnceLock<Option<Arc<search::Starts>>>,
+    lines: OnceLock<Vec<Line>>,
 }
 
 /// The mended record's transform, closed into a ring, and the densities that whiten it.
@@ -83,7 +91,7 @@ pub struct Seen {
 
 impl AxisState {
     /// An axis with nothing known. `None` where the record is too short, or all the same.
-    pub fn new(measured: Vec<f64>, rate_hz: f64, chain: Option<&Chain>) -> Option<Self> {
+    pub fn new(measured: Arc<Vec<f64>>, rate_hz: f64, chain: Option<&Chain>) -> Option<Self> {
         let frame = Frame::new(&measured, rate_hz, chain)?;
         let fast = Transformer::new(measured.len());
         let data = frame.measure(&measured);
@@ -101,7 +109,9 @@ impl AxisState {
             unusable: Vec::new(),
             fast,
             seen: OnceLock::new(),
+            powers: OnceLock::new(),
             starts: OnceLock::new(),
+            lines: OnceLock::new(),
         };
         state.refresh(false)?;
         Some(state)
@@ -112,6 +122,7 @@ impl AxisState {
     pub fn refresh(&mut self, regrid: bool) -> Option<()> {
         let mut values = self.mended.values();
         self.seen = OnceLock::new();
+        self.powers = OnceLock::new();
         if regrid {
             self.starts = OnceLock::new();
             self.frame = Frame::new(&values, self.rate_hz, self.chain.as_ref())?;
@@ -131,8 +142,38 @@ impl AxisState {
                 _ => self.unusable.push(wide),
             }
         }
-        self.filled = values;
+        // A new law leaves the record as it was.
+        if self.filled != values {
+            self.filled = values;
+            self.lines = OnceLock::new();
+        }
         Some(())
+    }
+
+    /// Keeps tests of single moments off what a converter's filter makes of a jump, until all is
+    /// brought up to date.
+    pub fn set_aside(&mut self, jump: &Jump) {
+        self.lines = OnceLock::new();
+        if self.is_filtered() {
+            let range = jump.index.saturating_sub(SPREAD)..jump.index + SPREAD;
+            let place = self.unusable.partition_point(|one| one.start < range.start);
+            self.unusable.insert(place, range);
+        }
+    }
+
+    /// Whether a converter's filter stands before the samples.
+    fn is_filtered(&self) -> bool {
+        let chain = self.chain.as_ref();
+        chain.is_some_and(|chain| chain.converter.is_some())
+    }
+
+    /// Leaves out what a converter's filter makes of the jumps, and brings all up to date.
+    pub fn refresh_jumps(&mut self) -> Option<()> {
+        let filtered = self.is_filtered();
+        if filtered {
+            self.mended.spread = self.mended.about_jumps(SPREAD).collect();
+        }
+        self.refresh(filtered)
     }
 
     /// Samples that what whitens the record remembers a cut for. Noise whose density rises with the
@@ -151,19 +192,13 @@ impl AxisState {
             }
         }
         let samples = rises.map_or(0.0, |cycles| MEMORY / (std::f64::consts::TAU * cycles));
-        (samples as usize).clamp(GUARD[0], GUARD[1])
-    }
-
-    /// Leaves out what a converter's filter makes of the jumps, and brings all up to date.
-    pub fn refresh_jumps(&mut self) -> Option<()> {
-        let filtered = self
-            .chain
-            .as_ref()
-            .is_some_and(|chain| chain.converter.is_some());
-        if filtered {
-            self.mended.spread = self.mended.about_jumps(SPREAD).collect();
-        }
-        self.refresh(filtered)
+        let [least, most] = GUARD;
+        let least = if self.is_filtered() {
+            FILTERED_GUARD
+        } else {
+            least
+        };
+        (samples as usize).clamp(least, most)
     }
 
     /// Whether tests of single moments may look at a sample.
@@ -171,10 +206,10 @@ impl AxisState {
         if index < SEAM || index + SEAM >= self.fast.len() {
             return false;
         }
-        let next = self.unusable.partition_point(|range| range.end <= index);
-        self.unusable
-            .get(next)
-            .is_none_or(|range| index < range.start)
+        // They overlap where one was added: no more than two can reach a sample.
+        let after = self.unusable.partition_point(|range| range.start <= index);
+        let near = self.unusable[..after].iter().rev().take(2);
+        near.into_iter().all(|range| range.end <= index)
     }
 
     /// Transform of the mended record and what whitens it; made once for each state.
@@ -192,6 +227,25 @@ impl AxisState {
             })
         });
         Arc::clone(seen)
+    }
+
+    /// Power of the whitened record over time; made once for each state.
+    pub fn powers(&self) -> Arc<Powers> {
+        let powers = self.powers.get_or_init(|| {
+            let seen = self.whole();
+            let powers = bursts::powers(&seen.whole, &seen.density, |n| self.usable(n));
+            Arc::new(powers)
+        });
+        Arc::clone(powers)
+    }
+
+    /// Lines of the mended record at a family-wise `level`, the same for each of its states.
+    pub fn lines(&self, level: f64) -> &[Line] {
+        self.lines.get_or_init(|| {
+            let mut record: &[f64] = &self.filled;
+            let Ok(found) = record_lines::search(&mut record, self.rate_hz, level);
+            found
+        })
     }
 
     /// Where searches for laws begin; `None` without bins.

@@ -3,13 +3,95 @@
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, DefaultHasher};
 
+use super::impulses::middle_spread;
+use super::samples::AxisSamples;
 use super::tail;
+use crate::signal::Axis;
+use crate::source::Values;
 
 /// Distinct values that are counted; with more, the values lie on no coarse grid.
 const DISTINCT: usize = 1 << 17;
 
 /// Samples that the first look takes.
 const LOOK: usize = 1 << 20;
+
+/// Step of a grid over the short-term noise below which chance repeats can be foretold: with few
+/// steps in the noise its law, which a correlation of neighbours or a dither changes, decides.
+const SPANNED: f64 = 0.25;
+
+/// What the values themselves say.
+#[derive(Debug, Clone, Default)]
+pub struct CodeFindings {
+    /// Repeats, and where they are.
+    pub stale: Option<(Stale, Vec<usize>)>,
+    /// Pile-ups, and where they are.
+    pub clipping: Vec<(Clipping, Vec<usize>)>,
+    /// Step of the values that is coarser than declared, beside the short-term noise.
+    pub coarse: Option<f64>,
+    /// Largest size of a value: what its rounding is a share of.
+    pub largest: f64,
+}
+
+impl CodeFindings {
+    /// Of an axis in its unit, `measured` about its `mean`, at the `level` of one test.
+    pub fn new(
+        record: &AxisSamples,
+        signal: &Axis,
+        level: f64,
+        measured: &[f64],
+        mean: f64,
+    ) -> Self {
+        let declared = matches!(record.raw(), Values::Codes(_)).then_some(signal.scale);
+        let grid = grid(measured);
+        let increments: Vec<f64> = measured
+            .windows(2)
+            .map(|pair| pair[1] - pair[0])
+            .filter(|step| step.is_finite())
+            .collect();
+        // From the spread of increments, so that wander does not count.
+        let noise = middle_spread(&increments).max(
+            increments
+                .iter()
+                .map(|step| step * step)
+                .sum::<f64>()
+                .sqrt()
+                / (increments.len() as f64).sqrt()
+                * 0.5,
+        ) / std::f64::consts::SQRT_2;
+        let coarse = grid.filter(|&step| {
+            let coarser = declared.is_none_or(|declared| step > 1.5 * declared.abs());
+            coarser && step > 0.25 * noise
+        });
+        // On a grid that the noise does not span, repeats are no news.
+        let spanned = grid.is_none_or(|step| step < SPANNED * noise);
+        let stale = stale(measured, grid, level).filter(|_| spanned);
+        let repeats = || {
+            (1..measured.len())
+                .filter(|&n| measured[n] == measured[n - 1])
+                .collect()
+        };
+        Self {
+            stale: stale.map(|stale| (stale, repeats())),
+            clipping: clipping(measured, grid, level)
+                .into_iter()
+                .map(|one| {
+                    let reached = |value: f64| one.side * value >= one.side * one.level;
+                    let places = (0..measured.len()).filter(|&n| reached(measured[n]));
+                    let about_zero = Clipping {
+                        level: one.level + mean,
+                        ..one
+                    };
+                    (about_zero, places.collect())
+                })
+                .collect(),
+            coarse,
+            largest: measured
+                .iter()
+                .filter(|value| value.is_finite())
+                .fold(mean.abs(), |most, value| most.max((value + mean).abs())),
+        }
+    }
+}
 
 /// Samples that repeat the one before.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,37 +2,34 @@
 
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use super::axis::AxisState;
-use super::codes;
+use super::codes::CodeFindings;
+use super::coefficients::{coefficients, coefficients_of, even_density};
 use super::coherence::{self, Common};
-use super::finding::{AxisDiagnosis, Base, Coefficient, Final, Finding, Gain, Value};
+use super::finding::{AxisDiagnosis, Base, Final, Finding, Gain, Value};
 use super::frame::Frame;
 use super::gain::laws::Ordinates;
+use super::gain::size::Sizes;
 use super::gain::{self, Halves, HeldCurve};
-use super::impulses::middle_spread;
 use super::laws;
-use super::rounds::{self, Accepted, CodeFindings, Options, Snapshot};
-use super::samples::{AxisSamples, Samples};
+use super::rounds::{self, Accepted, Options, Snapshot};
+use super::samples::Samples;
+use super::views::{Before, Models, Views};
 use crate::fit::likelihood::Fit;
 use crate::fit::likelihood::components::SEEN;
 use crate::model::catalogue;
 use crate::model::effect::Effect;
 use crate::model::whole::{ModelAxis, ModelEffect};
 use crate::model::{Coefficient as Letter, PerCoefficient};
-use crate::signal::Axis;
-use crate::source::Values;
 
 /// Samples below which no spectrum is worth the name.
 const LEAST: usize = 1 << 13;
 
-/// Step of a grid over the short-term noise below which chance repeats can be foretold: with few
-/// steps in the noise its law, which a correlation of neighbours or a dither changes, decides.
-const SPANNED: f64 = 0.25;
-
-/// Standard deviations of a one-sided 5 % test, and of a 95 % interval.
-const ONE_SIDED: f64 = 1.644_854;
-const TWO_SIDED: f64 = 1.959_964;
+/// Samples of an axis above which the axes wait for one another: each needs some hundred bytes a
+/// sample.
+const LONG: usize = 1 << 22;
 
 /// Effects that may be refused before the rest is taken as it is.
 const MOST_REFUSED: usize = 4;
@@ -68,11 +65,27 @@ pub fn diagnose(
     mut progress: impl FnMut(usize),
 ) -> Result<Vec<AxisDiagnosis>, Refused> {
     let (mut axes, mut residuals) = (Vec::new(), Vec::new());
-    for number in 0..samples.axes.len() {
-        let (axis, residual) = diagnose_axis(samples, number, options)?;
-        axes.push(axis);
-        residuals.push(residual);
-        progress(number);
+    let numbers: Vec<usize> = (0..samples.axes.len()).collect();
+    let beside = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let at_once = if samples.len() > LONG { 1 } else { beside };
+    for some in numbers.chunks(at_once) {
+        let done: Vec<_> = std::thread::scope(|scope| {
+            let workers: Vec<_> = some
+                .iter()
+                .map(|&number| scope.spawn(move || diagnose_axis(samples, number, options)))
+                .collect();
+            let joined = workers.into_iter().map(std::thread::ScopedJoinHandle::join);
+            // A panic goes on where it came from.
+            joined
+                .map(|one| one.unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+                .collect()
+        });
+        for one in done {
+            let (axis, residual) = one?;
+            progress(axes.len());
+            axes.push(axis);
+            residuals.push(residual);
+        }
     }
     for common in coherence::common(&residuals, samples.signal.rate_hz, options.level()) {
         axes[common.axis].findings.push(common_finding(&common));
@@ -129,12 +142,15 @@ fn diagnose_axis(
         axis: signal.name.clone(),
     };
     let mean = mean - signal.zero * signal.scale;
-    let values = code_findings(record, signal, options.level(), &measured, mean);
+    let measured = Arc::new(measured);
+    let values = CodeFindings::new(record, signal, options.level(), &measured, mean);
     let mut refused: Vec<&'static str> = Vec::new();
+    let mut before: Option<Before> = None;
     let (axis, base_fit, outcome, nats) = loop {
-        let mut axis = AxisState::new(measured.clone(), rate_hz, signal.chain.as_ref())
+        let mut axis = AxisState::new(Arc::clone(&measured), rate_hz, signal.chain.as_ref())
             .ok_or_else(constant)?;
         let base_fit = axis.fit.clone();
+        before.get_or_insert_with(|| Before::new(&axis));
         let outcome = rounds::run(&mut axis, options, &values, &refused).ok_or_else(constant)?;
         let nats = held_out(&axis, &outcome.accepted);
         // What gains nothing on data that it was not fitted to is no effect.
@@ -165,30 +181,40 @@ fn diagnose_axis(
         |model: &ModelAxis, snapshot: &Snapshot| gain::allan_error(&axis, &held, model, snapshot);
     let base = model(&base_snapshot, &base_fit);
     let base_error = error(&base, &base_snapshot);
-    let last_snapshot = outcome
-        .accepted
-        .last()
-        .map_or_else(|| base_snapshot.clone(), |one| one.with.clone());
+    let last_snapshot = Snapshot::of(&axis);
     let stationary = model(&last_snapshot, &axis.fit);
     let last_error = error(&stationary, &last_snapshot);
+    let sizes = Sizes::new(&axis, &held, &stationary, &last_snapshot);
     let mut findings = Vec::new();
-    for (index, one) in outcome.accepted.iter().enumerate() {
+    for (one, nats) in outcome.accepted.iter().zip(nats) {
         let before = model(&one.without, &one.before);
-        let after_fit = outcome
-            .accepted
-            .get(index + 1)
-            .map_or(&axis.fit, |next| &next.before);
-        let after = model(&one.with, after_fit);
+        let after = model(&one.with, &one.after);
         findings.push(finding(
             one,
             Gain {
-                heldout_nats: nats[index],
+                heldout_nats: nats,
+                allan_change_percent: sizes.change_percent(one),
                 allan_error_percent_before: error(&before, &one.without).map(|error| error.0),
                 allan_error_percent_after: error(&after, &one.with).map(|error| error.0),
             },
         ));
     }
-    let named = named_effects(&findings);
+    let mut net = axis.fit.squared.clone();
+    if let Some(white) = SEEN.iter().position(|one| *one == Letter::N) {
+        net[white] = (net[white] - even_density(&axis, &outcome.accepted)).max(0.0);
+    }
+    let whole = ModelAxis {
+        coefficients: gain::coefficients(&net),
+        effects: named_effects(&findings),
+        ..stationary.clone()
+    };
+    let models = Models {
+        base: &base,
+        noise: &stationary,
+        whole: &whole,
+    };
+    let before = before.unwrap_or_else(|| Before::new(&axis));
+    let views = Views::new(&axis, before, models, &findings, mean);
     let residual = axis.mended.values().iter().map(|&v| v as f32).collect();
     let diagnosis = AxisDiagnosis {
         name: signal.name.clone(),
@@ -201,15 +227,13 @@ fn diagnose_axis(
         },
         unexplained: outcome.unexplained,
         last: Final {
-            model: ModelAxis {
-                effects: named,
-                ..stationary
-            },
-            coefficients: coefficients(&axis.fit),
+            model: whole,
+            coefficients: coefficients(&net, &outcome.squares_sd),
             allan_error_percent: last_error.map(|error| error.0),
             allan_error_sampling_percent: last_error.map(|error| error.1),
         },
         findings,
+        views,
     };
     Ok((diagnosis, residual))
 }
@@ -241,14 +265,28 @@ fn named_effects(findings: &[Finding]) -> Vec<ModelEffect> {
     findings
         .iter()
         .filter_map(|finding| {
-            let parameters = finding
+            let mut parameters: BTreeMap<String, f64> = finding
                 .parameters
                 .iter()
                 .map(|(name, value)| (name.clone(), value.value))
                 .collect();
+            if finding.effect == "hum" {
+                fill_harmonics(&mut parameters);
+            }
             ModelEffect::new(&finding.effect, &parameters).ok()
         })
         .collect()
+}
+
+/// A model file numbers harmonics without holes: those that were not found are zero.
+fn fill_harmonics(parameters: &mut BTreeMap<String, f64>) {
+    let number = |name: &String| name.strip_prefix("amplitude_")?.parse().ok();
+    let last: u32 = parameters.keys().filter_map(number).max().unwrap_or(0);
+    for number in 1..=last {
+        parameters
+            .entry(format!("amplitude_{number}"))
+            .or_insert(0.0);
+    }
 }
 
 /// The laws of a snapshot with the sizes of a fit that has them.
@@ -291,84 +329,6 @@ fn finding(one: &Accepted, gain: Gain) -> Finding {
         p_value: one.p_value,
         rivals: one.rivals.clone(),
         gain,
-        without: PerCoefficient::from_fn(|letter| coefficients(&one.before).get(letter).value),
-    }
-}
-
-/// The coefficients of a fit with intervals by its covariance.
-fn coefficients(fit: &Fit) -> PerCoefficient<Coefficient> {
-    PerCoefficient::from_fn(|letter| {
-        let Some(place) = SEEN.iter().position(|seen| *seen == letter) else {
-            return Coefficient::default();
-        };
-        let (squared, sd) = (fit.squared[place], fit.covariance[(place, place)].sqrt());
-        let root = |square: f64| square.max(0.0).sqrt();
-        let identified = squared > ONE_SIDED * sd && letter != Letter::R;
-        Coefficient {
-            value: identified.then(|| root(squared)),
-            lo: identified.then(|| root(squared - TWO_SIDED * sd)),
-            hi: identified.then(|| root(squared + TWO_SIDED * sd)),
-            identified,
-            upper: Some(root(squared + ONE_SIDED * sd)),
-        }
-    })
-}
-
-/// What the values themselves say.
-fn code_findings(
-    record: &AxisSamples,
-    signal: &Axis,
-    level: f64,
-    measured: &[f64],
-    mean: f64,
-) -> CodeFindings {
-    let declared = matches!(record.raw(), Values::Codes(_)).then_some(signal.scale);
-    let grid = codes::grid(measured);
-    let increments: Vec<f64> = measured
-        .windows(2)
-        .map(|pair| pair[1] - pair[0])
-        .filter(|step| step.is_finite())
-        .collect();
-    // From the spread of increments, so that wander does not count.
-    let noise = middle_spread(&increments).max(
-        increments
-            .iter()
-            .map(|step| step * step)
-            .sum::<f64>()
-            .sqrt()
-            / (increments.len() as f64).sqrt()
-            * 0.5,
-    ) / std::f64::consts::SQRT_2;
-    let coarse = grid.filter(|&step| {
-        let coarser = declared.is_none_or(|declared| step > 1.5 * declared.abs());
-        coarser && step > 0.25 * noise
-    });
-    // On a grid that the noise does not span, repeats are no news.
-    let spanned = grid.is_none_or(|step| step < SPANNED * noise);
-    let stale = codes::stale(measured, grid, level).filter(|_| spanned);
-    let repeats = || {
-        (1..measured.len())
-            .filter(|&n| measured[n] == measured[n - 1])
-            .collect()
-    };
-    CodeFindings {
-        stale: stale.map(|stale| (stale, repeats())),
-        clipping: codes::clipping(measured, grid, level)
-            .into_iter()
-            .map(|one| {
-                let reached = |value: f64| one.side * value >= one.side * one.level;
-                let places = (0..measured.len()).filter(|&n| reached(measured[n]));
-                let about_zero = codes::Clipping {
-                    level: one.level + mean,
-                    ..one
-                };
-                (about_zero, places.collect())
-            })
-            .collect(),
-        coarse,
-        largest: measured
-            .iter()
-            .filter(|value| value.is_finite())
-            .fold(mean.abs(), |most, value| most.max((value + mean).abs())),
+        without: PerCoefficient::from_fn(|letter| coefficients_of(&one.before).get(letter).value),
     }
 }

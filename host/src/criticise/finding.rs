@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::views::Views;
 use crate::analyse::SourceSummary;
 use crate::model::PerCoefficient;
-use crate::model::whole::ModelAxis;
+use crate::model::whole::{Model, ModelAxis, SCHEMA};
 use crate::signal::Unit;
 
 /// Everything that was found out about a record.
@@ -20,6 +21,22 @@ pub struct Diagnosis {
     pub family_level: f64,
     /// The axes.
     pub axes: Vec<AxisDiagnosis>,
+}
+
+impl Diagnosis {
+    /// The model that the diagnosis ends with, as `inm simulate --model` reads it.
+    pub fn model(&self) -> Model {
+        Model {
+            schema: SCHEMA,
+            rate_hz: self.source.rate_hz,
+            axes: self
+                .axes
+                .iter()
+                .map(|axis| axis.last.model.clone())
+                .collect(),
+            correlation: None,
+        }
+    }
 }
 
 /// One axis.
@@ -38,6 +55,8 @@ pub struct AxisDiagnosis {
     /// The model with all findings.
     #[serde(rename = "final")]
     pub last: Final,
+    /// What both models look like beside the record.
+    pub views: Views,
 }
 
 /// The five terms alone.
@@ -67,6 +86,14 @@ pub struct Remark {
     pub description: String,
 }
 
+impl Remark {
+    /// The two frequencies between which it is, hertz; `None` where its place is no band.
+    pub fn band_hz(&self) -> Option<(f64, f64)> {
+        let (from, to) = self.place.strip_suffix(" Hz")?.split_once(" to ")?;
+        Some((from.parse().ok()?, to.parse().ok()?))
+    }
+}
+
 /// An effect that was found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Finding {
@@ -86,6 +113,18 @@ pub struct Finding {
     pub gain: Gain,
     /// Coefficients without it.
     pub without: PerCoefficient<Option<f64>>,
+}
+
+/// Change of the Allan deviation below which an effect is small, percent: a quarter of what the
+/// source's simulation was off by (Pavlov and Petrov: 4 %).
+pub const SMALL_PERCENT: f64 = 1.0;
+
+impl Finding {
+    /// Whether it hardly changes the Allan deviation, however sure it is.
+    pub fn is_small(&self) -> bool {
+        let change = self.gain.allan_change_percent;
+        change.is_some_and(|change| change < SMALL_PERCENT)
+    }
 }
 
 /// A number with its 95 % interval.
@@ -147,6 +186,9 @@ pub struct Rival {
 pub struct Gain {
     /// Gain in predictive log-likelihood, nats.
     pub heldout_nats: Option<f64>,
+    /// Largest change of the model's Allan deviation when it is taken out, percent: its size, however
+    /// sure it is.
+    pub allan_change_percent: Option<f64>,
     /// Error of the model's Allan deviation without it, percent.
     pub allan_error_percent_before: Option<f64>,
     /// With it.

@@ -9,7 +9,7 @@ use std::ops::Range;
 use crate::chain::Chain;
 use crate::fit::design::Design;
 use crate::fit::likelihood::Data;
-use crate::fit::likelihood::components::{SEEN, unit_expectations};
+use crate::fit::likelihood::components::SEEN;
 use crate::model::Term;
 use crate::spectrum::estimate::{self, Estimate};
 use crate::spectrum::{Cascade, Plan, Settings};
@@ -30,6 +30,8 @@ pub struct Frame {
     units: Vec<Vec<f64>>,
     /// Power of the signal chain at the nodes.
     chain_power: Vec<f64>,
+    /// Densities of each of [`SEEN`] at the nodes, behind the chain.
+    densities: Vec<Vec<f64>>,
     data: Data,
     /// Degrees of freedom of the bins, those that are left out included.
     dof: Vec<f64>,
@@ -55,7 +57,19 @@ impl Frame {
         let design = Design::new(rate_hz, chain);
         let nodes = estimate.operator.nodes_hz();
         let chain_power: Vec<f64> = nodes.iter().map(|&f_hz| design.power(f_hz)).collect();
-        let mut units = unit_expectations(&estimate, &design);
+        let densities: Vec<Vec<f64>> = SEEN
+            .iter()
+            .map(|&one| {
+                let pairs = nodes.iter().zip(&chain_power);
+                pairs
+                    .map(|(&f_hz, power)| design.unit_spectrum(one, f_hz) * power)
+                    .collect()
+            })
+            .collect();
+        let mut units: Vec<Vec<f64>> = densities
+            .iter()
+            .map(|densities| estimate.operator.apply(densities))
+            .collect();
         let band_limited = chain.is_some_and(|chain| chain.converter.is_some());
         if band_limited {
             units.push(estimate.operator.apply(&vec![1.0; nodes.len()]));
@@ -66,6 +80,7 @@ impl Frame {
             estimate,
             design,
             units,
+            densities,
             chain_power,
             dof: data.dof.clone(),
             data,
@@ -127,9 +142,20 @@ impl Frame {
 
     /// The same through one more filter, ahead of what joins behind the converter.
     pub fn units_through(&self, power: impl Fn(f64) -> f64) -> Vec<Vec<f64>> {
-        let through = SEEN
+        let operator = &self.estimate.operator;
+        let powers: Vec<f64> = operator
+            .nodes_hz()
             .iter()
-            .map(|&one| self.expect(|f_hz| self.design.unit_spectrum(one, f_hz) * power(f_hz)));
+            .map(|&f_hz| power(f_hz))
+            .collect();
+        let through = self.densities.iter().map(|densities| {
+            let pairs = densities.iter().zip(&powers);
+            operator.apply(
+                &pairs
+                    .map(|(density, power)| density * power)
+                    .collect::<Vec<f64>>(),
+            )
+        });
         let behind = self.units.iter().skip(SEEN.len()).cloned();
         through.chain(behind).collect()
     }

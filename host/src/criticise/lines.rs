@@ -5,7 +5,6 @@ use std::f64::consts::{PI, TAU};
 use super::axis::AxisState;
 use super::mend::Wave;
 use crate::spectrum::lines::Line;
-use crate::spectrum::record_lines;
 
 /// Share of the record over which each end is tapered where a line is measured.
 const TAPER: f64 = 0.05;
@@ -54,13 +53,12 @@ pub enum Group {
 
 /// The lines of the mended record at a family-wise `level`, grouped.
 pub fn lines(axis: &AxisState, level: f64) -> Vec<Group> {
-    let mut record: &[f64] = &axis.filled;
-    let Ok(found) = record_lines::search(&mut record, axis.rate_hz, level);
+    let found = axis.lines(level);
     let duration_s = axis.filled.len() as f64 / axis.rate_hz;
     let mut groups = Vec::new();
     let mut singles = Vec::new();
     // Neighbours closer than some tens of 1/T belong together.
-    let mut rest = found.as_slice();
+    let mut rest = found;
     while let Some((first, _)) = rest.split_first() {
         let near = |a: &Line, b: &Line| {
             b.frequency_hz - a.frequency_hz < (40.0 / duration_s).max(0.004 * a.frequency_hz)
@@ -170,6 +168,21 @@ fn base_near(f_hz: f64, nominal_hz: f64) -> Option<(f64, u32)> {
     let base_hz = f_hz / number;
     let is_near = (base_hz / nominal_hz - 1.0).abs() <= MAINS_SHARE;
     ((1.0..=20.0).contains(&number) && is_near).then_some((base_hz, number as u32))
+}
+
+/// What a tone at `f_hz` that does not keep its frequency may be.
+pub fn wandering(f_hz: f64) -> String {
+    let mains = MAINS_HZ.into_iter().find(|nominal_hz| {
+        let number = (f_hz / nominal_hz).round();
+        number >= 1.0 && (f_hz / (number * nominal_hz) - 1.0).abs() < MAINS_SHARE
+    });
+    match mains {
+        Some(nominal_hz) => format!(
+            "pick-up from {nominal_hz} Hz mains, whose frequency wanders with the grid, or another \
+             tone that wanders or is switched"
+        ),
+        None => "a tone that wanders or is switched".into(),
+    }
 }
 
 /// Gathers what fits one mains frequency; a mains line may be alone.

@@ -5,6 +5,7 @@
 
 use std::f64::consts::TAU;
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::impulses::Outlier;
 use super::levels::Jump;
@@ -38,7 +39,7 @@ pub enum Wave {
         /// Gain.
         gain: f64,
         /// The covariate, about its mean.
-        column: std::sync::Arc<Vec<f32>>,
+        column: Arc<Vec<f32>>,
     },
     /// Single samples that do not belong.
     Outliers(Vec<Outlier>),
@@ -106,22 +107,25 @@ impl Wave {
 #[derive(Debug, Clone)]
 pub struct Mended {
     /// As measured, about the mean; missing samples are NaN.
-    measured: Vec<f64>,
+    measured: Arc<Vec<f64>>,
     /// What is taken out.
     pub waves: Vec<Wave>,
-    /// Stretches that the stationary law does not speak for.
+    /// Stretches of other noise, which the stationary law does not speak for.
     pub masked: Vec<Range<usize>>,
+    /// Moments at which samples were lost.
+    pub lost: Vec<Range<usize>>,
     /// Jumps as wide as a converter's filter spreads them.
     pub spread: Vec<Range<usize>>,
 }
 
 impl Mended {
     /// A record as measured.
-    pub fn new(measured: Vec<f64>) -> Self {
+    pub fn new(measured: Arc<Vec<f64>>) -> Self {
         Self {
             measured,
             waves: Vec::new(),
             masked: Vec::new(),
+            lost: Vec::new(),
             spread: Vec::new(),
         }
     }
@@ -143,15 +147,20 @@ impl Mended {
 
     /// What is left; NaN where missing or masked.
     pub fn values(&self) -> Vec<f64> {
-        let mut values = self.measured.clone();
+        let mut values = self.measured.to_vec();
         for wave in &self.waves {
             wave.take_out(&mut values);
         }
-        for mask in self.masked.iter().chain(&self.spread) {
+        for mask in self.left_out() {
             let end = mask.end.min(values.len());
             values[mask.start.min(end)..end].fill(f64::NAN);
         }
         values
+    }
+
+    /// All that is left out.
+    pub fn left_out(&self) -> impl Iterator<Item = &Range<usize>> {
+        self.masked.iter().chain(&self.lost).chain(&self.spread)
     }
 
     /// The same record with nothing explained but the stretches that are left out.
@@ -234,7 +243,7 @@ mod tests {
     #[test]
     fn waves_are_taken_out_and_given_back() {
         let measured: Vec<f64> = (0..1000).map(|n| f64::from(n % 7)).collect();
-        let mut record = Mended::new(measured.clone());
+        let mut record = Mended::new(Arc::new(measured.clone()));
         let jump = |index, height| Jump {
             index,
             height,

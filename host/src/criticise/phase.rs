@@ -197,8 +197,8 @@ fn quiet(axis: &AxisState, places: &[Place]) -> Quiet {
         .map(|place| axis.density(place.cycles * axis.rate_hz))
         .fold(f64::INFINITY, f64::min);
     let seen = axis.whole();
-    let share = |k: usize| Complex64::new((least / seen.density[k]).min(1.0), 0.0);
-    let mut values = seen.whole.filtered(share);
+    let (whole, density) = (&seen.whole, &seen.density);
+    let mut values = whole.filtered(|k| Complex64::new((least / density[k]).min(1.0), 0.0));
     for (index, value) in values.iter_mut().enumerate() {
         if !axis.usable(index) {
             *value = 0.0;

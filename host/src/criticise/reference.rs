@@ -4,6 +4,8 @@
 //! cycle in the record is as sure as its height over the noise makes it; one that wanders, or a
 //! band of noise, is a [`Band`] and as sure as it stays in its place.
 
+use std::sync::Arc;
+
 use super::axis::AxisState;
 use super::bands::{self, Band};
 use super::finding::{Finding, Gain, Rival, Value};
@@ -84,7 +86,11 @@ fn merged(axes: &[Vec<Mark>]) -> Vec<Mark> {
 fn marks_of(samples: &Samples, number: usize, level: f64) -> Option<Vec<Mark>> {
     let signal = samples.signal.axes.get(number)?;
     let (measured, _) = samples.axes.get(number)?.centred(signal.scale);
-    let axis = AxisState::new(measured, samples.signal.rate_hz, signal.chain.as_ref())?;
+    let axis = AxisState::new(
+        Arc::new(measured),
+        samples.signal.rate_hz,
+        signal.chain.as_ref(),
+    )?;
     let bands = bands::bands(&axis.filled, axis.rate_hz);
     let found: Vec<Line> = lines::lines(&axis, level)
         .into_iter()

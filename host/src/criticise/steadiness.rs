@@ -48,6 +48,8 @@ pub struct Unsteady {
     pub from_hz: f64,
     /// Upper end, hertz.
     pub to_hz: f64,
+    /// Where it is plainest, hertz.
+    pub peak_hz: f64,
     /// Duration of the tiles that show it best, seconds.
     pub tile_s: f64,
     /// Whether these are the shortest: single samples, which the narrow band draws out, may do it.
@@ -61,13 +63,25 @@ pub struct Unsteady {
 /// Strength of the whitened record in the band of the ordinates, at `ordinates.len()` moments, in
 /// units of its density.
 pub fn strengths(seen: &Seen, ordinates: Range<usize>) -> Vec<f64> {
-    let count = ordinates.len();
-    let mut band: Vec<Complex64> = ordinates
-        .map(|k| seen.whole.ordinates()[k] / seen.density[k].sqrt())
-        .collect();
-    fft::inverse(count).process(&mut band);
-    let unit = (count as f64 * seen.whole.power()).recip();
+    let white = ordinates.map(|k| seen.whole.ordinates()[k] / seen.density[k].sqrt());
+    over_time(seen, white.collect())
+}
+
+fn over_time(seen: &Seen, mut band: Vec<Complex64>) -> Vec<f64> {
+    fft::inverse(band.len()).process(&mut band);
+    let unit = (band.len() as f64 * seen.whole.power()).recip();
     band.iter().map(|value| value.norm_sqr() * unit).collect()
+}
+
+/// Power in a band over time, at even moments, over its mean: of the record as it is, whether or not the band is left out.
+pub fn course(axis: &AxisState, band: &Range<f64>) -> Vec<f64> {
+    let seen = axis.whole();
+    let place = |f_hz: f64| (f_hz / seen.whole.frequency(1)) as usize;
+    let last = seen.whole.ordinates().len();
+    let ordinates = place(band.start).max(1)..(place(band.end) + 1).min(last);
+    let powers = over_time(&seen, seen.whole.ordinates()[ordinates].to_vec());
+    let mean = powers.iter().sum::<f64>() / powers.len().max(1) as f64;
+    powers.iter().map(|power| power / mean).collect()
 }
 
 /// The least steady band between the frequencies `within`, leaving out those of `apart`, if it is
@@ -93,6 +107,7 @@ pub fn unsteady(
     (p_value < level).then(|| Unsteady {
         from_hz: seen.whole.frequency(best.ordinates.start),
         to_hz: seen.whole.frequency(best.ordinates.end),
+        peak_hz: seen.whole.frequency(best.peak + best.size / 2),
         tile_s: length as f64 / best.size as f64 / axis.rate_hz,
         shortest: best.size * WIDER * SHORTEST > length,
         variance: 8.0 * best.mean,
@@ -103,6 +118,8 @@ pub fn unsteady(
 /// The band that departs most so far.
 struct Best {
     ordinates: Range<usize>,
+    /// First ordinate of the group that departs most.
+    peak: usize,
     size: usize,
     mean: f64,
     tail: f64,
@@ -184,9 +201,10 @@ impl Groups {
                 if tail < best.as_ref().map_or(1.0, |best| best.tail) {
                     let run = self.ends(run);
                     let (mean, tail) = self.judge(&run);
-                    let wide = self.skirts(run);
+                    let wide = self.skirts(run.clone());
                     *best = Some(Best {
                         ordinates: self.starts[wide.start]..self.starts[wide.end - 1] + self.size,
+                        peak: self.peak(run, mean),
                         size: self.size,
                         mean,
                         tail,
@@ -196,6 +214,13 @@ impl Groups {
             length *= 2;
         }
         trials
+    }
+
+    /// First ordinate of the group of a run that departs most in the direction of `mean`.
+    fn peak(&self, run: Range<usize>, mean: f64) -> usize {
+        let score = |group: usize| (self.scores[group + 1] - self.scores[group]) * mean.signum();
+        let most = run.max_by(|&a, &b| score(a).total_cmp(&score(b)));
+        most.map_or(0, |group| self.starts[group])
     }
 
     /// A run with the groups beside it that depart by themselves, the same way.
@@ -267,4 +292,84 @@ fn score(strengths: &[f64], counts: &[bool]) -> (f64, f64) {
     // Over the group's own mean, which takes 1/8 a group off.
     let sum: f64 = good().map(|one| (-one / mean).exp() - 0.5).sum();
     (sum + 0.125, tiles)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::model::Seed;
+    use crate::simulate::Gaussian;
+
+    const LENGTH: usize = 1 << 17;
+    const RATE_HZ: f64 = 2000.0;
+
+    /// White noise of deviation 1 with what `more` adds, of a sample's number and noise.
+    fn axis(seed: u64, more: impl Fn(usize, f64) -> f64) -> AxisState {
+        let mut noise = Gaussian::new(Seed { seed, stream: 0 }, 1.0);
+        let values = (0..LENGTH).map(|n| more(n, noise.draw())).collect();
+        AxisState::new(Arc::new(values), RATE_HZ, None).expect("long enough")
+    }
+
+    /// A tone of this amplitude that sways by 20 Hz about 300 Hz, six times a record.
+    fn wandering(amplitude: f64) -> impl Fn(usize, f64) -> f64 {
+        move |n, noise| {
+            let at = n as f64 / LENGTH as f64;
+            // The integral of 300 + 20 cos(2 pi 6 at).
+            let swings = 20.0 * (TAU * 6.0 * at).sin() / (TAU * 6.0);
+            let cycles = (300.0 * at + swings) * LENGTH as f64 / RATE_HZ;
+            noise + amplitude * (TAU * cycles).cos()
+        }
+    }
+
+    #[test]
+    fn steady_noise_is_steady() {
+        // 40 records at a level of 1 %: four or more alarms have a probability of 1e-3.
+        let alarms = (0..40).filter(|&seed| {
+            let axis = axis(seed, |_, noise| noise);
+            unsteady(&axis, 0.0..1000.0, &[], 0.01).is_some()
+        });
+        let alarms: Vec<u64> = alarms.collect();
+        assert!(alarms.len() < 4, "seeds {alarms:?}");
+    }
+
+    #[test]
+    fn a_wandering_tone_is_found_in_its_place() {
+        for seed in 100..104 {
+            let found = unsteady(&axis(seed, wandering(0.5)), 0.0..1000.0, &[], 1e-4);
+            let found = found.unwrap_or_else(|| panic!("seed {seed}: nothing"));
+            // Groups of 15.6 Hz at most lie across its ends.
+            assert!(
+                found.from_hz > 260.0 && found.to_hz < 340.0,
+                "seed {seed}: {found:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn noise_that_is_switched_is_unsteady_everywhere() {
+        for seed in 200..204 {
+            let switched = |n: usize, noise: f64| if n % 4000 < 2000 { noise } else { 1.4 * noise };
+            let found = unsteady(&axis(seed, switched), 0.0..1000.0, &[], 1e-4);
+            let found = found.unwrap_or_else(|| panic!("seed {seed}: nothing"));
+            assert!(
+                found.to_hz - found.from_hz > 500.0,
+                "seed {seed}: {found:?}"
+            );
+            // Powers of 1 and 1.96 by turns: relative variance 0.105.
+            assert!(
+                (0.05..0.2).contains(&found.variance),
+                "seed {seed}: {found:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn what_is_apart_is_not_looked_at() {
+        let axis = axis(300, wandering(0.5));
+        let found = unsteady(&axis, 0.0..1000.0, &[250.0..350.0], 1e-4);
+        assert_eq!(found, None, "seed 300");
+    }
 }

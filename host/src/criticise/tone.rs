@@ -66,3 +66,54 @@ fn phasor(axis: &AxisState, cycles: f64, from: usize, length: usize) -> Option<(
     }
     (4 * counted > 3 * length).then(|| (sum / weights, squares / (weights * weights)))
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::model::Seed;
+    use crate::simulate::Gaussian;
+
+    fn axis(seed: u64, line: impl Fn(f64) -> f64) -> AxisState {
+        let mut noise = Gaussian::new(Seed { seed, stream: 0 }, 1.0);
+        let values = (0..1 << 16)
+            .map(|n| noise.draw() + line(f64::from(n)))
+            .collect();
+        AxisState::new(Arc::new(values), 1000.0, None).expect("long enough")
+    }
+
+    const CYCLES: f64 = 0.1234;
+
+    #[test]
+    fn a_steady_line_is_steady() {
+        // Of 60 records, 0.6 below 1 % are expected: 5 or more have a probability of 4e-4.
+        let low = (0..60).filter(|&seed| {
+            let steady = axis(seed, |n| 0.1 * (TAU * CYCLES * n + 1.0).cos());
+            p_steady(&steady, CYCLES) < 0.01
+        });
+        let low: Vec<u64> = low.collect();
+        assert!(low.len() < 5, "seeds {low:?}");
+    }
+
+    #[test]
+    fn a_line_that_stops_or_turns_is_not() {
+        for seed in 100..110 {
+            let stops = axis(seed, |n| {
+                if n < 30_000.0 {
+                    (TAU * CYCLES * n).cos()
+                } else {
+                    0.0
+                }
+            });
+            let turns = axis(seed, |n| {
+                let turned = if n < 30_000.0 { 0.0 } else { 1.0 };
+                (TAU * CYCLES * n + turned).cos()
+            });
+            for axis in [stops, turns] {
+                let p = p_steady(&axis, CYCLES);
+                assert!(p < 1e-12, "seed {seed}: {p:e}");
+            }
+        }
+    }
+}

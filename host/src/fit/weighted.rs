@@ -21,7 +21,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::covariance::covariance;
+use super::covariance::Kernels;
 use super::design::Design;
 use super::least_squares::solve_non_negative;
 use crate::analyse::WeightedValue;
@@ -76,12 +76,13 @@ pub fn fit(points: &[Point], rate_hz: f64, design: &Design) -> Option<WeightedFi
             .iter()
             .map(|point| point.variance * (2.0 / point.edf).sqrt()),
     );
+    let kernels = Kernels::new(&points, rate_hz);
     let mut squares = weigh_and_solve(&a, &y, &deviation);
     let mut errors = DMatrix::zeros(0, 0);
     let mut allowance = 0.0;
     for _ in 0..ROUNDS {
         let (model, expected) = (per_coefficient(&squares), &a * &squares);
-        errors = covariance(&points, rate_hz, |f| design.spectrum(&model, f), &expected);
+        errors = kernels.covariance(|f| design.spectrum(&model, f), &expected);
         allowance = needed_allowance(&(&y - &expected), &errors.diagonal(), &expected);
         for (i, one) in expected.iter().enumerate() {
             errors[(i, i)] += (allowance * one).powi(2);

@@ -104,9 +104,23 @@ pub(crate) fn panels(
     width: impl Fn(f64) -> f64,
     f: impl Fn(f64) -> f64,
 ) -> f64 {
-    let mut sum = 0.0;
+    nodes(from, to, width)
+        .map(|(x, weight)| weight * f(x))
+        .sum()
+}
+
+/// Places, ascending, and weights of an integral from `from` to `to`, over panels of at most the width
+/// `width(start)`.
+pub(crate) fn nodes(
+    from: f64,
+    to: f64,
+    width: impl Fn(f64) -> f64,
+) -> impl Iterator<Item = (f64, f64)> {
     let mut start = from;
-    while start < to {
+    let panels = std::iter::from_fn(move || {
+        if start >= to {
+            return None;
+        }
         // A sliver at the end joins the panel before it.
         let step = width(start);
         let end = if start + 1.01 * step >= to {
@@ -115,14 +129,17 @@ pub(crate) fn panels(
             start + step
         };
         let (centre, half) = (0.5 * (start + end), 0.5 * (end - start));
-        let panel: f64 = GAUSS
-            .iter()
-            .map(|&(node, weight)| weight * (f(centre - half * node) + f(centre + half * node)))
-            .sum();
-        sum += half * panel;
         start = end;
-    }
-    sum
+        Some((centre, half))
+    });
+    panels.flat_map(|(centre, half)| {
+        let below = GAUSS
+            .into_iter()
+            .rev()
+            .map(|(node, weight)| (-node, weight));
+        let place = move |(node, weight)| (centre + half * node, half * weight);
+        below.chain(GAUSS).map(place)
+    })
 }
 
 #[cfg(test)]

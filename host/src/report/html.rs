@@ -1,19 +1,16 @@
-//! The result as one self-contained page: no scripts, no outside resources.
+//! The result of an analysis as one self-contained page.
 
 use std::fmt::{Result, Write};
 
-use super::allan_plot::{self, HEIGHT, WIDTH};
-use super::number::{duration, grouped, plain, significant};
+use super::allan_plot;
+use super::number::{grouped, significant};
+use super::page;
+use super::plot::frame::WIDTH;
 use super::spectrum_plot;
 use super::svg::{PAGE, escape, typeset};
 use super::verdict::{self, Trust};
-use crate::analyse::{Analysis, AxisAnalysis, LikelihoodValue, PublishedValue, SourceSummary};
+use crate::analyse::{Analysis, AxisAnalysis, LikelihoodValue, PublishedValue};
 use crate::model::Coefficient;
-
-const STYLE: &str = include_str!("page.css");
-
-/// Gaps, and notes, listed at most.
-const MOST_GAPS: usize = 100;
 
 /// The page.
 pub fn render(analysis: &Analysis) -> String {
@@ -24,121 +21,22 @@ pub fn render(analysis: &Analysis) -> String {
 }
 
 fn write_page(page: &mut String, analysis: &Analysis) -> Result {
-    let name = escape(&analysis.source.file);
-    write!(
-        page,
-        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\
-         <title>Noise of {name}</title><style>{STYLE}</style></head><body><main>\
-         <h1>{name}</h1><p class=\"lead\">Noise analysis by inm {}</p>",
-        env!("CARGO_PKG_VERSION")
-    )?;
-    source(page, analysis)?;
+    page::head(page, &analysis.source, "Noise of", "Noise analysis")?;
+    page::source(page, &analysis.source)?;
     for (index, axis) in analysis.axes.iter().enumerate() {
         self::axis(page, index, axis)?;
     }
-    writeln!(page, "{FOOTER}</main></body></html>")
+    page::foot(page, FOOTER)
 }
 
-const FOOTER: &str = "<footer><p>Intervals are 95 %: chi-squared with the equivalent degrees of \
+const FOOTER: &str = "Intervals are 95 %: chi-squared with the equivalent degrees of \
     freedom of the noise type that the local slope of the curve shows; for coefficients from the \
     profile of the likelihood of the spectrum, and a coefficient counts as told from zero by a test \
     of 5 %. The weighted fit weighs each point of the modified Allan variance by its own \
     uncertainty and keeps squares from becoming negative. The published fit is unweighted least \
     squares at 17 averaging times (Pavlov and Petrov, eq. 9 to 11), squares as they come \
     out.</p><p>Spectral densities behind the coefficients are two-sided. N in the one-sided \
-    convention of data sheets is larger by the root of two.</p></footer>";
-
-fn source(page: &mut String, analysis: &Analysis) -> Result {
-    let SourceSummary {
-        samples,
-        duration_s,
-        rate_hz,
-        lost_samples,
-        gaps,
-        news,
-        chain,
-        ..
-    } = &analysis.source;
-    write!(page, "<section><dl>")?;
-    for (name, value) in [
-        ("Samples an axis", grouped(*samples)),
-        ("Rate", format!("{} /s", plain(*rate_hz))),
-        ("Duration", duration(*duration_s)),
-        (
-            "Lost samples",
-            if gaps.is_empty() {
-                "none".into()
-            } else {
-                grouped(*lost_samples)
-            },
-        ),
-        ("Gaps", grouped(gaps.len() as u64)),
-        (
-            "Signal chain",
-            chain.as_deref().map_or("not stated".into(), escape),
-        ),
-    ] {
-        write!(page, "<div><dt>{name}</dt><dd>{value}</dd></div>")?;
-    }
-    write!(page, "</dl>")?;
-    if !gaps.is_empty() {
-        timeline(page, &analysis.source)?;
-        write!(
-            page,
-            "<details><summary>All gaps</summary><div class=\"scroll\"><table><tr><th>at, s</th>\
-             <th>samples</th><th>length, s</th><th class=\"words\">cause</th></tr>"
-        )?;
-        for gap in gaps.iter().take(MOST_GAPS) {
-            write!(
-                page,
-                "<tr><td>{}</td><td>{}</td><td>{}</td><td class=\"words\">{}</td></tr>",
-                significant(gap.from_s, 7),
-                gap.samples.map_or("unknown".into(), grouped),
-                gap.duration_s
-                    .map_or("unknown".into(), |length| significant(length, 4)),
-                escape(&gap.cause)
-            )?;
-        }
-        write!(page, "</table></div>")?;
-        if gaps.len() > MOST_GAPS {
-            write!(page, "<p>and {} more</p>", gaps.len() - MOST_GAPS)?;
-        }
-        write!(page, "</details>")?;
-    }
-    if !news.is_empty() {
-        write!(
-            page,
-            "<details><summary>Notes ({})</summary><ul>",
-            news.len()
-        )?;
-        for note in news.iter().take(MOST_GAPS) {
-            write!(page, "<li>{}</li>", escape(note))?;
-        }
-        write!(page, "</ul></details>")?;
-    }
-    write!(page, "</section>")
-}
-
-/// The record as a bar, with its gaps.
-fn timeline(page: &mut String, source: &SourceSummary) -> Result {
-    write!(
-        page,
-        "<svg viewBox=\"0 0 1000 26\" style=\"margin-top:16px\" role=\"img\" aria-label=\"gaps in time\">\
-         <rect y=\"6\" width=\"1000\" height=\"14\" rx=\"3\" fill=\"var(--measured)\" fill-opacity=\"0.35\"/>"
-    )?;
-    let scale = 1000.0 / source.duration_s.max(f64::MIN_POSITIVE);
-    for gap in &source.gaps {
-        // At least two pixels, so that the shortest gap shows.
-        let width = (gap.duration_s.unwrap_or(0.0) * scale).max(2.0);
-        write!(
-            page,
-            "<rect x=\"{:.1}\" y=\"2\" width=\"{width:.1}\" height=\"22\" fill=\"var(--bad)\"/>",
-            (gap.from_s * scale).min(998.0)
-        )?;
-    }
-    write!(page, "</svg>")
-}
+    convention of data sheets is larger by the root of two.";
 
 fn axis(page: &mut String, index: usize, axis: &AxisAnalysis) -> Result {
     let mean = axis.mean.map_or("none".into(), |mean| significant(mean, 6));
@@ -156,21 +54,12 @@ fn axis(page: &mut String, index: usize, axis: &AxisAnalysis) -> Result {
         return write!(page, "<p>Too short for an Allan deviation.</p></section>");
     }
     let decades = allan_plot::decades(std::iter::once(axis));
-    let plot = allan_plot::panel(axis, &format!("axis{index}"), decades, &PAGE);
-    write!(
-        page,
-        "<svg viewBox=\"0 0 {WIDTH} {HEIGHT}\" font-size=\"12\" role=\"img\" \
-         aria-label=\"Allan deviation\">{plot}</svg>"
-    )?;
+    let plot = allan_plot::panel(axis, &format!("axis{index}"), "", decades, &PAGE);
+    page::picture(page, (WIDTH, allan_plot::HEIGHT), "Allan deviation", &plot)?;
     if !axis.spectrum.is_empty() {
         let decades = spectrum_plot::decades(std::iter::once(axis));
-        let plot = spectrum_plot::panel(axis, &format!("spectrum{index}"), decades, &PAGE);
-        write!(
-            page,
-            "<svg viewBox=\"0 0 {WIDTH} {}\" font-size=\"12\" role=\"img\" \
-             aria-label=\"spectrum\">{plot}</svg>",
-            spectrum_plot::HEIGHT
-        )?;
+        let plot = spectrum_plot::panel(axis, &format!("spectrum{index}"), "", decades, &PAGE);
+        page::picture(page, (WIDTH, spectrum_plot::HEIGHT), "spectrum", &plot)?;
     }
     if let Some(warning) = verdict::misfit(axis) {
         write!(page, "<p class=\"warning\">{}</p>", escape(&warning))?;

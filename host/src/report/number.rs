@@ -58,6 +58,27 @@ pub fn duration(seconds: f64) -> String {
         .join(" ")
 }
 
+/// A value and the ends of its interval, with six significant digits or as many more as it takes for
+/// the interval to be seen.
+pub fn estimated(value: f64, lo: f64, hi: f64) -> [String; 3] {
+    let apart = (value / (hi - lo)).abs().log10().ceil();
+    let digits = if apart.is_finite() {
+        (apart as usize + 1).clamp(6, 17)
+    } else {
+        6
+    };
+    [value, lo, hi].map(|one| significant(one, digits))
+}
+
+/// A probability; what is smaller than anyone can mean is not written out.
+pub fn probability(p: f64) -> String {
+    if p < 1e-12 {
+        "below 1e-12".to_owned()
+    } else {
+        significant(p, 2)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -69,6 +90,9 @@ mod tests {
         assert_eq!(significant(9.999, 3), "10.0");
         assert_eq!(significant(-123_456.7, 3), "-123457");
         assert_eq!(significant(1.0e7, 2), "1.0e7");
+        let shown = estimated(50.02, 50.019_999, 50.020_001);
+        assert_eq!(shown, ["50.0200000", "50.0199990", "50.0200010"]);
+        assert_eq!(estimated(1.0, -2.0, 4.0)[1], "-2.00000");
         assert_eq!(grouped(10_800_000), "10 800 000");
         assert_eq!(
             (plain(2000.0).as_str(), plain(0.5).as_str()),

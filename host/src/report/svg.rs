@@ -1,6 +1,4 @@
-//! Just enough SVG: text, escaping, and logarithmic axes.
-
-use std::fmt::Write;
+//! Just enough SVG: colours, and text that is harmless.
 
 /// Colours of a drawing; any CSS colour, or a variable of the page around it.
 #[derive(Debug, Clone, Copy)]
@@ -15,8 +13,16 @@ pub struct Theme {
     pub paper: &'static str,
     /// Measured data.
     pub measured: &'static str,
-    /// The fit.
+    /// The fit; in a diagnosis, the extended model.
     pub fitted: &'static str,
+    /// In a diagnosis, the model of five terms alone.
+    pub before: &'static str,
+    /// A simulated record.
+    pub simulated: &'static str,
+    /// Where measurement and model differ.
+    pub differs: &'static str,
+    /// Around text that stands over something else.
+    pub rim: &'static str,
 }
 
 /// For paper and bitmaps.
@@ -27,6 +33,10 @@ pub const LIGHT: Theme = Theme {
     paper: "#ffffff",
     measured: "#0b62a4",
     fitted: "#d4550a",
+    before: "#7a5195",
+    simulated: "#1a8a5a",
+    differs: "#c9302c",
+    rim: "#ffffff",
 };
 
 /// For a page that defines these variables, light or dark.
@@ -37,6 +47,10 @@ pub const PAGE: Theme = Theme {
     paper: "none",
     measured: "var(--measured)",
     fitted: "var(--fitted)",
+    before: "var(--before)",
+    simulated: "var(--simulated)",
+    differs: "var(--differs)",
+    rim: "var(--paper)",
 };
 
 /// Text with the characters that mean something in markup made harmless.
@@ -63,51 +77,12 @@ pub fn typeset(unit: &str) -> String {
         .replace('*', "\u{b7}")
 }
 
-/// Maps decades onto a stretch of pixels.
-#[derive(Debug, Clone, Copy)]
-pub struct LogScale {
-    /// Common logarithms at the two ends.
-    pub decades: (f64, f64),
-    /// Pixels at the two ends.
-    pub pixels: (f64, f64),
-}
-
-impl LogScale {
-    /// Pixel of a value above zero.
-    pub fn at(&self, value: f64) -> f64 {
-        let part = (value.log10() - self.decades.0) / (self.decades.1 - self.decades.0);
-        self.pixels.0 + part * (self.pixels.1 - self.pixels.0)
-    }
-
-    /// The whole powers of ten within.
-    pub fn powers(&self) -> impl Iterator<Item = i32> + use<> {
-        self.decades.0.ceil() as i32..=self.decades.1.floor() as i32
-    }
-}
-
-/// `M x y L x y ...` through points, with one decimal.
-pub fn path(points: impl IntoIterator<Item = (f64, f64)>) -> String {
-    let mut path = String::new();
-    for (x, y) in points {
-        let letter = if path.is_empty() { 'M' } else { 'L' };
-        // Writing to a string cannot fail.
-        let _ = write!(path, "{letter}{x:.1} {y:.1}");
-    }
-    path
-}
-
-/// A power of ten as text with a raised exponent.
-pub fn power_of_ten(exponent: i32) -> String {
-    match exponent {
-        0 => "1".into(),
-        1 => "10".into(),
-        _ => {
-            let sign = if exponent < 0 { "\u{2212}" } else { "" };
-            format!(
-                "10<tspan dy=\"-4.5\" font-size=\"8.5\">{sign}{}</tspan>",
-                exponent.unsigned_abs()
-            )
-        }
+/// A unit squared, as it is typeset.
+pub fn squared(unit: &str) -> String {
+    if unit.chars().all(char::is_alphabetic) {
+        format!("{unit}\u{b2}")
+    } else {
+        format!("({unit})\u{b2}")
     }
 }
 
@@ -116,15 +91,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn scales_and_escapes() {
-        let scale = LogScale {
-            decades: (-2.0, 2.0),
-            pixels: (0.0, 400.0),
-        };
-        assert_eq!(scale.at(1.0), 200.0);
-        assert_eq!(scale.powers().collect::<Vec<_>>(), [-2, -1, 0, 1, 2]);
+    fn typesets_and_escapes() {
         assert_eq!(typeset("m/s^2/sqrt(s)"), "m/s\u{b2}/\u{221a}s");
         assert_eq!(escape("<a&'b'>"), "&lt;a&amp;&#39;b&#39;&gt;");
-        assert_eq!(path([(0.0, 1.0), (2.0, 3.04)]), "M0.0 1.0L2.0 3.0");
     }
 }

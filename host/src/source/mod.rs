@@ -15,6 +15,7 @@ pub mod npy_header;
 pub mod open;
 pub mod options;
 pub mod part;
+pub mod shaken;
 pub mod stamps;
 pub mod table;
 pub mod text;

@@ -14,11 +14,13 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use inm_emulator::channel::{self, Channel};
+use inm_emulator::sensor::Sensor;
 use inm_emulator::{Bench, Converter, Fault};
 use inm_firmware::emulated::{VirtualBoard, VirtualLink, describe};
 use inm_firmware::{Board, Instrument};
 use inm_protocol::{AXES, Restart};
 
+use super::shaken::{Hidden, Shaken};
 use crate::link::{Connect, LinkError, Port};
 
 /// Transmit queue of the board, bytes; that of the image.
@@ -51,6 +53,8 @@ pub struct VirtualConnect {
     /// Faults to come: axis, number of the converter's word since the first stream began, what
     /// happens; at most eight an axis. The time before it depends on the host.
     pub faults: Vec<(usize, u64, Fault)>,
+    /// What else acts on a sensor.
+    pub hidden: Option<Hidden>,
     /// Where the converters' words are noted down, if anywhere.
     pub witness: Option<Witness>,
 }
@@ -63,8 +67,20 @@ impl VirtualConnect {
             speed,
             baud: 921_600,
             faults: Vec::new(),
+            hidden: None,
             witness: None,
         }
+    }
+
+    /// The sensors with all that acts on them.
+    fn sensors(&self) -> [Shaken; AXES] {
+        let mut axis = 0;
+        self.channels.clone().map(|channel| {
+            let sensor = &Sensor::PUBLISHED[axis];
+            let hidden = self.hidden.as_ref().filter(|hidden| hidden.axis == axis);
+            axis += 1;
+            Shaken::new(channel, sensor, hidden)
+        })
     }
 }
 
@@ -91,7 +107,7 @@ impl Connect for VirtualConnect {
 fn power_on(plan: &VirtualConnect, to_host: &SyncSender<Vec<u8>>, from_host: &Receiver<Vec<u8>>) {
     let mut restart = Restart::Power;
     loop {
-        let bench = Bench::new(plan.channels.clone().map(Converter::new));
+        let bench = Bench::new(plan.sensors().map(Converter::new));
         let board = Board {
             restart,
             ..describe("virtual")
@@ -104,7 +120,7 @@ fn power_on(plan: &VirtualConnect, to_host: &SyncSender<Vec<u8>>, from_host: &Re
     }
 }
 
-type Running<'b> = Instrument<VirtualBoard<'b, Channel, VirtualLink<QUEUE>>>;
+type Running<'b> = Instrument<VirtualBoard<'b, Shaken, VirtualLink<QUEUE>>>;
 
 /// Runs one life of the board: until it restarts, or the host is gone (`None`).
 fn run(
@@ -164,7 +180,7 @@ fn keep_pace(started: Instant, now_ps: u64, speed: f64) {
 }
 
 /// Notes down the words that all three converters have made since the last time.
-fn note_words(bench: &Bench<Channel>, words: &mut u64, witness: &Witness) {
+fn note_words(bench: &Bench<Shaken>, words: &mut u64, witness: &Witness) {
     let made = (0..AXES)
         .map(|axis| bench.sent(axis).words())
         .min()

@@ -19,7 +19,7 @@
 //! - [`expected`] with [`quadrature`], and [`covariance`]: what a fit compares the bins with. A
 //!   Whittle-type likelihood needs no more than the bins, their expectation and their covariance.
 //! - [`lines`] while streaming and [`record_lines`] over a recorded file: narrow lines.
-//! - [`cross`]: cross-spectra and coherence of axes.
+//! - [`cross`]: cross-spectra and coherence of axes; [`pool`]: neighbouring bins as one.
 //!
 //! Densities are two-sided per hertz, `S(f) = tau0 sum_l R_l e^{-2 pi i f l tau0}`: white noise of
 //! variance `v` has `v / fs`. (One-sided densities, as in most instruments' displays, are twice
@@ -44,6 +44,7 @@ pub mod expected;
 mod fill;
 pub mod history;
 pub mod lines;
+pub mod pool;
 pub mod quadrature;
 pub mod record_lines;
 pub mod segments;

@@ -11,6 +11,7 @@ use std::ops::Range;
 
 use realfft::num_complex::Complex64;
 
+use super::impulses::middle_spread;
 use super::tail;
 use super::whole::Whole;
 
@@ -71,7 +72,23 @@ pub fn powers(whole: &Whole, density: &[f64], usable: impl Fn(usize) -> bool) ->
     let total: f64 = counts.iter().sum();
     let mean = powers.iter().zip(&counts).map(|(p, n)| p * n).sum::<f64>() / total.max(1.0);
     powers.iter_mut().for_each(|power| *power /= mean);
+    let scatter = scatter(&powers, &counts);
+    counts.iter_mut().for_each(|count| *count /= scatter);
     Powers { powers, counts }
+}
+
+/// Scatter of the powers of most blocks over what their degrees of freedom say, at least one: squares
+/// of a law with long tails scatter by more.
+fn scatter(powers: &[f64], counts: &[f64]) -> f64 {
+    // A power of chi-squared law to the third is normal (E. B. Wilson and M. M. Hilferty 1931).
+    let normal = powers.iter().zip(counts).filter(|(_, count)| **count > 8.0);
+    let normal = normal.map(|(power, count)| {
+        let part = 2.0 / (9.0 * count);
+        (power.cbrt() - (1.0 - part)) / part.sqrt()
+    });
+    middle_spread(&normal.collect::<Vec<f64>>())
+        .powi(2)
+        .max(1.0)
 }
 
 impl Powers {

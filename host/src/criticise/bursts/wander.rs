@@ -33,13 +33,14 @@ pub fn wander(powers: &Powers) -> Option<Wander> {
     if length < 8 * SLOW {
         return None;
     }
+    let whole_block = powers.counts.iter().copied().fold(0.0, f64::max);
     // A power of chi-squared law to the third is normal (E. B. Wilson and M. M. Hilferty 1931).
     let mut normal: Vec<f64> = powers.powers[..length]
         .iter()
         .zip(&powers.counts)
         .map(|(&power, &count)| {
             let part = 2.0 / (9.0 * count.max(1.0));
-            if count < 0.5 * BLOCK as f64 {
+            if count < 0.5 * whole_block {
                 0.0
             } else {
                 (power.cbrt() - (1.0 - part)) / part.sqrt()

@@ -13,6 +13,10 @@ use crate::model::effect::Part;
 /// Bins an octave.
 const BINS_PER_OCTAVE: f64 = 16.0;
 
+/// Power of the chain below which ordinates do not count: what falls more steeply than that from bin
+/// to bin no mean over points can follow.
+const PASSED: f64 = 0.1;
+
 /// The ordinates of a mended record in two halves.
 pub struct Ordinates<'a> {
     axis: &'a AxisState,
@@ -94,9 +98,11 @@ fn bins(axis: &AxisState, half: Half) -> Option<Data> {
     let seen = axis.whole();
     let (mut f_hz, mut psd, mut variance) = (Vec::new(), Vec::new(), Vec::new());
     let mut first = 1;
-    while first < seen.top {
+    let shut = (1..seen.top).find(|&k| axis.frame.chain_power(seen.whole.frequency(k)) < PASSED);
+    let top = shut.unwrap_or(seen.top);
+    while first < top {
         let next = (first as f64 * (1.0 / BINS_PER_OCTAVE).exp2()) as usize;
-        let next = next.max(first + 2).min(seen.top);
+        let next = next.max(first + 2).min(top);
         let counted = (first..next).filter(|&k| half.has(k) && seen.density[k].is_finite());
         let (mut count, mut sum, mut log) = (0.0, 0.0, 0.0);
         for k in counted {

@@ -14,6 +14,9 @@
 //! - A stretch of another variance: fitted to the even ones of short blocks, judged by the odd.
 
 pub mod laws;
+pub mod size;
+
+use std::sync::Arc;
 
 use inm_allan::Statistic;
 
@@ -30,7 +33,7 @@ use crate::model::PerCoefficient;
 use crate::model::whole::ModelAxis;
 
 /// Blocks of the record, half of them held out.
-const BLOCKS: usize = 16;
+pub const BLOCKS: usize = 16;
 
 /// Degrees of freedom from which a point of the Allan curve counts.
 const LEAST_EDF: f64 = 1000.0;
@@ -134,7 +137,7 @@ pub fn allan_error(
 
 /// Allan curve of the waveforms of a snapshot, where the held-out half has samples.
 fn waveform_curve(axis: &AxisState, with: &Snapshot) -> Vec<Point> {
-    let mut record = Mended::new(vec![0.0; axis.mended.len()]);
+    let mut record = Mended::new(Arc::new(vec![0.0; axis.mended.len()]));
     record.waves.clone_from(&with.waves);
     let mut waveform = record.waveform();
     for (value, measured) in waveform.iter_mut().zip(axis.mended.measured()) {
@@ -142,7 +145,7 @@ fn waveform_curve(axis: &AxisState, with: &Snapshot) -> Vec<Point> {
             *value = f64::NAN;
         }
     }
-    for mask in &axis.mended.masked {
+    for mask in axis.mended.left_out() {
         waveform[mask.clone()].fill(f64::NAN);
     }
     curve(&leave(&waveform, 0), axis.rate_hz)

@@ -36,38 +36,38 @@ impl Law {
 /// Expectations of all components: the five terms' (without the ramp), then one of each law that
 /// adds, all of them through the laws that filter.
 pub fn components(frame: &Frame, laws: &[Law]) -> Vec<Vec<f64>> {
-    let parts: Vec<Part> = laws
-        .iter()
-        .map(|law| law.effect.part(&law.values))
-        .collect();
+    let power = passed(frame, laws);
+    let mut all = if laws.iter().all(Law::adds) {
+        frame.units().to_vec()
+    } else {
+        frame.units_through(&power)
+    };
+    all.extend(
+        laws.iter()
+            .filter_map(|law| component_through(frame, law, &power)),
+    );
+    all
+}
+
+/// What the laws that filter leave of the power at a frequency.
+fn passed(frame: &Frame, laws: &[Law]) -> impl Fn(f64) -> f64 + use<> {
+    let rate_hz = frame.rate_hz();
+    let parts = laws.iter().map(|law| law.effect.part(&law.values));
     let filters: Vec<_> = parts
-        .iter()
         .filter_map(|part| match part {
             Part::Distortion(filter) => Some(filter),
             Part::Term(_) | Part::Clock(_) | Part::Follows(_) => None,
         })
         .collect();
-    let power = |f_hz: f64| -> f64 {
-        let powers = filters.iter().map(|one| one.power(f_hz, frame.rate_hz()));
-        powers.product()
-    };
-    let mut all = if filters.is_empty() {
-        frame.units().to_vec()
-    } else {
-        frame.units_through(power)
-    };
-    for part in &parts {
-        if let Part::Term(term) = part {
-            all.push(frame.expect(|f_hz| frame.term_density(&**term, f_hz) * power(f_hz)));
-        }
-    }
-    all
+    move |f_hz| filters.iter().map(|one| one.power(f_hz, rate_hz)).product()
 }
 
-/// Component of a law by itself; `None` for one that filters the others.
-fn term_component(frame: &Frame, law: &Law) -> Option<Vec<f64>> {
+/// Component of a law through filters of this `power`; `None` for one that filters itself.
+fn component_through(frame: &Frame, law: &Law, power: impl Fn(f64) -> f64) -> Option<Vec<f64>> {
     match law.effect.part(&law.values) {
-        Part::Term(term) => Some(frame.expect(|f_hz| frame.term_density(&*term, f_hz))),
+        Part::Term(term) => {
+            Some(frame.expect(|f_hz| frame.term_density(&*term, f_hz) * power(f_hz)))
+        }
         Part::Distortion(_) | Part::Clock(_) | Part::Follows(_) => None,
     }
 }

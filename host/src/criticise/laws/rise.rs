@@ -127,3 +127,74 @@ impl<'a> Rise<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use rand_distr::{Distribution, Gamma};
+
+    use super::*;
+    use crate::fit::likelihood::maximise;
+
+    /// Independent bins of white noise and a walk.
+    fn data(seed: u64) -> (Data, Vec<Vec<f64>>) {
+        let mut random = rand_pcg::Pcg64::new(u128::from(seed), 9);
+        let f_hz: Vec<f64> = (0..160)
+            .map(|k| 1e-2 * (f64::from(k) / 16.0).exp2())
+            .collect();
+        let law = Gamma::new(100.0, 0.01).expect("positive");
+        let psd = f_hz
+            .iter()
+            .map(|f| (1.0 + 1e-3 / (f * f)) * law.sample(&mut random))
+            .collect();
+        let variances = DVector::from_element(f_hz.len(), 0.01);
+        let components = vec![
+            vec![1.0; f_hz.len()],
+            f_hz.iter().map(|f| 1.0 / (f * f)).collect(),
+        ];
+        let data = Data::from_parts(f_hz, psd, DMatrix::from_diagonal(&variances));
+        (data.expect("positive densities"), components)
+    }
+
+    fn peak(data: &Data, f_hz: f64) -> Vec<f64> {
+        let near = |f: &f64| 1.0 / (1.0 + ((f - f_hz) / (0.3 * f_hz)).powi(2));
+        data.f_hz.iter().map(near).collect()
+    }
+
+    #[test]
+    fn foretells_the_gain_of_a_fit() {
+        let mut seen = 0;
+        for seed in 0..40 {
+            let (data, mut components) = data(seed);
+            let base = maximise(&data, &components).expect("a fit");
+            let rise = Rise::new(&data, &base, &components).expect("told apart");
+            let peak = peak(&data, 1.0);
+            let foretold = rise.of(&peak);
+            components.push(peak);
+            let gain =
+                maximise(&data, &components).expect("a fit").log_likelihood - base.log_likelihood;
+            // To the third order in the size, which is a few percent of the noise.
+            assert!(
+                (foretold - gain).abs() < 0.1 + 0.1 * gain,
+                "seed {seed}: {foretold} {gain}"
+            );
+            seen += u32::from(gain > 0.5);
+        }
+        assert!(seen > 5, "none of the records rose");
+    }
+
+    #[test]
+    fn paths_grow_with_their_steps_and_close_at_a_right_angle() {
+        let (data, components) = data(50);
+        let base = maximise(&data, &components).expect("a fit");
+        let rise = Rise::new(&data, &base, &components).expect("told apart");
+        let near = rise.path([1.0, 1.01].into_iter().map(|f_hz| peak(&data, f_hz)));
+        let far = rise.path([0.1, 20.0].into_iter().map(|f_hz| peak(&data, f_hz)));
+        assert!(near < 0.1, "seed 50: {near}");
+        assert!(
+            (far - std::f64::consts::FRAC_PI_2).abs() < 0.3,
+            "seed 50: {far}"
+        );
+        // What is there already has no direction.
+        assert_eq!(rise.path(components.iter().cloned()), 0.0);
+    }
+}

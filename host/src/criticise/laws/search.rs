@@ -1,7 +1,7 @@
 //! The values of laws that fit best.
 
 use super::rise::Rise;
-use super::{Law, components, term_component};
+use super::{Law, component_through, components, passed};
 use crate::criticise::frame::Frame;
 use crate::criticise::tail;
 use crate::fit::likelihood::scoring::{Range, greatest_beside, maximise_beside};
@@ -93,9 +93,12 @@ fn moved(
     which: usize,
     from: &Standing,
 ) -> Option<Standing> {
-    let components = if laws.iter().all(Law::adds) {
+    // A term that moves changes its own component alone, a filter all of them.
+    let components = if laws[which].adds() {
         let mut components = from.components.clone();
-        components[super::component_of(frame, laws, which)] = term_component(frame, &laws[which])?;
+        let power = passed(frame, laws);
+        components[super::component_of(frame, laws, which)] =
+            component_through(frame, &laws[which], power)?;
         components
     } else {
         components(frame, laws)
@@ -133,7 +136,7 @@ impl Starts {
         });
         let starts = laws
             .map(|law| Start {
-                component: term_component(frame, &law),
+                component: component_through(frame, &law, |_| 1.0),
                 law,
             })
             .collect();

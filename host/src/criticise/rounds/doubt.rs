@@ -12,9 +12,6 @@ use super::steady;
 /// Shares of the density, the largest that a law reaches somewhere tells its band.
 const SHARES: [f64; 4] = [0.5, 0.25, 0.1, 0.03];
 
-/// Share of outliers on one side from which they are a matter of that side.
-const ONE_SIDED: f64 = 0.8;
-
 impl Rounds<'_> {
     /// Takes back what the record speaks against; remarks on each.
     pub(super) fn doubts(&mut self) -> Option<Vec<Remark>> {
@@ -141,14 +138,8 @@ impl Rounds<'_> {
             return Some(None);
         }
         let side = found.skewness.signum();
-        let mut sizes = self.axis.mended.waves.iter().flat_map(|wave| match wave {
-            Wave::Outliers(outliers) => outliers.as_slice(),
-            _ => &[],
-        });
-        let (with, all) = sizes.by_ref().fold((0.0, 0.0), |(with, all), one| {
-            (with + f64::from(u8::from(one.size * side > 0.0)), all + 1.0)
-        });
-        if with >= ONE_SIDED * all && self.withdraw("outliers") {
+        // Its tail passes for them.
+        if self.withdraw("outliers") {
             self.axis.refresh(false)?;
         }
         Some(Some(Remark {

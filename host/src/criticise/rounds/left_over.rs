@@ -1,6 +1,5 @@
 //! What is significant still when nothing in the catalogue explains more.
 
-use super::super::bursts;
 use super::super::bursts::wander::{self, Wander};
 use super::super::finding::Remark;
 use super::super::laws::departure;
@@ -12,7 +11,6 @@ impl Rounds<'_> {
     pub(super) fn left_over(&mut self) -> Vec<Remark> {
         let level = self.level();
         let mut remarks = Vec::new();
-        self.describe_laws();
         let departure = departure::departure(&self.axis.data, &self.axis.fit.expected);
         if let Some(departure) = departure.filter(|one| one.p_value < level) {
             remarks.push(spectrum_remark(&departure));
@@ -41,17 +39,15 @@ impl Rounds<'_> {
                     ),
                     p_value,
                     description: format!(
-                        "power in {} narrow lines that stand too close to be separate: a tone \
-                         that wanders or is switched",
-                        lines.len()
+                        "power in {} narrow lines that stand too close to be separate: {}",
+                        lines.len(),
+                        lines::wandering(f_hz)
                     ),
                 });
             }
         }
-        let seen = self.axis.whole();
-        let (whole, density) = (&seen.whole, &seen.density);
         let axis = &*self.axis;
-        let powers = bursts::powers(whole, density, |n| axis.usable(n));
+        let powers = axis.powers();
         if let Some(Wander { cyclic, slow }) = wander::wander(&powers) {
             let movements = [
                 (cyclic, "period", "rises and falls in a cycle"),

@@ -103,15 +103,18 @@ impl Rounds<'_> {
     fn is_dwelling(&self, change: &slow::SlowChange) -> bool {
         /// Dwell times that make a settling of its own.
         const DWELLS: f64 = 5.0;
-        let law = self
-            .axis
-            .laws
-            .iter()
-            .find(|law| law.effect.name() == "markov");
-        match (&change.wave, law.filter(|_| self.switching)) {
+        let telegraph = self.accepted.iter().find(|one| one.effect == "telegraph");
+        let dwell_s = telegraph.map(|one| match one.law {
             // The correlation time is half a dwell.
-            (Wave::WarmUp { samples, .. }, Some(law)) => {
-                samples / self.axis.rate_hz < DWELLS * 2.0 * law.values[1]
+            Some(law) => 2.0 * self.axis.laws[law].values[1],
+            None => one
+                .parameters
+                .get("dwell_s")
+                .map_or(0.0, |dwell| dwell.value),
+        });
+        match (&change.wave, dwell_s) {
+            (Wave::WarmUp { samples, .. }, Some(dwell_s)) => {
+                samples / self.axis.rate_hz < DWELLS * dwell_s
             }
             _ => false,
         }
@@ -155,6 +158,7 @@ impl Rounds<'_> {
         while let Some(jump) = next.filter(|_| jumps.len() + new.len() <= MOST) {
             let jump = place(jump);
             Wave::Steps(vec![jump]).take_out(&mut self.axis.filled);
+            self.axis.set_aside(&jump);
             new.push(jump);
             next = self.largest_jump();
         }
@@ -186,7 +190,7 @@ impl Rounds<'_> {
             return Some(true);
         }
         let (effect, parameters) = if switching {
-            ("telegraph", self.switch_parameters(&jumps))
+            ("telegraph", self.switch_parameters(&whole_jumps(&jumps)))
         } else {
             ("steps", self.step_parameters(&jumps))
         };
@@ -210,10 +214,11 @@ impl Rounds<'_> {
             );
         };
         change(self.axis)?;
-        let with = Snapshot::of(self.axis);
+        let (with, after) = (Snapshot::of(self.axis), self.axis.fit.clone());
         let one = &mut self.accepted[found];
         one.nats = one.nats.map(|before| before + nats);
-        (one.effect, one.parameters, one.with, one.freedom) = (effect, parameters, with, freedom);
+        (one.effect, one.parameters, one.freedom) = (effect, parameters, freedom);
+        (one.with, one.after) = (with, after);
         Some(true)
     }
 
@@ -315,19 +320,34 @@ impl Rounds<'_> {
     }
 }
 
+/// The jumps between two levels among all: what the placing of one left beside it is smaller.
+fn whole_jumps(jumps: &[Jump]) -> Vec<Jump> {
+    /// Share of the upper quartile's height that a whole jump has.
+    const SHARE: f64 = 0.5;
+    let mut heights: Vec<f64> = jumps.iter().map(|jump| jump.height.abs()).collect();
+    heights.sort_by(f64::total_cmp);
+    let typical = heights.get(3 * heights.len() / 4).copied().unwrap_or(0.0);
+    let is_whole = |jump: &&Jump| jump.height.abs() >= SHARE * typical;
+    jumps.iter().filter(is_whole).copied().collect()
+}
+
 /// Whether jumps go up and down by turns, by about as much: two levels.
 fn to_and_fro(jumps: &[Jump]) -> bool {
-    if jumps.len() < SWITCHING {
+    /// Share of the squared heights that is not between the two levels, at most.
+    const REST: f64 = 0.1;
+    let energy = |jumps: &[Jump]| jumps.iter().map(|jump| jump.height.powi(2)).sum::<f64>();
+    let whole = whole_jumps(jumps);
+    if whole.len() < SWITCHING || energy(&whole) < (1.0 - REST) * energy(jumps) {
         return false;
     }
-    let turns = jumps
+    let turns = whole
         .windows(2)
         .filter(|pair| pair[0].height * pair[1].height < 0.0)
         .count();
-    let mean = jumps.iter().map(|jump| jump.height.abs()).sum::<f64>() / jumps.len() as f64;
-    let alike = jumps
+    let mean = whole.iter().map(|jump| jump.height.abs()).sum::<f64>() / whole.len() as f64;
+    let alike = whole
         .iter()
         .filter(|jump| (0.6..1.6).contains(&(jump.height.abs() / mean)))
         .count();
-    5 * turns >= 4 * (jumps.len() - 1) && 5 * alike >= 4 * jumps.len()
+    5 * turns >= 4 * (whole.len() - 1) && 5 * alike >= 4 * whole.len()
 }

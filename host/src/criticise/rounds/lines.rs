@@ -74,9 +74,9 @@ impl Rounds<'_> {
             place: format!("{f_hz:.5} Hz"),
             p_value: one.line.false_alarm,
             description: format!(
-                "a line of amplitude {:.3e} that does not keep its size and phase: a tone that \
-                 wanders or is switched",
-                one.line.amplitude
+                "a line of amplitude {:.3e} that does not keep its size and phase: {}",
+                one.line.amplitude,
+                lines::wandering(f_hz)
             ),
         });
         self.axis.apart.push(f_hz - width_hz..f_hz + width_hz);
@@ -153,12 +153,12 @@ impl Rounds<'_> {
         };
         if self.find("hum").is_some() {
             change(self.axis)?;
-            let with = Snapshot::of(self.axis);
+            let (with, after) = (Snapshot::of(self.axis), self.axis.fit.clone());
             let one = self.find("hum")?;
             for (name, value) in parameters {
                 one.parameters.entry(name).or_insert(value);
             }
-            one.with = with;
+            (one.with, one.after) = (with, after);
             one.freedom += freedom;
         } else {
             return self.accept("hum", parameters, p_value, freedom, None, change);

@@ -11,6 +11,9 @@ use crate::spectrum::Line;
 /// cut there, and a steep filter remembers that many.
 const CUT: f64 = 64.0;
 
+/// Lines that are followed.
+const MOST: usize = 16;
+
 /// Standard deviations of the moment that are left out as well.
 const UNSURE: f64 = 3.0;
 
@@ -18,7 +21,7 @@ impl Rounds<'_> {
     /// Takes out lines that all jump in phase at one moment, and leaves the moment out: where
     /// noise is cut there are bad samples and bursts that are nothing of their own.
     pub(super) fn lost(&mut self, groups: &[Group]) -> Option<bool> {
-        let found: Vec<Line> = groups
+        let mut found: Vec<Line> = groups
             .iter()
             .flat_map(|group| match group {
                 Group::Single(one) => vec![one.line],
@@ -31,7 +34,15 @@ impl Rounds<'_> {
         if self.refused.contains(&"dropped") || self.axis.mended.waves.iter().any(is_line) {
             return Some(false);
         }
+        // The strongest tell it; a record of many lines has no time for all of them.
+        found.sort_by(|a, b| b.ratio.total_cmp(&a.ratio));
+        found.truncate(MOST);
+        let lines: Vec<f64> = found.iter().map(|line| line.frequency_hz).collect();
+        if self.kept == lines {
+            return Some(false);
+        }
         let Some(loss) = phase::lost_samples(self.axis, &found, self.level()) else {
+            self.kept = lines;
             return Some(false);
         };
         let rate_hz = self.axis.rate_hz;
@@ -86,7 +97,7 @@ impl Rounds<'_> {
             2.0,
             Some(loss.held_nats),
             |axis| {
-                axis.mended.masked.push(from..to);
+                axis.mended.lost.push(from..to);
                 axis.refresh(true)
             },
         )

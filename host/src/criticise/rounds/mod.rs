@@ -20,7 +20,7 @@ mod variance;
 use std::collections::BTreeMap;
 
 use super::axis::AxisState;
-use super::codes;
+use super::codes::CodeFindings;
 use super::finding::{Remark, Rival, Value};
 use super::laws::Law;
 use super::laws::departure;
@@ -67,6 +67,8 @@ pub struct Accepted {
     pub freedom: f64,
     /// Fit without it.
     pub before: Fit,
+    /// Fit with it, as it was found.
+    pub after: Fit,
     /// Gain in log-likelihood on held-out data, where it was measured as the effect was found.
     pub nats: Option<f64>,
     /// What the record and the model were with it.
@@ -92,7 +94,8 @@ pub struct Snapshot {
 }
 
 impl Snapshot {
-    fn of(axis: &AxisState) -> Self {
+    /// Of an axis as it is.
+    pub fn of(axis: &AxisState) -> Self {
         Self {
             waves: axis.mended.waves.clone(),
             laws: axis
@@ -112,6 +115,8 @@ pub struct Outcome {
     pub unexplained: Vec<Remark>,
     /// What the five terms alone get wrong.
     pub discrepancies: Vec<Remark>,
+    /// Standard deviations of the squares of the base components.
+    pub squares_sd: Vec<f64>,
 }
 
 /// Runs the loop on an axis, without the effects `refused`; `values` is what its values themselves
@@ -132,6 +137,7 @@ pub fn run(
         ringing: false,
         restless: false,
         unsteady: Vec::new(),
+        kept: Vec::new(),
     };
     rounds.note_base();
     rounds.take_codes(values)?;
@@ -156,26 +162,15 @@ pub fn run(
         }
     }
     let doubts = rounds.doubts()?;
+    let squares_sd = rounds.describe_laws();
     let mut unexplained = rounds.left_over();
     unexplained.extend(doubts);
     Some(Outcome {
         accepted: rounds.accepted,
         unexplained,
         discrepancies: rounds.discrepancies,
+        squares_sd,
     })
-}
-
-/// What the values themselves say.
-#[derive(Debug, Clone, Default)]
-pub struct CodeFindings {
-    /// Repeats, and where they are.
-    pub stale: Option<(codes::Stale, Vec<usize>)>,
-    /// Pile-ups, and where they are.
-    pub clipping: Vec<(codes::Clipping, Vec<usize>)>,
-    /// Step of the values that is coarser than declared, beside the short-term noise.
-    pub coarse: Option<f64>,
-    /// Largest size of a value: what its rounding is a share of.
-    pub largest: f64,
 }
 
 struct Rounds<'a> {
@@ -190,6 +185,8 @@ struct Rounds<'a> {
     ringing: bool,
     /// Whether the strength of the noise moves all the time: no business of bursts.
     restless: bool,
+    /// Lines that were seen to lose no samples.
+    kept: Vec<f64>,
     /// Bands that no steady law speaks for.
     unsteady: Vec<Remark>,
 }
@@ -226,6 +223,7 @@ impl Rounds<'_> {
             law: None,
             freedom,
             before,
+            after: self.axis.fit.clone(),
             nats,
             with: Snapshot::of(self.axis),
             without,
@@ -237,7 +235,12 @@ impl Rounds<'_> {
     fn withdraw(&mut self, effect: &str) -> bool {
         let before = self.accepted.len();
         self.accepted.retain(|one| one.effect != effect);
-        let kept = |wave: &Wave| effect != "outliers" || !matches!(wave, Wave::Outliers(_));
+        let kept = |wave: &Wave| match wave {
+            Wave::Outliers(_) => effect != "outliers",
+            Wave::Steps(_) => effect != "steps",
+            Wave::WarmUp { .. } => effect != "warmup",
+            _ => true,
+        };
         self.axis.mended.waves.retain(kept);
         for one in &mut self.accepted {
             one.with.waves.retain(kept);

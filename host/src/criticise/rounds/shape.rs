@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::super::finding::{Rival, Value};
-use super::super::laws::{self, Law, search, spread};
+use super::super::laws::spread::Spread;
+use super::super::laws::{self, Law, search};
+use super::super::lines;
 use super::super::telegraph;
 use super::{Rounds, named};
 use crate::fit::likelihood::Fit;
@@ -48,18 +50,15 @@ impl Rounds<'_> {
         let worth = |one: &search::Found| one.nats - one.law.values.len() as f64;
         found.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
         // A resonance too narrow for the record to resolve is a line, or nothing.
-        let duration_s = self.duration_s();
-        let narrow = |one: &search::Found| {
-            one.law.effect.name() == "resonance" && one.law.values[1] * duration_s < RESOLVED
-        };
-        if let Some(best) = found
+        let line = found
             .first()
-            .filter(|one| narrow(one) && one.p_value < level)
-            && self.unresolved(best.law.values[0], best.p_value)?
-        {
-            return Some(true);
+            .filter(|one| one.p_value < level && self.is_line(one));
+        if let Some(line) = line {
+            if self.unresolved(line.law.values[0], line.p_value)? {
+                return Some(true);
+            }
+            found.remove(0);
         }
-        found.retain(|one| !narrow(one));
         if found.first().is_none_or(|best| best.p_value >= level) {
             return Some(false);
         }
@@ -90,7 +89,9 @@ impl Rounds<'_> {
                 effect = "telegraph";
                 self.switching = true;
                 // Its jumps may have passed for them.
-                self.withdraw("outliers");
+                for other in ["outliers", "steps", "warmup"] {
+                    self.withdraw(other);
+                }
                 rivals.insert(0, other("markov", two));
             } else {
                 rivals.insert(0, other("telegraph", -two));
@@ -98,13 +99,33 @@ impl Rounds<'_> {
         }
         let accepted = self.accept(effect, BTreeMap::new(), p_value, freedom, None, |axis| {
             axis.laws.push(law);
-            axis.refresh(false)
+            axis.refresh_jumps()
         })?;
         if let Some(one) = self.accepted.last_mut().filter(|_| accepted) {
             one.rivals = rivals;
             one.law = Some(self.axis.laws.len() - 1);
         }
         Some(accepted)
+    }
+
+    /// Whether a law is a resonance narrower than the record resolves, or one whose power stands at a
+    /// single frequency: bins see no more than a width of their own.
+    fn is_line(&self, one: &search::Found) -> bool {
+        /// Width over frequency below which bins do not tell it.
+        const SEEN_BY_BINS: f64 = 0.1;
+        /// Share of the power that a line there holds.
+        const SHARE: f64 = 0.5;
+        let axis = &*self.axis;
+        let [f_hz, width_hz, ..] = one.law.values[..] else {
+            return false;
+        };
+        if one.law.effect.name() != "resonance" || width_hz > SEEN_BY_BINS * f_hz {
+            return false;
+        }
+        let component = laws::component_of(&axis.frame, &axis.laws, axis.laws.len());
+        let line = lines::measure_near(axis, f_hz, one.p_value).line;
+        width_hz * self.duration_s() < RESOLVED
+            || 0.5 * line.amplitude.powi(2) > SHARE * one.fit.squared[component]
     }
 
     /// Adds the switching between two levels, where it is what makes the spectrum's low end.
@@ -153,12 +174,13 @@ impl Rounds<'_> {
         telegraph::log_odds(axis, squared.sqrt(), time_s, wander, rest)
     }
 
-    /// Parameters of the laws as finally fitted, with their intervals.
-    pub(super) fn describe_laws(&mut self) {
+    /// Parameters of the laws as finally fitted, with their intervals; standard deviations of the
+    /// squares of the base components beside them.
+    pub(super) fn describe_laws(&mut self) -> Vec<f64> {
         let axis = &*self.axis;
+        let spread = Spread::new(&axis.frame, &axis.data, &axis.laws, &axis.fit);
         for (which, law) in axis.laws.iter().enumerate() {
-            let log_sd =
-                spread::log_deviations(&axis.frame, &axis.data, &axis.laws, which, &axis.fit);
+            let log_sd = spread.log_deviations(which);
             let values = laws::sized(&axis.frame, &axis.laws, which, &axis.fit);
             let parameters: BTreeMap<String, Value> = law
                 .effect
@@ -183,5 +205,8 @@ impl Rounds<'_> {
                 };
             }
         }
+        (0..axis.frame.units().len())
+            .map(|component| spread.square_sd(component))
+            .collect()
     }
 }

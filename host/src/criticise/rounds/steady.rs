@@ -40,8 +40,8 @@ impl Rounds<'_> {
         if self.switching_law()? {
             return Some(true);
         }
-        self.unsteady.push(remark(&found));
-        self.axis.apart.push(found.from_hz..found.to_hz);
+        let band = found.from_hz..found.to_hz;
+        self.set_band_apart(&found, band);
         // What was named while the band was still in may have been named for it.
         self.withdraw("outliers");
         self.axis.laws.clear();
@@ -49,6 +49,51 @@ impl Rounds<'_> {
         self.accepted.retain(|one| !laws.contains(&one.effect));
         self.axis.refresh(false)?;
         Some(true)
+    }
+
+    /// Leaves a band out, joined with one beside it.
+    fn set_band_apart(&mut self, found: &Unsteady, band: std::ops::Range<f64>) {
+        let width = band.end - band.start;
+        let beside = |one: &std::ops::Range<f64>| {
+            one.start < band.end + width && band.start - width < one.end
+        };
+        let joined = self.axis.apart.iter().position(beside);
+        let Some(joined) = joined else {
+            self.unsteady.push(remark(found));
+            self.axis.apart.push(band);
+            return;
+        };
+        let old = self.axis.apart[joined].clone();
+        let all = old.start.min(band.start)..old.end.max(band.end);
+        let before = self.unsteady.iter_mut();
+        for one in before.filter(|one| one.place.starts_with(&place_of(&old))) {
+            one.place = one.place.replace(&place_of(&old), &place_of(&all));
+        }
+        self.axis.apart[joined] = all;
+    }
+
+    /// Whether what happens at `samples` belongs to a band that was left out: its power is several
+    /// times as large there as on average.
+    pub(super) fn is_of_band(&self, samples: &[std::ops::Range<usize>]) -> bool {
+        /// How many times.
+        const SEVERAL: f64 = 3.0;
+        let length = self.axis.whole().whole.len() as f64;
+        self.axis.apart.iter().any(|band| {
+            let course = steadiness::course(self.axis, band);
+            let moment = |sample: usize| {
+                let at = sample as f64 / length * course.len() as f64;
+                (at as usize).min(course.len() - 1)
+            };
+            let (mut sum, mut count) = (0.0, 0.0);
+            for range in samples {
+                let moments = moment(range.start)..=moment(range.end);
+                // An event's largest power is near, but not always at its first moment.
+                let near = course[moments.start().saturating_sub(1)..=*moments.end()].iter();
+                sum += near.fold(0.0, |most: f64, power| most.max(*power));
+                count += 1.0;
+            }
+            count > 0.0 && sum > SEVERAL * count
+        })
     }
 
     /// Where two levels decide what the noise looks like: Gaussian it is not.
@@ -82,11 +127,16 @@ impl Rounds<'_> {
     }
 }
 
+fn place_of(band: &std::ops::Range<f64>) -> String {
+    format!("{:.5} to {:.5} Hz", band.start, band.end)
+}
+
 /// In words.
 pub(super) fn remark(found: &Unsteady) -> Remark {
     let Unsteady {
         from_hz,
         to_hz,
+        peak_hz,
         tile_s,
         variance,
         p_value,
@@ -103,7 +153,10 @@ pub(super) fn remark(found: &Unsteady) -> Remark {
     };
     Remark {
         test: "steadiness".into(),
-        place: format!("{from_hz:.5} to {to_hz:.5} Hz"),
+        place: format!(
+            "{}, plainest at {peak_hz:.5} Hz",
+            place_of(&(from_hz..to_hz))
+        ),
         p_value,
         description,
     }

@@ -9,7 +9,7 @@ use super::super::mend::Wave;
 use super::{CodeFindings, Rounds, Snapshot, named};
 
 /// How much further out an outlier must be where the strength of the noise moves.
-const RESTLESS: f64 = 1.5;
+const RESTLESS: f64 = 3.0;
 
 impl Rounds<'_> {
     /// Takes over what the values themselves say.
@@ -72,7 +72,7 @@ impl Rounds<'_> {
         let seen = self.axis.whole();
         let (whole, density) = (&seen.whole, &seen.density);
         let axis = &*self.axis;
-        let powers = bursts::powers(whole, density, |n| axis.usable(n));
+        let powers = axis.powers();
         let local = self.restless.then(|| powers.local());
         let found = impulses::outliers(
             whole,
@@ -90,7 +90,13 @@ impl Rounds<'_> {
         if found.found.is_empty() {
             return Some(false);
         }
-        if impulses::together(&found.found, whole.len()) < self.level() {
+        let moments: Vec<_> = found
+            .found
+            .iter()
+            .map(|one| one.index..one.index + 1)
+            .collect();
+        let together = impulses::together(&found.found, whole.len()) < self.level();
+        if together || self.is_of_band(&moments) {
             self.ringing = true;
             return Some(false);
         }
@@ -141,9 +147,10 @@ impl Rounds<'_> {
         };
         if self.find("outliers").is_some() {
             change(self.axis)?;
-            let with = Snapshot::of(self.axis);
+            let (with, after) = (Snapshot::of(self.axis), self.axis.fit.clone());
             let one = self.find("outliers")?;
-            (one.parameters, one.with, one.freedom) = (parameters, with, 2.0 * count);
+            (one.parameters, one.freedom) = (parameters, 2.0 * count);
+            (one.with, one.after) = (with, after);
             one.nats = one.nats.map(|before| before + nats);
         } else {
             let p_value = found.p_value;

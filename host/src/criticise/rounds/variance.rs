@@ -14,19 +14,23 @@ impl Rounds<'_> {
             return Some(false);
         }
         let seen = self.axis.whole();
-        let (whole, density) = (&seen.whole, &seen.density);
         let axis = &*self.axis;
-        let powers = bursts::powers(whole, density, |n| axis.usable(n));
+        let powers = axis.powers();
         let Some(burst) = bursts::burst(&powers, self.level()) else {
             return Some(false);
         };
         let Burst { range, factor, .. } = burst.clone();
         // A stretch that is most of the record is its law.
-        if range.len() > whole.len() / 2 {
+        if range.len() > seen.whole.len() / 2 {
+            return Some(false);
+        }
+        // On a coarse grid noise seems to rest wherever its level lies within a step.
+        if factor < 1.0 && self.accepted.iter().any(|one| one.effect == "quantisation") {
             return Some(false);
         }
         // What is stronger in some band only is something else.
-        if even::p_value(&seen, &range) < self.level() {
+        let of_band = self.is_of_band(std::slice::from_ref(&range));
+        if of_band || even::p_value(&seen, &range) < self.level() {
             return Some(false);
         }
         let before = self.accepted.iter().filter(|one| one.effect == "burst");
@@ -55,6 +59,8 @@ impl Rounds<'_> {
             ),
             ("factor", Value::log_normal(factor, burst.log_factor_sd)),
         ]);
+        // Large samples of the stretch may have passed for them.
+        self.withdraw("outliers");
         self.accept(
             "burst",
             parameters,
@@ -77,8 +83,7 @@ impl Rounds<'_> {
         if self.restless {
             return Some(false);
         }
-        let seen = self.axis.whole();
-        let powers = bursts::powers(&seen.whole, &seen.density, |n| self.axis.usable(n));
+        let powers = self.axis.powers();
         let moves = wander::wander(&powers)
             .is_some_and(|moves| moves.cyclic.p_value.min(moves.slow.p_value) < self.level());
         if moves {
@@ -91,11 +96,7 @@ impl Rounds<'_> {
     /// outliers only against the noise about them. Whether anything is taken back.
     fn restless_noise(&mut self) -> Option<bool> {
         self.restless = true;
-        let several = self.accepted.iter().filter(|one| one.effect == "burst");
-        let mut any = false;
-        if several.count() == MOST {
-            any |= self.withdraw("burst");
-        }
+        let mut any = self.withdraw("burst");
         any |= self.withdraw("outliers");
         if any {
             self.axis.refresh(true)?;

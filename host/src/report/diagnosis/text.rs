@@ -2,10 +2,13 @@
 
 use std::fmt::Write;
 
-use super::number::significant;
-use super::text::head;
-use crate::criticise::finding::{AxisDiagnosis, Diagnosis, Finding, Remark, Value};
+use super::super::number::{estimated, probability, significant};
+use super::super::text::head;
+use crate::criticise::finding::{AxisDiagnosis, Diagnosis, Finding, Remark, SMALL_PERCENT, Value};
 use crate::model::Coefficient;
+
+/// Findings that are all told in full; of more, the small ones in a line each.
+pub(super) const MOST_TOLD: usize = 3;
 
 /// Numbers of one finding that are listed, at most; JSON has all.
 const MOST_PARAMETERS: usize = 12;
@@ -32,8 +35,21 @@ fn axis(text: &mut String, axis: &AxisDiagnosis, level: f64) -> std::fmt::Result
             significant(100.0 * level, 2)
         )?;
     }
-    for (number, one) in (1_u32..).zip(&axis.findings) {
+    let numbered = (1_u32..).zip(&axis.findings);
+    let (small, plain): (Vec<_>, Vec<_>) =
+        numbered.partition(|(_, one)| axis.findings.len() > MOST_TOLD && one.is_small());
+    for (number, one) in plain {
         finding(text, number, one)?;
+    }
+    if !small.is_empty() {
+        writeln!(
+            text,
+            "  There, but small: each changes the model's Allan deviation by less than {} %.",
+            significant(SMALL_PERCENT, 2)
+        )?;
+        for (number, one) in small {
+            brief(text, number, one)?;
+        }
     }
     for one in &axis.unexplained {
         remark(text, one)?;
@@ -59,15 +75,11 @@ fn finding(text: &mut String, number: u32, finding: &Finding) -> std::fmt::Resul
             significant(nats, 3)
         )?;
     }
-    if let (Some(before), Some(after)) = (
-        finding.gain.allan_error_percent_before,
-        finding.gain.allan_error_percent_after,
-    ) {
+    if let Some(size) = finding.gain.allan_change_percent {
         write!(
             text,
-            "; Allan deviation of the model off by {} %, before {} %",
-            significant(after, 2),
-            significant(before, 2)
+            "; changes the Allan deviation by {} % at most",
+            significant(size, 2)
         )?;
     }
     writeln!(text)?;
@@ -80,6 +92,24 @@ fn finding(text: &mut String, number: u32, finding: &Finding) -> std::fmt::Resul
         )?;
     }
     writeln!(text, "     check: {}", finding.check)
+}
+
+/// In one line.
+fn brief(text: &mut String, number: u32, finding: &Finding) -> std::fmt::Result {
+    let values: Vec<String> = finding
+        .parameters
+        .iter()
+        .take(MOST_PARAMETERS)
+        .map(|(name, value)| format!("{name} {}", significant(value.value, 4)))
+        .collect();
+    let size = finding.gain.allan_change_percent;
+    writeln!(
+        text,
+        "  {number}. {}: {} ({} %)",
+        finding.effect,
+        values.join(", "),
+        size.map_or("0".into(), |size| significant(size, 2))
+    )
 }
 
 fn remark(text: &mut String, remark: &Remark) -> std::fmt::Result {
@@ -154,20 +184,10 @@ fn errors(text: &mut String, axis: &AxisDiagnosis) -> std::fmt::Result {
 fn interval(value: &Value) -> String {
     match (value.lo, value.hi) {
         (Some(lo), Some(hi)) if lo == hi => significant(value.value, 6),
-        (Some(lo), Some(hi)) => format!(
-            "{} ({} to {})",
-            significant(value.value, 6),
-            significant(lo, 6),
-            significant(hi, 6)
-        ),
+        (Some(lo), Some(hi)) => {
+            let [value, lo, hi] = estimated(value.value, lo, hi);
+            format!("{value} ({lo} to {hi})")
+        }
         _ => significant(value.value, 6),
-    }
-}
-
-fn probability(p: f64) -> String {
-    if p < 1e-12 {
-        "below 1e-12".to_owned()
-    } else {
-        significant(p, 2)
     }
 }

@@ -1,0 +1,146 @@
+//! `inm demo`: the whole chain in one command, without hardware: a virtual board with an effect
+//! hidden in it, recording, analysis, and a diagnosis that has to find it.
+
+mod hide;
+mod reveal;
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use clap::Args;
+
+use super::diagnose::{FAMILY_LEVEL, result};
+use super::interrupt;
+use super::output::write_to;
+use super::results::ResultOptions;
+use crate::analyse::{AnalysisOptions, summarise};
+use crate::bins::record::{Overlap, Record};
+use crate::criticise::diagnose::diagnose;
+use crate::criticise::finding::Diagnosis;
+use crate::criticise::rounds::Options;
+use crate::criticise::samples::Samples;
+use crate::live::{Screen, watch};
+use crate::report;
+use crate::source::Source;
+use crate::source::board::{BoardSource, Plan};
+use crate::source::open::open;
+use crate::source::options::ArrayOptions;
+use crate::source::virtual_board::VirtualConnect;
+
+/// Arguments of `inm demo`.
+#[derive(Debug, Args)]
+pub struct DemoCommand {
+    /// Seconds of board time; the published experiment took 5400.
+    #[arg(long, value_name = "S", default_value_t = 1800.0)]
+    duration: f64,
+    /// Folder for capture, JSON, HTML, PNG and model; what an earlier demo left there is replaced.
+    #[arg(long, value_name = "FOLDER", default_value = "inm-demo")]
+    output: PathBuf,
+    /// Seed of the virtual board's noise, and of what is hidden in it.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+impl DemoCommand {
+    /// Runs the subcommand.
+    ///
+    /// # Errors
+    /// If a file cannot be written.
+    pub fn run(self) -> anyhow::Result<()> {
+        let place = |name: &str| self.output.join(name);
+        std::fs::create_dir_all(&self.output)
+            .with_context(|| format!("{}: the folder cannot be made", self.output.display()))?;
+        let capture = place("demo.inmcap");
+        forget(&capture)?;
+
+        println!(
+            "A virtual board: three MMA7331L with the published noise, three ADS1281 at register\n\
+             level, the firmware's own code, a 921600 baud link. Seed {}, {} s at 2000/s.\n\
+             Something else acts on one of the sensors.\n",
+            self.seed, self.duration
+        );
+        let stop = interrupt::stop_on_signal()?;
+        let plan = Plan {
+            settings: Some(inm_protocol::Settings::default()),
+            samples: Some((self.duration * 2000.0) as u64),
+            ..Plan::default()
+        };
+        let hidden = hide::draw(self.seed, self.duration).map_err(anyhow::Error::msg)?;
+        let connect = Box::new(VirtualConnect {
+            hidden: Some(hidden.clone()),
+            ..VirtualConnect::published(self.seed, 0.0)
+        });
+        let mut source = BoardSource::start(connect, plan, Some(&capture), stop)?;
+        let signal = source.signal().clone();
+        let mut record = Record::new(signal.axes.len(), Overlap::Strided);
+        watch(&mut source, Some(&mut record), &mut Screen::stderr())?;
+
+        println!();
+        let results = self.results("demo");
+        results.write(&summarise(&signal, &record, &AnalysisOptions::default()))?;
+
+        let diagnosis = diagnosed(&text(&capture))?;
+        println!("\nWhat the five terms get wrong, and why:\n");
+        let pictures = self.results("diagnosis");
+        pictures.write(&diagnosis)?;
+        let model = text(&place("model.json"));
+        write_to(&model, |mut output| {
+            report::json::write(&diagnosis.model(), &mut output)
+        })?;
+        print!(
+            "\n{}\n{}\n",
+            reveal::render(&hidden, &diagnosis),
+            capture.display()
+        );
+        for path in [&results.json, &results.report, &results.png]
+            .into_iter()
+            .chain([&pictures.json, &pictures.report, &pictures.png])
+            .flatten()
+        {
+            println!("{path}");
+        }
+        println!(
+            "{model}\n\nAgain from the file: inm analyze {file}, inm diagnose {file}\n\
+             Data of the model that was found: inm simulate --model {model} -o found.npy",
+            file = capture.display()
+        );
+        Ok(())
+    }
+
+    /// Files of a result in the folder.
+    fn results(&self, name: &str) -> ResultOptions {
+        let file = |ending| Some(text(&self.output.join(format!("{name}.{ending}"))));
+        ResultOptions {
+            json: file("json"),
+            report: file("html"),
+            png: file("png"),
+        }
+    }
+}
+
+/// The diagnosis of a capture as anyone would make it: from the file alone.
+fn diagnosed(capture: &str) -> anyhow::Result<Diagnosis> {
+    let mut source = open(capture, &ArrayOptions::default())?;
+    let (samples, account) = Samples::read(&mut *source, |_| {})?;
+    let options = Options {
+        family_level: FAMILY_LEVEL,
+        covariate: None,
+    };
+    let axes = diagnose(&samples, &options, |_| {})
+        .map_err(|refused| anyhow::anyhow!("{capture}: {refused}; give a longer --duration"))?;
+    Ok(result(&samples, &account, FAMILY_LEVEL, axes))
+}
+
+/// Removes what an earlier demo left.
+fn forget(path: &Path) -> anyhow::Result<()> {
+    match std::fs::remove_file(path) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+            Err(error).with_context(|| format!("{}: cannot be replaced", path.display()))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn text(path: &Path) -> String {
+    path.display().to_string()
+}

@@ -1,0 +1,212 @@
+//! What a diagnosis looks like: measured, modelled and simulated side by side, axis by axis.
+//!
+//! Before is the model of five terms alone, after the extended one: the law of its noise and what
+//! its deterministic part (lines, steps, settling, outliers) adds in this very record. Beside both
+//! stands one simulated record of the extended model, as `inm simulate` makes it.
+
+pub mod allan;
+pub mod amplitudes;
+pub mod course;
+pub mod growth;
+pub mod spectrum;
+
+use std::ops::Range;
+
+use serde::Serialize;
+
+use super::axis::AxisState;
+use super::finding::Finding;
+use super::mend::Wave;
+use crate::fit::likelihood::Fit;
+use crate::model::effect::Part;
+use crate::model::whole::{Model, ModelAxis, SCHEMA};
+use crate::simulate::source::Simulation;
+use allan::AllanPoint;
+use amplitudes::{Amplitudes, Counts};
+use course::Course;
+use growth::VelocityError;
+use spectrum::SpectrumPoint;
+
+/// Seed of the simulated record.
+pub const SEED: u64 = 1;
+
+/// Samples simulated at a time.
+const BLOCK: usize = 1 << 16;
+
+/// The views of one axis.
+#[derive(Debug, Clone, Serialize)]
+pub struct Views {
+    /// Allan deviation.
+    pub allan: Vec<AllanPoint>,
+    /// Spectral density.
+    pub spectrum: Vec<SpectrumPoint>,
+    /// Growth of the velocity error.
+    pub velocity_error: Vec<VelocityError>,
+    /// Seed of the simulated record; `None` where the model cannot be simulated.
+    pub simulation_seed: Option<u64>,
+    /// The record in time; for pictures alone.
+    #[serde(skip)]
+    pub course: Course,
+    /// Law of the whitened amplitudes; for pictures alone.
+    #[serde(skip)]
+    pub amplitudes: Amplitudes,
+}
+
+/// What has to be noted down before anything is taken out of the record.
+pub struct Before {
+    fit: Fit,
+    amplitudes: Counts,
+}
+
+impl Before {
+    /// Of an axis with nothing known.
+    pub fn new(axis: &AxisState) -> Self {
+        Self {
+            fit: axis.fit.clone(),
+            amplitudes: Counts::new(axis),
+        }
+    }
+}
+
+/// The models that are compared.
+#[derive(Clone, Copy)]
+pub struct Models<'a> {
+    /// Five terms alone.
+    pub base: &'a ModelAxis,
+    /// The noise of the extended model: five terms and what has a spectrum.
+    pub noise: &'a ModelAxis,
+    /// All of it, as it is simulated.
+    pub whole: &'a ModelAxis,
+}
+
+/// A stretch of another variance.
+#[derive(Debug, Clone, PartialEq)]
+struct Burst {
+    /// Share of the record.
+    share: f64,
+    /// Its length, seconds.
+    duration_s: f64,
+    /// Factor on the variance.
+    factor: f64,
+}
+
+impl Burst {
+    /// What it adds to a density that is `density` elsewhere, as a mean over the record.
+    fn adds(&self, f_hz: f64, density: f64) -> f64 {
+        if f_hz * self.duration_s < 1.0 {
+            return 0.0;
+        }
+        self.share * (self.factor - 1.0) * density
+    }
+}
+
+impl Views {
+    /// Of an axis that is done.
+    pub fn new(
+        axis: &AxisState,
+        before: Before,
+        models: Models<'_>,
+        findings: &[Finding],
+        mean: f64,
+    ) -> Self {
+        let course = Course::new(axis, findings, mean);
+        let amplitudes = Amplitudes {
+            before: before.amplitudes,
+            after: Counts::new(axis),
+        };
+        let bursts = bursts(findings, axis.mended.len() as f64 / axis.rate_hz);
+        let wave = deterministic(axis);
+        let mut allan = allan::points(axis, models, &wave, &bursts);
+        let mut spectrum = spectrum::Pooled::new(axis, &before.fit, &wave, &bursts);
+        let velocity_error = growth::compare(axis, models, &wave);
+        // One record's worth of memory at a time.
+        drop(wave);
+        let simulated = simulate(axis, models.whole);
+        if let Some(simulated) = &simulated {
+            allan::add_simulated(&mut allan, simulated, axis.rate_hz);
+            spectrum.add_simulated(simulated);
+        }
+        Self {
+            allan,
+            spectrum: spectrum.points,
+            velocity_error,
+            simulation_seed: simulated.map(|_| SEED),
+            course,
+            amplitudes,
+        }
+    }
+}
+
+/// The deterministic part of the model in this record; missing samples are NaN. What stands in
+/// place of samples that were no measurement is no part of it. Empty where there is none.
+fn deterministic(axis: &AxisState) -> Vec<f64> {
+    let is_part = |wave: &&Wave| !matches!(wave, Wave::Replaced(_));
+    if !axis.mended.waves.iter().any(|wave| is_part(&wave)) {
+        return Vec::new();
+    }
+    let mut wave: Vec<f64> = axis
+        .mended
+        .measured()
+        .iter()
+        .map(|value| 0.0 * value)
+        .collect();
+    for one in axis.mended.waves.iter().filter(is_part) {
+        one.take_out(&mut wave);
+    }
+    wave.iter_mut().for_each(|value| *value = -*value);
+    wave
+}
+
+fn bursts(findings: &[Finding], record_s: f64) -> Vec<Burst> {
+    let burst = |finding: &Finding| {
+        let value = |name: &str| finding.parameters.get(name).map(|one| one.value);
+        let duration_s = value("to_s")? - value("from_s")?;
+        Some(Burst {
+            share: duration_s / record_s,
+            duration_s,
+            factor: value("factor")?.powi(2),
+        })
+    };
+    let bursts = findings.iter().filter(|one| one.effect == "burst");
+    bursts.filter_map(burst).collect()
+}
+
+/// A record of `model` as long as that of `axis`, with the same samples missing, about its mean;
+/// without what follows a leader. `None` where the model is none.
+fn simulate(axis: &AxisState, model: &ModelAxis) -> Option<Vec<f64>> {
+    let mut alone = model.clone();
+    let alone_too = |part: Part| !matches!(part, Part::Follows(_));
+    alone.effects.retain(|effect| alone_too(effect.part()));
+    let mean = alone.mean;
+    let model = Model {
+        schema: SCHEMA,
+        rate_hz: axis.rate_hz,
+        axes: vec![alone],
+        correlation: None,
+    };
+    let length = axis.mended.len();
+    let mut simulation = Simulation::new(&model, length as u64, SEED).ok()?;
+    let mut values = Vec::with_capacity(length);
+    while values.len() < length {
+        values.append(&mut simulation.next_columns(BLOCK).remove(0));
+    }
+    for (value, measured) in values.iter_mut().zip(axis.mended.measured()) {
+        // Missing where the record misses one.
+        *value += 0.0 * measured - mean;
+    }
+    Some(values)
+}
+
+/// Runs of samples that are there and that are missing, by turns.
+fn runs(values: &[f64]) -> impl Iterator<Item = (bool, Range<usize>)> + '_ {
+    let mut from = 0;
+    std::iter::from_fn(move || {
+        let there = values.get(from)?.is_finite();
+        let length = values[from..]
+            .iter()
+            .position(|value| value.is_finite() != there);
+        let run = from..length.map_or(values.len(), |length| from + length);
+        from = run.end;
+        Some((there, run))
+    })
+}

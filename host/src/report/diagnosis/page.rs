@@ -1,0 +1,193 @@
+//! A diagnosis as one self-contained page.
+
+use std::fmt::{Result, Write};
+
+use super::super::number::significant;
+use super::super::page;
+use super::super::plot::frame::WIDTH;
+use super::super::svg::{PAGE, escape, typeset};
+use super::text::MOST_TOLD;
+use super::{HEIGHT, cards, pictures};
+use crate::criticise::finding::{AxisDiagnosis, Diagnosis};
+use crate::criticise::views::growth::VelocityError;
+
+/// The page.
+pub fn render(diagnosis: &Diagnosis) -> String {
+    let mut page = String::new();
+    // Writing to a string cannot fail.
+    let _ = write_page(&mut page, diagnosis);
+    page
+}
+
+const FOOTER: &str = "Before is the model of the five terms alone, after that with the findings: \
+    the law of its noise, and what its lines, steps and other courses add in this very record. \
+    Intervals are 95 %. Averaging times are underlined where the former lies outside of the measured \
+    interval, which one in twenty does by chance; frequencies where it is more than four standard \
+    deviations off, which none should be. Whitened samples are divided by what the spectrum says \
+    of their frequencies; before and after what was found is taken out.";
+
+fn write_page(page: &mut String, diagnosis: &Diagnosis) -> Result {
+    page::head(page, &diagnosis.source, "Diagnosis of", "Diagnosis")?;
+    page::source(page, &diagnosis.source)?;
+    for (index, axis) in diagnosis.axes.iter().enumerate() {
+        self::axis(page, diagnosis, index, axis)?;
+    }
+    model(page, diagnosis)?;
+    page::foot(page, FOOTER)
+}
+
+fn axis(page: &mut String, diagnosis: &Diagnosis, index: usize, axis: &AxisDiagnosis) -> Result {
+    write!(
+        page,
+        "<section class=\"wide\"><h2>Axis {}</h2><p class=\"lead\">{}</p><div class=\"pictures\">",
+        escape(&axis.name),
+        escape(&verdict(axis, diagnosis.family_level))
+    )?;
+    for (label, picture) in pictures(axis, &format!("a{index}"), &PAGE) {
+        write!(page, "<figure>")?;
+        page::picture(page, (WIDTH, HEIGHT), label, &picture)?;
+        write!(page, "</figure>")?;
+    }
+    write!(page, "</div><div class=\"cards\">")?;
+    let is_folded =
+        |number: &usize| axis.findings.len() > MOST_TOLD && axis.findings[*number].is_small();
+    let (folded, plain): (Vec<_>, Vec<_>) = (0..axis.findings.len()).partition(is_folded);
+    for number in plain {
+        cards::finding(page, axis, number)?;
+    }
+    for one in &axis.unexplained {
+        cards::remark(page, one)?;
+    }
+    write!(page, "</div>")?;
+    if !folded.is_empty() {
+        write!(
+            page,
+            "<details><summary>There, but small: {} more</summary><div class=\"cards\">",
+            folded.len()
+        )?;
+        for number in folded {
+            cards::finding(page, axis, number)?;
+        }
+        write!(page, "</div></details>")?;
+    }
+    coefficients(page, axis)?;
+    velocity(page, axis)?;
+    write!(page, "</section>")
+}
+
+/// What came out, in a sentence.
+fn verdict(axis: &AxisDiagnosis, level: f64) -> String {
+    let names: Vec<&str> = axis
+        .findings
+        .iter()
+        .map(|one| one.effect.as_str())
+        .collect();
+    let found = match names.len() {
+        0 => format!(
+            "Nothing beside the five terms (any finding in clean data: {} %)",
+            significant(100.0 * level, 2)
+        ),
+        _ => format!("Beside the five terms: {}", names.join(", ")),
+    };
+    match axis.unexplained.len() {
+        0 => format!("{found}. Nothing is left unexplained."),
+        1 => format!("{found}. Something is left unexplained."),
+        count => format!("{found}. {count} things are left unexplained."),
+    }
+}
+
+fn coefficients(page: &mut String, axis: &AxisDiagnosis) -> Result {
+    write!(
+        page,
+        "<div class=\"scroll\"><table><tr><th>coefficient</th><th>five terms alone</th>\
+         <th>with the findings</th><th>95 % interval</th><th class=\"words\">unit</th></tr>"
+    )?;
+    for letter in cards::seen() {
+        let before = *axis.base.model.coefficients.get(letter);
+        let after = axis.last.coefficients.get(letter);
+        let number =
+            |value: Option<f64>| value.map_or("\u{2013}".into(), |value| significant(value, 4));
+        let interval = match (after.lo, after.hi, after.upper) {
+            (Some(lo), Some(hi), _) => {
+                format!("{} \u{2026} {}", significant(lo, 4), significant(hi, 4))
+            }
+            (_, _, Some(upper)) => format!("&lt; {}", significant(upper, 3)),
+            _ => "\u{2013}".into(),
+        };
+        write!(
+            page,
+            "<tr title=\"{}\"><td><b>{}</b> {}</td><td>{}</td><td>{}</td><td>{interval}</td>\
+             <td class=\"words unit\">{}</td></tr>",
+            escape(letter.meaning()),
+            letter.symbol(),
+            letter.name(),
+            number(Some(before).filter(|value| *value > 0.0)),
+            number(after.value),
+            escape(&typeset(&letter.unit(axis.unit))),
+        )?;
+    }
+    write!(page, "</table></div>")?;
+    if let (Some(before), Some(after), Some(sampling)) = (
+        axis.base.allan_error_percent,
+        axis.last.allan_error_percent,
+        axis.last.allan_error_sampling_percent,
+    ) {
+        write!(
+            page,
+            "<p>Allan deviation of the model on held-out data: off by {} %, with the findings {} % \
+             (sampling alone: {} %).</p>",
+            significant(before, 2),
+            significant(after, 2),
+            significant(sampling, 2)
+        )?;
+    }
+    Ok(())
+}
+
+/// Error of the integral, observed and predicted.
+fn velocity(page: &mut String, axis: &AxisDiagnosis) -> Result {
+    let Some(first) = axis.views.velocity_error.first() else {
+        return Ok(());
+    };
+    write!(
+        page,
+        "<details><summary>Error of the integral after an alignment of {} s, one sigma, {}\u{b7}s\
+         </summary><div class=\"scroll\"><table><tr><th>after, s</th><th>observed</th>\
+         <th>95 % interval</th><th>predicted by the five terms</th><th>with the findings</th></tr>",
+        significant(first.alignment_s, 3),
+        escape(&typeset(axis.unit.symbol()))
+    )?;
+    for one in &axis.views.velocity_error {
+        let VelocityError {
+            t_s,
+            observed,
+            lo,
+            hi,
+            before,
+            after,
+            ..
+        } = *one;
+        let [observed, lo, hi, before, after] =
+            [observed, lo, hi, before, after].map(|value| significant(value, 3));
+        write!(
+            page,
+            "<tr><td>{}</td><td>{observed}</td><td>{lo} \u{2026} {hi}</td><td>{before}</td>\
+             <td>{after}</td></tr>",
+            significant(t_s, 3)
+        )?;
+    }
+    write!(page, "</table></div></details>")
+}
+
+/// The model and how to make data of it.
+fn model(page: &mut String, diagnosis: &Diagnosis) -> Result {
+    let text = serde_json::to_string_pretty(&diagnosis.model()).unwrap_or_default();
+    write!(
+        page,
+        "<section><h2>The model</h2><p>Saved by <code>inm diagnose FILE --model model.json</code>; \
+         data of it: <code>inm simulate --model model.json -o simulated.npy --duration {}</code></p>\
+         <details><summary>model.json</summary><pre>{}</pre></details></section>",
+        diagnosis.source.duration_s.round(),
+        escape(&text)
+    )
+}
