@@ -286,7 +286,7 @@ fn search(
         .enumerate()
         .max_by(|a, b| a.1.total_cmp(b.1))
         .map(|(line, _)| line)?;
-    let others = tables.others(loudest, best.place);
+    let others = ratio::others(&lines, loudest, moment.middle / blocks.len as f64, longest);
     let left: f64 = turned
         .iter()
         .zip(&lines)

@@ -116,13 +116,12 @@ pub(super) struct Best {
     pub(super) gain: f64,
 }
 
-/// Gains over steady lines, of each line, for all moments and lengths.
+/// Gains over steady lines for all moments and lengths.
 pub(super) struct Tables {
     pub(super) longest: usize,
     /// First block that a loss is looked for ahead of.
     pub(super) first: usize,
-    /// By line, then moment, then length.
-    pub(super) each: Vec<Vec<f64>>,
+    /// Of all lines, by moment, then length.
     pub(super) sum: Vec<f64>,
 }
 
@@ -140,7 +139,6 @@ impl Tables {
         Self {
             longest,
             first,
-            each,
             sum,
         }
     }
@@ -182,14 +180,20 @@ impl Tables {
             hi: place(found.hi),
         }
     }
+}
 
-    /// Logarithm of the odds that the other lines give at a moment, over the lengths that one line
-    /// by itself leaves open, each by what it is worth to that one.
-    pub(super) fn others(&self, line: usize, place: usize) -> f64 {
-        let from = (place - self.first) * self.longest;
-        let moment = from..from + self.longest;
-        log_sum(&self.sum[moment.clone()]) - log_sum(&self.each[line][moment])
+/// Logarithm of the odds that the other lines give for a loss at `place`, over the lengths that one
+/// line by itself leaves open, each by what it is worth to that one. By the fits themselves: to a
+/// strong line the rest of a block is worth more than all of a weak one.
+pub(super) fn others(lines: &[Line], loudest: usize, place: f64, longest: usize) -> f64 {
+    let (mut all, mut alone) = (Vec::new(), Vec::new());
+    for samples in 1..=longest {
+        let turned = fitted(lines, place, samples);
+        let gain = |line: usize| turned[line].gain - lines[line].gain;
+        all.push((0..lines.len()).map(gain).sum());
+        alone.push(gain(loudest));
     }
+    log_sum(&all) - log_sum(&alone)
 }
 
 /// Logarithm of the sum of exponentials.

@@ -96,6 +96,43 @@ fn a_loss_is_found_and_measured() {
 }
 
 #[test]
+fn a_strong_line_does_not_hide_a_loss() {
+    // A base that jumps by three quarters of a cycle and is so strong that its side lobes are lines
+    // by themselves; the fourth harmonic jumps by 0.014 radians, which are some 27 of its 2e6 nats.
+    // What each leaks to the other is far above the noise.
+    for seed in 300..304 {
+        let harmonics = [(1.0, 3e5), (4.0, 2e6)];
+        let values = hum(seed, 59.954, &harmonics, 35_000, 25);
+        let mut peaks = rough(59.954, &harmonics);
+        // Lobes as far as they stand out, each of the size that the jump gives it.
+        for away in 12..150 {
+            let lobe = 3e5 / (std::f64::consts::PI * f64::from(away)).powi(2);
+            peaks.extend([-1.0, 1.0].map(|side| peak(59.954, side * f64::from(away), lobe)));
+        }
+        let loss = look(&values, &peaks, 1e-4).unwrap_or_else(|| panic!("seed {seed}"));
+        assert_eq!(loss.samples, 25, "seed {seed}");
+        // The base changes by six deviations of a sample, twice a cycle by nothing.
+        assert!(
+            loss.index.abs_diff(35_000) <= 3,
+            "seed {seed}: {}",
+            loss.index
+        );
+        assert_eq!(loss.lines.len(), 2, "seed {seed}");
+        let mut lines = loss.lines;
+        lines.sort_by(|a, b| a.cycles.total_cmp(&b.cycles));
+        for (line, (number, nats)) in lines.iter().zip(harmonics) {
+            // sd of an amplitude sqrt(2 / N), 4 of these.
+            let truth = (4.0 * nats / LENGTH as f64).sqrt();
+            let miss = (line.cosine.hypot(line.sine) - truth) / (2.0 / LENGTH as f64).sqrt();
+            assert!(
+                miss.abs() < 4.0,
+                "seed {seed}, number {number}: {miss} sigma"
+            );
+        }
+    }
+}
+
+#[test]
 fn a_harmonic_that_is_no_line_by_itself_still_speaks() {
     let places = peaks::merged(&[peak(100.06, 0.3, 50.0)], RATE_HZ, LENGTH);
     let places = peaks::with_harmonics(places, RATE_HZ, LENGTH);
