@@ -21,6 +21,7 @@ impl Rounds<'_> {
         let level = self.level();
         let left = departure::departure(&self.axis.data, &self.axis.fit.expected)
             .filter(|one| one.p_value < level);
+        let mut given_back = Vec::new();
         for which in 0..self.axis.laws.len() {
             let Some(place) = self.accepted.iter().position(|one| one.law == Some(which)) else {
                 continue;
@@ -28,6 +29,7 @@ impl Rounds<'_> {
             let effect = self.accepted[place].effect;
             if effect == "resonance" && self.is_skirt(which) {
                 self.accepted.remove(place);
+                given_back.push(which);
                 continue;
             }
             let doubt = self
@@ -35,10 +37,29 @@ impl Rounds<'_> {
                 .or_else(|| self.misfit(which, effect, left.as_ref()));
             if let Some(doubt) = doubt {
                 self.accepted.remove(place);
+                given_back.push(which);
                 remarks.push(doubt);
             }
         }
+        self.forget_laws(&given_back)?;
         Some(remarks)
+    }
+
+    /// Fits without laws that were given back: the model holds what has a name, and no more.
+    fn forget_laws(&mut self, given_back: &[usize]) -> Option<()> {
+        if given_back.is_empty() {
+            return Some(());
+        }
+        let mut number = 0;
+        self.axis.laws.retain(|_| {
+            number += 1;
+            !given_back.contains(&(number - 1))
+        });
+        for one in &mut self.accepted {
+            let before = |law: usize| given_back.iter().filter(|&&gone| gone < law).count();
+            one.law = one.law.map(|law| law - before(law));
+        }
+        self.axis.refresh(false)
     }
 
     /// Whether a resonance is what is left beside a band that was left out.

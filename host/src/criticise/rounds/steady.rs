@@ -45,8 +45,8 @@ impl Rounds<'_> {
         // What was named while the band was still in may have been named for it.
         self.withdraw("outliers");
         self.axis.laws.clear();
-        let laws = ["markov", "resonance", "powerlaw", "rolloff"];
-        self.accepted.retain(|one| !laws.contains(&one.effect));
+        self.accepted.retain(|one| one.law.is_none());
+        self.switching = false;
         self.axis.refresh(false)?;
         Some(true)
     }
