@@ -215,7 +215,7 @@ fn diagnose_axis(
     };
     let before = before.unwrap_or_else(|| Before::new(&axis));
     let views = Views::new(&axis, before, models, &findings, mean);
-    let residual = axis.mended.values().iter().map(|&v| v as f32).collect();
+    let residual = residual(&axis);
     let diagnosis = AxisDiagnosis {
         name: signal.name.clone(),
         unit: signal.unit,
@@ -236,6 +236,22 @@ fn diagnose_axis(
         views,
     };
     Ok((diagnosis, residual))
+}
+
+/// What is left of an axis, without the bands that were left out: a tone that wanders and that all axes
+/// see is no more a common noise than it is a noise.
+fn residual(axis: &AxisState) -> Vec<f32> {
+    let mut left = axis.mended.values();
+    if !axis.apart.is_empty() {
+        let seen = axis.whole();
+        let kept = |k: usize| f64::from(u8::from(seen.density[k].is_finite()));
+        let passed = seen.whole.filtered(|k| kept(k).into());
+        for (value, passed) in left.iter_mut().zip(passed) {
+            // Missing samples stay so.
+            *value = passed + 0.0 * *value;
+        }
+    }
+    left.iter().map(|&value| value as f32).collect()
 }
 
 /// Gain of each effect on data that it was not fitted to. The halves are made where they are needed.
