@@ -78,7 +78,9 @@ impl Rounds<'_> {
             // Jumps seen one by one were a part of it; now all of it is.
             return Some(true);
         }
+        // One switch is enough: what is left of it is no second one.
         if effect == "markov"
+            && self.find("telegraph").is_none()
             && let Some(two) = self.two_levels(&law, &best.fit)
         {
             let other = |name: &str, log_odds| Rival {
