@@ -12,6 +12,11 @@ use crate::source::Values;
 /// Distinct values that are counted; with more, the values lie on no coarse grid.
 const DISTINCT: usize = 1 << 17;
 
+/// Probability that the next value equals the extreme, where no grid is coarse enough to be seen: the
+/// two largest of a million normal numbers are a fifth of a deviation apart, and more distinct values
+/// than are counted lie closer than a ten-thousandth.
+const SHARED: f64 = 1.0 / 2048.0;
+
 /// Samples that the first look takes.
 const LOOK: usize = 1 << 20;
 
@@ -177,7 +182,11 @@ pub fn clipping(values: &[f64], grid: Option<f64>, level: f64) -> Vec<Clipping> 
             values.iter().filter(place).count() as u64
         };
         let (last, before) = (at(0.0), at(1.0));
-        let p_value = tail::searched(tail::binomial_half(last, last + before), 2.0);
+        let one_side = match grid {
+            Some(_) => tail::binomial_half(last, last + before),
+            None => SHARED.powi(last.saturating_sub(1).min(64) as i32),
+        };
+        let p_value = tail::searched(one_side, 2.0);
         (p_value < level).then_some(Clipping {
             level: side * extreme,
             side,

@@ -16,6 +16,7 @@
 pub mod laws;
 pub mod size;
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use inm_allan::Statistic;
@@ -113,7 +114,7 @@ pub fn allan_error(
     let wave = if with.waves.is_empty() {
         Vec::new()
     } else {
-        waveform_curve(axis, with)
+        waveform_curve(axis, with, axis.mended.left_out())
     };
     let mut squares = (0.0, 0.0, 0.0);
     for point in held.points.iter().filter(|point| point.edf >= LEAST_EDF) {
@@ -135,8 +136,13 @@ pub fn allan_error(
     })
 }
 
-/// Allan curve of the waveforms of a snapshot, where the held-out half has samples.
-fn waveform_curve(axis: &AxisState, with: &Snapshot) -> Vec<Point> {
+/// Allan curve of the waveforms of a snapshot, where the held-out half has samples that are not left
+/// out.
+fn waveform_curve<'a>(
+    axis: &AxisState,
+    with: &Snapshot,
+    left_out: impl Iterator<Item = &'a Range<usize>>,
+) -> Vec<Point> {
     let mut record = Mended::new(Arc::new(vec![0.0; axis.mended.len()]));
     record.waves.clone_from(&with.waves);
     let mut waveform = record.waveform();
@@ -145,7 +151,7 @@ fn waveform_curve(axis: &AxisState, with: &Snapshot) -> Vec<Point> {
             *value = f64::NAN;
         }
     }
-    for mask in axis.mended.left_out() {
+    for mask in left_out {
         waveform[mask.clone()].fill(f64::NAN);
     }
     curve(&leave(&waveform, 0), axis.rate_hz)
