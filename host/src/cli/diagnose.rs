@@ -75,6 +75,8 @@ impl DiagnoseCommand {
         let options = Options {
             family_level: self.level,
             covariate,
+            // Text alone does not show it.
+            simulate: self.results.any(),
         };
         // On a terminal only, and gone when the text comes.
         let bar = ProgressBar::new(samples.axes.len() as u64).with_message("axes");

@@ -24,6 +24,11 @@ pub struct ResultOptions {
 }
 
 impl ResultOptions {
+    /// Whether anything but text is asked for.
+    pub fn any(&self) -> bool {
+        self.json.is_some() || self.report.is_some() || self.png.is_some()
+    }
+
     /// Writes the files that were asked for, and the text.
     ///
     /// # Errors

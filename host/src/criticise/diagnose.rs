@@ -214,7 +214,7 @@ fn diagnose_axis(
         whole: &whole,
     };
     let before = before.unwrap_or_else(|| Before::new(&axis));
-    let views = Views::new(&axis, before, models, &findings, mean);
+    let views = Views::new(&axis, before, models, &findings, mean, options.simulate);
     let residual = residual(&axis);
     let diagnosis = AxisDiagnosis {
         name: signal.name.clone(),

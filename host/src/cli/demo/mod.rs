@@ -125,6 +125,7 @@ fn diagnosed(capture: &str) -> anyhow::Result<Diagnosis> {
     let options = Options {
         family_level: FAMILY_LEVEL,
         covariate: None,
+        simulate: true,
     };
     let axes = diagnose(&samples, &options, |_| {})
         .map_err(|refused| anyhow::anyhow!("{capture}: {refused}; give a longer --duration"))?;

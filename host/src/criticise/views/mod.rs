@@ -42,7 +42,7 @@ pub struct Views {
     pub spectrum: Vec<SpectrumPoint>,
     /// Growth of the velocity error.
     pub velocity_error: Vec<VelocityError>,
-    /// Seed of the simulated record; `None` where the model cannot be simulated.
+    /// Seed of the simulated record; `None` where there is none.
     pub simulation_seed: Option<u64>,
     /// The record in time; for pictures alone.
     #[serde(skip)]
@@ -101,13 +101,15 @@ impl Burst {
 }
 
 impl Views {
-    /// Of an axis that is done.
+    /// Of an axis that is done; `with_simulation` beside a simulated record, which costs as much as some
+    /// of the tests.
     pub fn new(
         axis: &AxisState,
         before: Before,
         models: Models<'_>,
         findings: &[Finding],
         mean: f64,
+        with_simulation: bool,
     ) -> Self {
         let course = Course::new(axis, findings, mean);
         let amplitudes = Amplitudes {
@@ -121,7 +123,9 @@ impl Views {
         let velocity_error = growth::compare(axis, models, &wave);
         // One record's worth of memory at a time.
         drop(wave);
-        let simulated = simulate(axis, models.whole);
+        let simulated = with_simulation
+            .then(|| simulate(axis, models.whole))
+            .flatten();
         if let Some(simulated) = &simulated {
             allan::add_simulated(&mut allan, simulated, axis.rate_hz);
             spectrum.add_simulated(simulated);
