@@ -122,10 +122,11 @@ impl Effect for Kind {
     }
 
     fn starts(&self, band: &Band) -> Vec<Vec<f64>> {
-        // Up to well above half the rate, where only the beginning of the fall shows.
+        // Up to far above half the rate, where only the beginning of the fall shows: from a corner that is
+        // too low by more than the root of two the likelihood would not rise.
         Band {
             from_hz: band.to_hz / 64.0,
-            to_hz: 4.0 * band.to_hz,
+            to_hz: 16.0 * band.to_hz,
         }
         .steps(2.0)
         .map(|corner_hz| vec![corner_hz])

@@ -194,7 +194,9 @@ impl Starts {
         let mut own: Vec<&Start> = own
             .filter(|start| start.law.effect.name() == effect.name())
             .collect();
-        if !unfiltered || own.len() <= TRIED {
+        // Of a filter no first rise is known.
+        let adds = own.iter().all(|start| start.component.is_some());
+        if !unfiltered || !adds || own.len() <= TRIED {
             return own;
         }
         let Some(rise) = Rise::new(data, base, present) else {

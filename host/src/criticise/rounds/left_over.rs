@@ -55,6 +55,7 @@ impl Rounds<'_> {
             ];
             // One movement shows in both: a cycle is the plainer of the two.
             let seen = movements.iter().find(|(one, ..)| one.p_value < level);
+            let seen = seen.filter(|_| !self.is_coarse());
             if let Some((movement, place, how)) = seen {
                 remarks.push(Remark {
                     test: "variance".into(),

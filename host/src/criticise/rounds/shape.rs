@@ -48,6 +48,8 @@ impl Rounds<'_> {
             .collect();
         // Each parameter has to be paid for.
         let worth = |one: &search::Found| one.nats - one.law.values.len() as f64;
+        // Only what is significant competes: a search over more shapes gains more by chance.
+        found.retain(|one| one.p_value < level);
         found.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
         // A resonance too narrow for the record to resolve is a line, or nothing.
         let line = found
@@ -59,13 +61,12 @@ impl Rounds<'_> {
             }
             found.remove(0);
         }
-        if found.first().is_none_or(|best| best.p_value >= level) {
+        if found.is_empty() {
             return Some(false);
         }
         let best = found.remove(0);
         let mut rivals: Vec<Rival> = found
             .iter()
-            .filter(|other| other.p_value < level)
             .map(|other| Rival {
                 effect: other.law.effect.name().to_owned(),
                 log_odds: worth(&best) - worth(other),

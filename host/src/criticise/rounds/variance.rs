@@ -24,8 +24,7 @@ impl Rounds<'_> {
         if range.len() > seen.whole.len() / 2 {
             return Some(false);
         }
-        // On a coarse grid noise seems to rest wherever its level lies within a step.
-        if factor < 1.0 && self.accepted.iter().any(|one| one.effect == "quantisation") {
+        if factor < 1.0 && self.is_coarse() {
             return Some(false);
         }
         // What is stronger in some band only is something else.
@@ -78,9 +77,15 @@ impl Rounds<'_> {
         )
     }
 
+    /// Whether the values lie on a coarse grid: noise seems to change its strength wherever its level
+    /// lies within a step.
+    pub(super) fn is_coarse(&self) -> bool {
+        self.accepted.iter().any(|one| one.effect == "quantisation")
+    }
+
     /// Notes that the strength of the noise moves all the time, where it does.
     pub(super) fn strength(&mut self) -> Option<bool> {
-        if self.restless {
+        if self.restless || self.is_coarse() {
             return Some(false);
         }
         let powers = self.axis.powers();
