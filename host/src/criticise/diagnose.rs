@@ -47,6 +47,14 @@ pub enum Refused {
         /// Samples.
         samples: usize,
     },
+    /// Nowhere enough samples in a row.
+    #[error(
+        "axis {axis}: no stretch without a missing sample is long enough for a spectrum; fill gaps of single samples, or choose a part of the record with --from and --to"
+    )]
+    Broken {
+        /// Name of the axis.
+        axis: String,
+    },
     /// All the same, or nothing to fit.
     #[error("axis {axis}: all samples are the same, there is no noise to diagnose")]
     Constant {
@@ -138,20 +146,27 @@ fn diagnose_axis(
             samples: good,
         });
     }
-    let constant = || Refused::Constant {
-        axis: signal.name.clone(),
-    };
     let mean = mean - signal.zero * signal.scale;
     let measured = Arc::new(measured);
+    let refusal = || {
+        let axis = signal.name.clone();
+        let mut there = measured.iter().filter(|value| value.is_finite());
+        let first = there.next();
+        if there.all(|value| Some(value) == first) {
+            Refused::Constant { axis }
+        } else {
+            Refused::Broken { axis }
+        }
+    };
     let values = CodeFindings::new(record, signal, options.level(), &measured, mean);
     let mut refused: Vec<&'static str> = Vec::new();
     let mut before: Option<Before> = None;
     let (axis, base_fit, outcome, nats) = loop {
         let mut axis = AxisState::new(Arc::clone(&measured), rate_hz, signal.chain.as_ref())
-            .ok_or_else(constant)?;
+            .ok_or_else(refusal)?;
         let base_fit = axis.fit.clone();
         before.get_or_insert_with(|| Before::new(&axis));
-        let outcome = rounds::run(&mut axis, options, &values, &refused).ok_or_else(constant)?;
+        let outcome = rounds::run(&mut axis, options, &values, &refused).ok_or_else(refusal)?;
         let nats = held_out(&axis, &outcome.accepted);
         // What gains nothing on data that it was not fitted to is no effect.
         let losers = outcome.accepted.iter().zip(&nats);

@@ -37,6 +37,10 @@ impl Rounds<'_> {
         if found.shortest && self.find("outliers").is_some() {
             return Some(false);
         }
+        // A loud stretch shows in every band, and in some by more than in others.
+        if self.even_burst().is_some() {
+            return Some(false);
+        }
         if self.switching_law()? {
             return Some(true);
         }

@@ -8,30 +8,32 @@ use super::{Rounds, named};
 const MOST: usize = 3;
 
 impl Rounds<'_> {
+    /// The stretch that departs most from the rest, if it is a burst: not most of the record, not of a
+    /// band alone, and no rest on a coarse grid.
+    pub(super) fn even_burst(&self) -> Option<Burst> {
+        if self.restless {
+            return None;
+        }
+        let burst = bursts::burst(&self.axis.powers(), self.level())?;
+        let seen = self.axis.whole();
+        let range = &burst.range;
+        // A stretch that is most of the record is its law.
+        let is_law = range.len() > seen.whole.len() / 2;
+        let rests = burst.factor < 1.0 && self.is_coarse();
+        // What is stronger in some band only is something else.
+        let of_band = || {
+            self.is_of_band(std::slice::from_ref(range))
+                || even::p_value(&seen, range) < self.level()
+        };
+        (!is_law && !rests && !of_band()).then_some(burst)
+    }
+
     /// Masks the stretch that departs most from the rest.
     pub(super) fn bursts(&mut self) -> Option<bool> {
-        if self.restless {
-            return Some(false);
-        }
-        let seen = self.axis.whole();
-        let axis = &*self.axis;
-        let powers = axis.powers();
-        let Some(burst) = bursts::burst(&powers, self.level()) else {
+        let Some(burst) = self.even_burst() else {
             return Some(false);
         };
         let Burst { range, factor, .. } = burst.clone();
-        // A stretch that is most of the record is its law.
-        if range.len() > seen.whole.len() / 2 {
-            return Some(false);
-        }
-        if factor < 1.0 && self.is_coarse() {
-            return Some(false);
-        }
-        // What is stronger in some band only is something else.
-        let of_band = self.is_of_band(std::slice::from_ref(&range));
-        if of_band || even::p_value(&seen, &range) < self.level() {
-            return Some(false);
-        }
         let before = self.accepted.iter().filter(|one| one.effect == "burst");
         if before.count() == MOST {
             // It comes and goes all the time.
