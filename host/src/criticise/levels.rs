@@ -55,12 +55,15 @@ pub fn statistic(whole: &Whole, density: &[f64]) -> Match {
 pub fn is_jump(statistic: &Match, outlier: &Outlier) -> bool {
     /// Samples on either side that a jump may be placed at.
     const REACH: usize = 4;
+    /// Difference of squared statistics that is no chance.
+    const PLAINLY: f64 = 16.0;
     let from = outlier.index.saturating_sub(REACH);
     let to = (outlier.index + REACH).min(statistic.z.len() - 1);
     let jump = statistic.z[from..=to]
         .iter()
         .fold(0.0, |most: f64, z| most.max(z.abs()));
-    jump > (outlier.size / outlier.size_sd).abs()
+    // The waveform that is there has the larger statistic; by several nats, as both have chance.
+    jump * jump > (outlier.size / outlier.size_sd).powi(2) + PLAINLY
 }
 
 /// A jump known to within `reach` samples, placed among the samples themselves.

@@ -78,8 +78,11 @@ impl Client {
         mut arrived: impl FnMut(&[u8], u16) -> Result<Option<Reply>, E>,
     ) -> Result<Answer, E> {
         let mut buf = [0; 4096];
+        // The same number each time: the answer to the first try may only be late, and what the board
+        // says of the second (that it streams already, say) is no answer to what was asked.
+        let id = self.number();
         for _ in 0..self.patience.tries {
-            let id = self.send(request)?;
+            self.send(id, request)?;
             let deadline = Instant::now() + self.patience.wait;
             while Instant::now() < deadline {
                 let len = self.read(&mut buf)?;
@@ -113,13 +116,19 @@ impl Client {
     /// # Errors
     /// [`LinkError::Gone`] if the port went away.
     pub fn tell(&mut self, request: Request) -> Result<(), LinkError> {
-        self.send(request).map(|_| ())
+        let id = self.number();
+        self.send(id, request)
     }
 
-    /// Sends a request; the number of its command.
-    fn send(&mut self, request: Request) -> Result<u16, LinkError> {
+    /// Number of the next command.
+    fn number(&mut self) -> u16 {
         let id = self.next_id;
         self.next_id = self.next_id.wrapping_add(1);
+        id
+    }
+
+    /// Sends a request as the command of this number.
+    fn send(&mut self, id: u16, request: Request) -> Result<(), LinkError> {
         let command = Command { id, request };
         // A zero first ends whatever noise the board believes to be a frame.
         let mut frame = [0; MAX_FRAME + 1];
@@ -132,8 +141,7 @@ impl Client {
         self.port
             .write_all(&frame[..=len])
             .and_then(|()| self.port.flush())
-            .map_err(gone)?;
-        Ok(id)
+            .map_err(gone)
     }
 
     /// The error for a board of another protocol version.

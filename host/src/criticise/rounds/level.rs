@@ -8,6 +8,7 @@ use super::super::levels::{self, Jump};
 use super::super::mend::{Wave, block_means};
 use super::super::slow;
 use super::super::whole::{Transformer, held_out_gain};
+use super::steady::LONG;
 use super::{Rounds, Snapshot, named};
 
 /// Jumps that are told one by one, at most.
@@ -137,6 +138,12 @@ impl Rounds<'_> {
         let jump = levels::largest_jump(&whole, &density, self.level(), |n| {
             axis.usable(n * factor) && axis.usable((n + 1) * factor - 1)
         })?;
+        // In a loud stretch the level seems to jump.
+        let burst = self.even_burst();
+        let loud = burst.filter(|burst| burst.range.len() >= LONG);
+        if loud.is_some_and(|burst| burst.range.contains(&(jump.index * factor))) {
+            return None;
+        }
         Some(Jump {
             index: jump.index * factor,
             index_sd: (jump.index_sd * factor as f64).max(0.3 * factor as f64),

@@ -8,6 +8,9 @@ use crate::model::effect::Part;
 /// Share of the ordinates that a band may hold: a wider one is not a band but all of the noise.
 const NARROW: f64 = 0.25;
 
+/// Samples of a stretch that is no shock.
+pub(super) const LONG: usize = 1024;
+
 /// Bands at most.
 const MOST: usize = 6;
 
@@ -37,8 +40,10 @@ impl Rounds<'_> {
         if found.shortest && self.find("outliers").is_some() {
             return Some(false);
         }
-        // A loud stretch shows in every band, and in some by more than in others.
-        if self.even_burst().is_some() {
+        // A loud stretch shows in every band, and in some by more than in others; a short one may be a
+        // shock that rings.
+        let burst = self.even_burst();
+        if burst.is_some_and(|burst| burst.range.len() >= LONG) {
             return Some(false);
         }
         if self.switching_law()? {

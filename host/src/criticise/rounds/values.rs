@@ -82,7 +82,7 @@ impl Rounds<'_> {
             |n| local.as_ref().map_or(1.0, |local| RESTLESS * local(n)),
         );
         let mut found = found;
-        if !found.found.is_empty() {
+        if self.switching && !found.found.is_empty() {
             // A jump is larger as a jump than as a single sample.
             let jumps = levels::statistic(whole, density);
             found.found.retain(|one| !levels::is_jump(&jumps, one));
