@@ -82,6 +82,7 @@ impl Rounds<'_> {
         // One switch is enough: what is left of it is no second one.
         if effect == "markov"
             && self.find("telegraph").is_none()
+            && !self.refused.contains(&"telegraph")
             && let Some(two) = self.two_levels(&law, &best.fit)
         {
             let other = |name: &str, log_odds| Rival {

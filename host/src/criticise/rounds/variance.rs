@@ -30,6 +30,10 @@ impl Rounds<'_> {
 
     /// Masks the stretch that departs most from the rest.
     pub(super) fn bursts(&mut self) -> Option<bool> {
+        // What is taken back for a burst must not be taken back for one that is refused.
+        if self.refused.contains(&"burst") {
+            return Some(false);
+        }
         let Some(burst) = self.even_burst() else {
             return Some(false);
         };
