@@ -225,17 +225,29 @@ impl Whole {
     /// The record through the filter whose response at ordinate `k` is `response(k)`, which is
     /// asked above zero frequency; the mean is left out.
     pub fn filtered(&self, response: impl Fn(usize) -> Complex64) -> Vec<f64> {
-        let mut product: Vec<Complex64> = self.ordinates.clone();
-        let last = product.len() - 1;
-        product[0] = Complex64::ZERO;
-        for (k, value) in product.iter_mut().enumerate().skip(1) {
-            *value *= response(k) / self.len as f64;
-        }
+        self.back(|k| self.ordinates[k] * response(k))
+    }
+
+    /// What the filter of that response makes of a single sample of size one at moment zero.
+    pub fn answer(&self, response: impl Fn(usize) -> f64) -> Vec<f64> {
+        self.back(|k| response(k).into())
+    }
+
+    /// Samples of a ring whose ordinates above zero frequency are `ordinate(k)`, its mean zero.
+    fn back(&self, ordinate: impl Fn(usize) -> Complex64) -> Vec<f64> {
+        let norm = (self.len as f64).recip();
+        let last = self.ordinates.len() - 1;
+        let mut ordinates: Vec<Complex64> = (0..=last)
+            .map(|k| match k {
+                0 => Complex64::ZERO,
+                _ => ordinate(k) * norm,
+            })
+            .collect();
         // At half the rate only the real part has a meaning.
-        product[last].im = 0.0;
+        ordinates[last].im = 0.0;
         let mut output = self.inverse.make_output_vec();
         self.inverse
-            .process(&mut product, &mut output)
+            .process(&mut ordinates, &mut output)
             .expect("the lengths are the plan's own");
         output
     }
