@@ -80,39 +80,6 @@ impl Rounds<'_> {
         self.axis.apart[joined] = all;
     }
 
-    /// Whether what happens at `samples` belongs to a band that was left out: its power is several
-    /// times as large there as on average.
-    pub(super) fn is_of_band(&self, samples: &[std::ops::Range<usize>]) -> bool {
-        /// How many times.
-        const SEVERAL: f64 = 3.0;
-        /// Moments of which the largest counts.
-        const FEW: usize = 3;
-        let length = self.axis.whole().whole.len() as f64;
-        self.axis.apart.iter().any(|band| {
-            let course = steadiness::course(self.axis, band);
-            if course.is_empty() {
-                return false;
-            }
-            let moment = |sample: usize| {
-                let at = sample as f64 / length * course.len() as f64;
-                (at as usize).min(course.len() - 1)
-            };
-            let (mut sum, mut count) = (0.0, 0.0);
-            for range in samples {
-                let (first, last) = (moment(range.start), moment(range.end));
-                let near = &course[first.saturating_sub(1)..=last];
-                sum += if near.len() > FEW {
-                    near.iter().sum::<f64>() / near.len() as f64
-                } else {
-                    // An event's largest power is near, but not always at its first moment.
-                    near.iter().copied().fold(0.0, f64::max)
-                };
-                count += 1.0;
-            }
-            count > 0.0 && sum > SEVERAL * count
-        })
-    }
-
     /// Whether a band is as unsteady as outliers make it that are too small to be told one by one,
     /// which shows where the noise is least. `n` samples of size `s` a second have the density
     /// `n s^2 / rate^2`; where that is the share `m` of all, and sizes are normal, the strength of tiles
