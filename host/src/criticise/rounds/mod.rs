@@ -30,9 +30,9 @@ use crate::fit::likelihood::Fit;
 use crate::model::catalogue;
 
 /// Tests that share the family's level evenly: of the values (repeats, both extremes, grid) 3, single
-/// samples, lost ones, lines, the level 3, steadiness, bursts, power over time 2, laws 4, what is left of
+/// samples, lost ones, lines, the level 3, steadiness, bursts, power over time 2, its colour, laws 4, what is left of
 /// the spectrum, amplitudes, axes in common, the clock.
-const TESTS: f64 = 21.0;
+const TESTS: f64 = 22.0;
 
 /// Rounds, at most: far more than effects that one record can tell apart.
 const ROUNDS: usize = 24;
