@@ -59,39 +59,39 @@ pub struct Change {
 pub fn change_of_law(axis: &AxisState, which: usize) -> Option<Change> {
     let law = &axis.laws[which];
     let names = law.effect.parameters(&law.values);
-    let weights = names.iter().enumerate().map(|(place, parameter)| {
-        let weight: Box<dyn Fn(f64) -> f64> =
-            Box::new(move |f_hz| weight(axis, which, place, f_hz));
-        (parameter.name.to_string(), weight)
-    });
-    plainest(axis, weights.collect())
+    let parameters = names.iter().map(|one| one.name.to_string()).collect();
+    plainest(axis, parameters, |place, f_hz| {
+        weight(axis, which, place, f_hz)
+    })
 }
 
 /// The one of the five terms that changes in time most plainly.
 pub fn change_of_terms(axis: &AxisState) -> Option<Change> {
-    let weights = SEEN.iter().enumerate().map(|(component, letter)| {
-        let weight: Box<dyn Fn(f64) -> f64> =
-            Box::new(move |f_hz| 2.0 * axis.term_share(component, f_hz));
-        (letter.symbol().to_string(), weight)
-    });
-    plainest(axis, weights.collect())
+    let letters = SEEN.iter().map(|letter| letter.symbol().to_string());
+    plainest(axis, letters.collect(), |component, f_hz| {
+        2.0 * axis.term_share(component, f_hz)
+    })
 }
 
-/// The plainest change of parameters with their weights.
+/// The plainest change of some parameters, whose weights at a frequency `weight` tells by number.
 fn plainest(
     axis: &AxisState,
-    weights: Vec<(String, Box<dyn Fn(f64) -> f64 + '_>)>,
+    parameters: Vec<String>,
+    weight: impl Fn(usize, f64) -> f64,
 ) -> Option<Change> {
     let tiles = Tiles::new(axis);
-    let trials = weights.len() as f64;
-    let changes = weights.into_iter().filter_map(|(parameter, weight)| {
-        let change = Scores::new(&tiles, weight).change(axis)?;
-        Some(Change {
-            parameter,
-            p_value: tail::searched(change.p_value, trials),
-            ..change
-        })
-    });
+    let trials = parameters.len() as f64;
+    let changes = parameters
+        .into_iter()
+        .enumerate()
+        .filter_map(|(place, parameter)| {
+            let change = Scores::new(&tiles, |f_hz| weight(place, f_hz)).change(axis)?;
+            Some(Change {
+                parameter,
+                p_value: tail::searched(change.p_value, trials),
+                ..change
+            })
+        });
     changes.min_by(|a, b| a.p_value.total_cmp(&b.p_value))
 }
 
