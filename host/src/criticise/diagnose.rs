@@ -261,7 +261,7 @@ fn residual(axis: &AxisState) -> Vec<f32> {
         let seen = axis.whole();
         let kept = |k: usize| f64::from(u8::from(seen.density[k].is_finite()));
         let passed = seen.whole.filtered(|k| kept(k).into());
-        for (value, passed) in left.iter_mut().zip(passed) {
+        for (value, passed) in left.iter_mut().zip(passed.iter()) {
             // Missing samples stay so.
             *value = passed + 0.0 * *value;
         }
