@@ -91,14 +91,20 @@ pub fn outliers(
     let nats = if found.is_empty() {
         0.0
     } else {
-        let seen = matched(whole, density, &Impulse, Half::Even);
-        let held = matched(whole, density, &Impulse, Half::Odd);
-        let gain = |outlier: &Outlier| {
-            // Sizes in the held half's own standard deviations.
-            let size = seen.z[outlier.index] * seen.size_sd / held.size_sd;
-            size * held.z[outlier.index] - 0.5 * size * size
+        // One record's worth of memory at a time.
+        drop(z);
+        let half = |half: Half| -> (Vec<f64>, f64) {
+            let filter = matched(whole, density, &Impulse, half);
+            let z = found.iter().map(|one| filter.z[one.index]);
+            (z.collect(), filter.size_sd)
         };
-        found.iter().map(gain).sum()
+        let ((seen, seen_sd), (held, held_sd)) = (half(Half::Even), half(Half::Odd));
+        let gain = |(seen, held): (&f64, &f64)| {
+            // Sizes in the held half's own standard deviations.
+            let size = seen * seen_sd / held_sd;
+            size * held - 0.5 * size * size
+        };
+        seen.iter().zip(&held).map(gain).sum()
     };
     Outliers {
         p_value: tail::highest(highest, whole.len(), f64::INFINITY),

@@ -154,7 +154,7 @@ impl Loss {
 /// a line count as one with it. Lines that were taken out of the record already are put back for
 /// the look, and are among the result's. `None` without two lines.
 pub fn lost_samples(axis: &AxisState, found: &[Peak], level: f64) -> Option<Loss> {
-    let mut values = Cow::from(&axis.filled);
+    let mut values = Cow::from(axis.filled.as_slice());
     let near = SPLIT * axis.rate_hz / values.len() as f64;
     for wave in &axis.mended.waves {
         let Wave::Line {

@@ -1,7 +1,8 @@
 //! Transforms, planned once: a plan's tables cost more than the transform they serve.
 //!
-//! Those of whole records are made by [`ring`] from short ones.
+//! Those of whole records are made from short ones: [`long`], [`ring`].
 
+pub mod long;
 pub mod ring;
 pub mod turns;
 
