@@ -47,6 +47,16 @@ impl Chain {
         poles * Complex::new(re, im)
     }
 
+    /// The chain as a record shows it whose true rate is `ratio` times the one that it says: poles
+    /// keep true time, the converter's filter keeps that of the samples.
+    #[must_use]
+    pub fn at_clock(&self, ratio: f64) -> Self {
+        Self {
+            converter: self.converter,
+            poles_hz: self.poles_hz.iter().map(|pole| pole / ratio).collect(),
+        }
+    }
+
     /// The converter's filter for samples at `rate_hz`.
     fn filter(&self, rate_hz: f64) -> Option<Response> {
         let phase = match self.converter? {

@@ -72,20 +72,31 @@ impl DiagnoseCommand {
             None => None,
         };
         let mut source = open(&self.file, &self.input.into())?;
-        let (samples, account) = Samples::read(&mut *source, |_| {})?;
+        let (mut samples, account) = Samples::read(&mut *source, |_| {})?;
         let options = Options {
             family_level: self.level,
             covariate,
             // Text alone does not show it.
             simulate: self.results.any(),
         };
+        let clock = match &reference {
+            Some(reference) => clock(&samples, reference, options.level()),
+            None => Vec::new(),
+        };
+        drop(reference);
+        let ratio = clock
+            .first()
+            .and_then(|(_, off)| off.parameters.get("ratio"));
+        if let Some(ratio) = ratio {
+            // A declared pole is where the record's own clock has it.
+            for axis in &mut samples.signal.axes {
+                axis.chain = axis.chain.as_ref().map(|chain| chain.at_clock(ratio.value));
+            }
+        }
         // On a terminal only, and gone when the text comes.
         let bar = ProgressBar::new(samples.axes.len() as u64).with_message("axes");
         bar.tick();
         let signal = samples.signal.clone();
-        let clock = reference
-            .map(|reference| clock(&samples, &reference, options.level()))
-            .unwrap_or_default();
         let mut axes = diagnose(samples, &options, |axis| bar.set_position(axis as u64 + 1))
             .map_err(|refused| anyhow::anyhow!("{}: {refused}", self.file))?;
         bar.finish_and_clear();

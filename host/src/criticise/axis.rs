@@ -5,6 +5,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::bursts::{self, Powers};
 use super::frame::Frame;
+use super::impulses::Outlier;
 use super::laws::{self, Law, search};
 use super::levels::Jump;
 use super::mend::{Mended, block_means, bridge};
@@ -236,6 +237,17 @@ impl AxisState {
             })
         });
         Arc::clone(seen)
+    }
+
+    /// Transform of the record with `outliers` put back, for the noise that it has without them.
+    pub fn with(&self, outliers: &[Outlier]) -> Whole {
+        let mut values = self.filled.to_vec();
+        for one in outliers {
+            values[one.index] += one.size;
+        }
+        let mut whole = self.fast.transform(&values, self.rate_hz);
+        whole.close(&self.whole().density);
+        whole
     }
 
     /// Power of the whitened record over time; made once for each state.

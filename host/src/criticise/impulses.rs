@@ -4,8 +4,11 @@
 //! standard deviations of that prediction (the interpolation error; A. N. Kolmogorov 1941). In
 //! differenced noise it is far smaller than the noise itself.
 
+mod pursuit;
+
 use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 
+use self::pursuit::Pursuit;
 use super::tail;
 use super::whole::{Half, Impulse, Whole, matched};
 
@@ -15,8 +18,12 @@ const MOST: usize = 1 << 14;
 /// Outliers from which their law is looked for.
 const FEW: usize = 5;
 
-/// Samples to either side that an outlier's own answer of the filter is taken out of.
-const REACH: usize = 512;
+/// Samples to either side that an outlier's own answer of the filter is taken out of, at most: where
+/// the density rises with the frequency the filter sums up, and remembers long.
+const REACH: usize = 1 << 14;
+
+/// Share of the answer's peak that does not matter any more.
+const NOTHING: f64 = 1e-3;
 
 /// A sample that does not belong.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,8 +66,7 @@ pub fn outliers(
     let middle = middle_spread(&filter.z).max(1.0);
     let spread = |index: usize| middle * local(index);
     let threshold = tail::threshold(level, whole.len(), f64::INFINITY);
-    let mut z = filter.z;
-    let answer = answer(whole, density);
+    let z = &filter.z;
     let mut candidates: Vec<usize> = (0..z.len())
         .filter(|&index| z[index].abs() > threshold * spread(index) && usable(index))
         .collect();
@@ -69,30 +75,42 @@ pub fn outliers(
         .map(|&index| z[index].abs() / spread(index))
         .fold(0.0, f64::max);
     candidates.sort_by(|&a, &b| z[b].abs().total_cmp(&z[a].abs()));
-    let mut found = Vec::new();
+    let size_sd = filter.size_sd;
+    // One record's worth of memory at a time: the output is made again beside the short answer.
+    drop(filter);
+    if candidates.is_empty() {
+        return Outliers {
+            found: Vec::new(),
+            p_value: 1.0,
+            threshold: threshold * middle * size_sd,
+            nats: 0.0,
+        };
+    }
+    let answer = answer(whole, density);
+    let filter = matched(whole, density, &Impulse, Half::Both);
+    let mut pursuit = Pursuit::new(filter.z, answer);
     // Largest first; each takes its own tails out of its neighbours.
     for index in candidates.into_iter().take(4 * MOST) {
-        let height = z[index];
-        if height.abs() <= threshold * spread(index) || found.len() == MOST {
-            continue;
-        }
-        found.push(Outlier {
-            index,
-            size: height * filter.size_sd,
-            size_sd: filter.size_sd * spread(index),
-        });
-        let first = index.saturating_sub(REACH);
-        let last = (index + REACH).min(z.len() - 1);
-        for (place, value) in z.iter_mut().enumerate().take(last + 1).skip(first) {
-            *value -= height * answer[place.abs_diff(index)];
+        if pursuit.left()[index].abs() > threshold * spread(index) && pursuit.len() < MOST {
+            pursuit.take(index, &usable);
         }
     }
-    found.sort_by_key(|outlier| outlier.index);
+    pursuit.settle();
+    let outlier = |(index, height): (usize, f64)| Outlier {
+        index,
+        size: height * size_sd,
+        size_sd: size_sd * spread(index),
+    };
+    // One that was moved aside may have nothing left to explain.
+    let found: Vec<Outlier> = pursuit
+        .heights()
+        .filter(|&(index, height)| height.abs() > threshold * spread(index))
+        .map(outlier)
+        .collect();
+    drop(pursuit);
     let nats = if found.is_empty() {
         0.0
     } else {
-        // One record's worth of memory at a time.
-        drop(z);
         let half = |half: Half| -> (Vec<f64>, f64) {
             let filter = matched(whole, density, &Impulse, half);
             let z = found.iter().map(|one| filter.z[one.index]);
@@ -108,7 +126,7 @@ pub fn outliers(
     };
     Outliers {
         p_value: tail::highest(highest, whole.len(), f64::INFINITY),
-        threshold: threshold * middle * filter.size_sd,
+        threshold: threshold * middle * size_sd,
         nats,
         found,
     }
@@ -196,20 +214,22 @@ pub fn law_of(seen: &[Outlier], threshold: f64) -> SizeLaw {
 pub fn sizes_at(whole: &Whole, density: &[f64], indices: &[usize]) -> Vec<Outlier> {
     /// Rounds in which neighbours settle what is whose.
     const ROUNDS: usize = 4;
+    /// Samples to either side that count as such.
+    const NEIGHBOURS: usize = 512;
+    let mut answer = answer(whole, density);
+    answer.truncate(NEIGHBOURS);
     let filter = matched(whole, density, &Impulse, Half::Both);
-    let answer = answer(whole, density);
     let mut heights = vec![0.0; indices.len()];
     for _ in 0..ROUNDS {
         for (number, &index) in indices.iter().enumerate() {
             let mut height = filter.z[index];
             let before = indices[..number].iter().zip(&heights).rev();
             let after = indices[number + 1..].iter().zip(&heights[number + 1..]);
-            for (&other, other_height) in before.take_while(|(other, _)| index - **other <= REACH) {
-                height -= other_height * answer[index - other];
-            }
-            for (&other, other_height) in after.take_while(|(other, _)| **other - index <= REACH) {
-                height -= other_height * answer[other - index];
-            }
+            let near = |(other, height): (&usize, &f64)| {
+                Some(height * answer.get(index.abs_diff(*other))?)
+            };
+            height -= before.map_while(near).sum::<f64>();
+            height -= after.map_while(near).sum::<f64>();
             heights[number] = height;
         }
     }
@@ -224,34 +244,17 @@ pub fn sizes_at(whole: &Whole, density: &[f64], indices: &[usize]) -> Vec<Outlie
         .collect()
 }
 
-/// The filter's answer to one sample of size one, from that moment on, over its peak.
+/// The filter's answer to one sample of size one, from that moment on, over its peak, as far as it
+/// matters.
 fn answer(whole: &Whole, density: &[f64]) -> Vec<f64> {
-    // A short copy of the same filter: the densities at every `stride`-th ordinate.
-    let stride = (whole.len() / (8 * REACH)).max(1);
-    let count = (density.len() - 1) / stride;
-    let weights: Vec<f64> = (1..=count).map(|k| 1.0 / density[k * stride]).collect();
-    let turn = std::f64::consts::TAU * stride as f64 / whole.len() as f64;
-    let total: f64 = weights.iter().sum();
-    (0..=REACH)
-        .map(|lag| {
-            // Chebyshev's recurrence instead of a cosine each.
-            let (step, mut before, mut now) = ((turn * lag as f64).cos(), 1.0, 0.0);
-            let mut sum = 0.0;
-            for (k, weight) in weights.iter().enumerate() {
-                let next = if k == 0 {
-                    step
-                } else {
-                    2.0 * step * now - before
-                };
-                if k > 0 {
-                    before = now;
-                }
-                now = next;
-                sum += weight * now;
-            }
-            sum / total
-        })
-        .collect()
+    let answer = whole.answer(|k| density[k].recip());
+    let peak = answer[0];
+    let mut answer = answer[..REACH.min(answer.len() / 2)].to_vec();
+    let matters = |value: &f64| value.abs() > NOTHING * peak;
+    let end = answer.iter().rposition(matters).map_or(0, |last| last + 1);
+    answer.truncate(end);
+    answer.iter_mut().for_each(|value| *value /= peak);
+    answer
 }
 
 /// Spread of the middle half of `values`, as a standard deviation of normal numbers.

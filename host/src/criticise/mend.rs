@@ -130,6 +130,15 @@ impl Mended {
         }
     }
 
+    /// Single samples that are taken out of it.
+    pub fn outliers(&self) -> &[Outlier] {
+        let all = self.waves.iter().find_map(|wave| match wave {
+            Wave::Outliers(all) => Some(all.as_slice()),
+            _ => None,
+        });
+        all.unwrap_or_default()
+    }
+
     /// As measured.
     pub fn measured(&self) -> &[f64] {
         &self.measured

@@ -56,8 +56,6 @@ pub struct Unsteady {
     pub peak_hz: f64,
     /// Duration of the tiles that show it best, seconds.
     pub tile_s: f64,
-    /// Whether these are the shortest: single samples, which the narrow band draws out, may do it.
-    pub shortest: bool,
     /// Variance of the strength over its squared mean; negative where it is steadier than noise.
     pub variance: f64,
     /// Probability of as much in any band of steady noise.
@@ -119,7 +117,6 @@ pub fn unsteady(
         to_hz: seen.whole.frequency(best.ordinates.end),
         peak_hz: seen.whole.frequency(best.peak + best.size / 2),
         tile_s: length as f64 / best.size as f64 / axis.rate_hz,
-        shortest: best.size * WIDER * SHORTEST > length,
         variance: 8.0 * best.mean,
         p_value,
     })

@@ -2,8 +2,9 @@
 //!
 //! In each of eight parts the line's phasor is measured under a Hann window, `c_i`, each with the
 //! variance `2 S rate sum w^2 / (sum w)^2` of both its real and imaginary part for noise of two-sided
-//! density `S`. For a steady line at the frequency that fits all of the record best the squared
-//! distances from their mean, over that variance, are chi-squared with 2 (8 - 1) - 1 degrees of freedom.
+//! density `S`. For a steady line the squared distances from their mean, over that variance, are
+//! chi-squared with 2 (8 - 1) - 1 degrees of freedom once a turn of the phase in proportion to time is
+//! taken out, which is the frequency's own error.
 
 use std::f64::consts::{PI, TAU};
 
@@ -26,25 +27,50 @@ pub fn p_steady(axis: &AxisState, cycles: f64) -> f64 {
         return 1.0;
     }
     let density = axis.density(cycles * axis.rate_hz) * axis.rate_hz;
-    let phasors: Vec<(Complex64, f64)> = (0..PARTS)
-        .filter_map(|part| phasor(axis, cycles, part * length, length))
-        .map(|(phasor, gain)| (phasor, 2.0 * density * gain))
+    let parts: Vec<Part> = (0..PARTS)
+        .filter_map(|number| {
+            let (phasor, gain) = phasor(axis, cycles, number * length, length)?;
+            Some(Part {
+                phasor,
+                weight: (2.0 * density * gain).recip(),
+                number: number as f64,
+            })
+        })
         .collect();
-    if phasors.len() < 3 {
+    if parts.len() < 3 {
         return 1.0;
     }
-    // Weighted by their certainty.
-    let weight: f64 = phasors.iter().map(|(_, variance)| variance.recip()).sum();
-    let mean = phasors
+    let weight: f64 = parts.iter().map(|part| part.weight).sum();
+    let mean = parts
         .iter()
-        .map(|(phasor, variance)| phasor / variance)
+        .map(|part| part.phasor * part.weight)
         .sum::<Complex64>()
         / weight;
-    let chi: f64 = phasors
+    let middle = parts
         .iter()
-        .map(|(phasor, variance)| (phasor - mean).norm_sqr() / variance)
-        .sum();
-    tail::chi_squared(chi, 2.0 * (phasors.len() - 1) as f64 - 1.0)
+        .map(|part| part.number * part.weight)
+        .sum::<f64>()
+        / weight;
+    let (mut chi, mut turn, mut certainty) = (0.0, 0.0, 0.0);
+    for part in &parts {
+        let off = part.phasor - mean;
+        // What a small turn does to the mean, part by part.
+        let turned = Complex64::I * mean * (part.number - middle);
+        chi += part.weight * off.norm_sqr();
+        turn += part.weight * (off * turned.conj()).re;
+        certainty += part.weight * turned.norm_sqr();
+    }
+    chi -= turn * turn / certainty;
+    tail::chi_squared(chi, 2.0 * (parts.len() - 1) as f64 - 1.0)
+}
+
+/// The line in a part of the record.
+struct Part {
+    phasor: Complex64,
+    /// One over the variance of its real part.
+    weight: f64,
+    /// Which part it is.
+    number: f64,
 }
 
 /// Phasor of the line in a part of the record, and `sum w^2 / (sum w)^2`; `None` where most of the

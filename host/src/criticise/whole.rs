@@ -188,11 +188,22 @@ impl Whole {
     /// The record through the filter whose response at ordinate `k` is `response(k)`, which is
     /// asked above zero frequency; the mean is left out.
     pub fn filtered(&self, mut response: impl FnMut(usize) -> Complex64) -> Series {
-        let product = self.ordinates.iter().enumerate().map(|(k, value)| match k {
+        self.back(|k| self.ordinates[k] * response(k))
+    }
+
+    /// What the filter of that response makes of a single sample of size one at moment zero.
+    pub fn answer(&self, response: impl Fn(usize) -> f64) -> Series {
+        self.back(|k| response(k).into())
+    }
+
+    /// Samples of a ring whose ordinates above zero frequency are `ordinate(k)`, its mean zero.
+    fn back(&self, mut ordinate: impl FnMut(usize) -> Complex64) -> Series {
+        let norm = (self.len as f64).recip();
+        let ordinates = (0..self.ordinates.len()).map(|k| match k {
             0 => Complex64::ZERO,
-            _ => value * (response(k) / self.len as f64),
+            _ => ordinate(k) * norm,
         });
-        self.ring.inverse(product.collect())
+        self.ring.inverse(ordinates.collect())
     }
 }
 

@@ -12,6 +12,7 @@ mod left_over;
 mod level;
 mod lines;
 mod lost;
+mod of_band;
 mod shape;
 mod steady;
 mod values;

@@ -36,8 +36,7 @@ impl Rounds<'_> {
         if found.to_hz - found.from_hz > NARROW * half_hz {
             return Some(false);
         }
-        // Outliers too small to be told one by one, where the noise is least.
-        if found.shortest && self.find("outliers").is_some() {
+        if self.is_of_outliers(&found) {
             return Some(false);
         }
         // A loud stretch shows in every band, and in some by more than in others; a short one may be a
@@ -81,37 +80,24 @@ impl Rounds<'_> {
         self.axis.apart[joined] = all;
     }
 
-    /// Whether what happens at `samples` belongs to a band that was left out: its power is several
-    /// times as large there as on average.
-    pub(super) fn is_of_band(&self, samples: &[std::ops::Range<usize>]) -> bool {
-        /// How many times.
-        const SEVERAL: f64 = 3.0;
-        /// Moments of which the largest counts.
-        const FEW: usize = 3;
-        let length = self.axis.whole().whole.len() as f64;
-        self.axis.apart.iter().any(|band| {
-            let course = steadiness::course(self.axis, band);
-            if course.is_empty() {
-                return false;
-            }
-            let moment = |sample: usize| {
-                let at = sample as f64 / length * course.len() as f64;
-                (at as usize).min(course.len() - 1)
-            };
-            let (mut sum, mut count) = (0.0, 0.0);
-            for range in samples {
-                let (first, last) = (moment(range.start), moment(range.end));
-                let near = &course[first.saturating_sub(1)..=last];
-                sum += if near.len() > FEW {
-                    near.iter().sum::<f64>() / near.len() as f64
-                } else {
-                    // An event's largest power is near, but not always at its first moment.
-                    near.iter().copied().fold(0.0, f64::max)
-                };
-                count += 1.0;
-            }
-            count > 0.0 && sum > SEVERAL * count
-        })
+    /// Whether a band is as unsteady as outliers make it that are too small to be told one by one,
+    /// which shows where the noise is least. `n` samples of size `s` a second have the density
+    /// `n s^2 / rate^2`; where that is the share `m` of all, and sizes are normal, the strength of tiles
+    /// of duration `t` has the relative variance `3 m^2 / (n t)` (Campbell's theorem).
+    fn is_of_outliers(&self, found: &Unsteady) -> bool {
+        /// Share of what is seen that they must explain: their law is known to some factor.
+        const MOST_OF_IT: f64 = 0.3;
+        let outliers = self.accepted.iter().find(|one| one.effect == "outliers");
+        let Some([count_hz, size]) = outliers.and_then(|one| {
+            let value = |name| Some(one.parameters.get(name)?.value);
+            Some([value("rate_hz")?, value("size")?])
+        }) else {
+            return false;
+        };
+        let density = count_hz * (size / self.axis.rate_hz).powi(2);
+        let share = (density / self.axis.density(found.peak_hz)).min(1.0);
+        let variance = 3.0 * share * share / (count_hz * found.tile_s);
+        variance > MOST_OF_IT * found.variance && found.variance > 0.0
     }
 
     /// Where two levels decide what the noise looks like: Gaussian it is not.

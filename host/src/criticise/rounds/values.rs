@@ -6,6 +6,7 @@ use super::super::finding::Value;
 use super::super::impulses::{self, Outlier};
 use super::super::levels;
 use super::super::mend::Wave;
+use super::super::whole::Whole;
 use super::{CodeFindings, Rounds, Snapshot, named};
 
 /// How much further out an outlier must be where the strength of the noise moves.
@@ -74,21 +75,35 @@ impl Rounds<'_> {
         let axis = &*self.axis;
         let powers = axis.powers();
         let local = self.restless.then(|| powers.local());
-        let found = impulses::outliers(
-            whole,
-            density,
-            self.level(),
-            |n| axis.usable(n),
-            |n| local.as_ref().map_or(1.0, |local| RESTLESS * local(n)),
-        );
-        let mut found = found;
-        if self.switching && !found.found.is_empty() {
-            // A jump is larger as a jump than as a single sample.
-            let jumps = levels::statistic(whole, density);
-            found.found.retain(|one| !levels::is_jump(&jumps, one));
-        }
+        let search = |whole: &Whole| {
+            let mut found = impulses::outliers(
+                whole,
+                density,
+                self.level(),
+                |n| axis.usable(n),
+                |n| local.as_ref().map_or(1.0, |local| RESTLESS * local(n)),
+            );
+            if self.switching && !found.found.is_empty() {
+                // A jump is larger as a jump than as a single sample.
+                let jumps = levels::statistic(whole, density);
+                found.found.retain(|one| !levels::is_jump(&jumps, one));
+            }
+            found
+        };
+        let mut found = search(whole);
         if found.found.is_empty() {
             return Some(false);
+        }
+        let old = self.axis.mended.outliers();
+        if !old.is_empty() {
+            // Found in noise that they themselves had raised, the first are known less well, in size and
+            // in place, than they can be now: all are looked for again.
+            found = search(&axis.with(old));
+            let places =
+                |all: &[Outlier]| -> Vec<usize> { all.iter().map(|one| one.index).collect() };
+            if places(&found.found) == places(old) {
+                return Some(false);
+            }
         }
         let moments: Vec<_> = found
             .found
@@ -113,26 +128,9 @@ impl Rounds<'_> {
         if within > 0 && 3 * within >= 2 * found.found.len() {
             return Some(false);
         }
-        let mut all = found.found;
-        let before = self
-            .axis
-            .mended
-            .waves
-            .iter()
-            .position(|wave| matches!(wave, Wave::Outliers(_)));
-        let old = before.map(|place| self.axis.mended.waves.remove(place));
-        if let Some(Wave::Outliers(old)) = old {
-            for one in old {
-                match all.iter_mut().find(|new| new.index == one.index) {
-                    Some(new) => new.size += one.size,
-                    None => all.push(one),
-                }
-            }
-            all.sort_by_key(|one| one.index);
-        }
         let duration_s = self.axis.filled.len() as f64 / self.axis.rate_hz;
-        let law = impulses::law_of(&all, found.threshold);
-        let count = all.len() as f64;
+        let law = impulses::law_of(&found.found, found.threshold);
+        let count = found.found.len() as f64;
         let parameters = named([
             (
                 "rate_hz",
@@ -142,7 +140,10 @@ impl Rounds<'_> {
         ]);
         let nats = found.nats;
         let change = |axis: &mut AxisState| {
-            axis.mended.waves.push(Wave::Outliers(all));
+            axis.mended
+                .waves
+                .retain(|wave| !matches!(wave, Wave::Outliers(_)));
+            axis.mended.waves.push(Wave::Outliers(found.found));
             axis.refresh(false)
         };
         if self.find("outliers").is_some() {
@@ -151,7 +152,7 @@ impl Rounds<'_> {
             let one = self.find("outliers")?;
             (one.parameters, one.freedom) = (parameters, 2.0 * count);
             (one.with, one.after) = (with, after);
-            one.nats = one.nats.map(|before| before + nats);
+            one.nats = Some(nats);
         } else {
             let p_value = found.p_value;
             return self.accept(

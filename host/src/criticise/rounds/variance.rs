@@ -7,6 +7,9 @@ use super::{Rounds, named};
 /// Stretches at most.
 const MOST: usize = 3;
 
+/// Samples about an outlier where something of it may stay.
+const REMAINS: usize = 64;
+
 impl Rounds<'_> {
     /// The stretch that departs most from the rest, if it is a burst: not most of the record, not of a
     /// band alone, and no rest on a coarse grid.
@@ -20,12 +23,17 @@ impl Rounds<'_> {
         // A stretch that is most of the record is its law.
         let is_law = range.len() > seen.whole.len() / 2;
         let rests = burst.factor < 1.0 && self.is_coarse();
+        // Of samples that were taken out close together, something stays.
+        let outliers = self.axis.mended.outliers();
+        let near = range.start.saturating_sub(REMAINS)..range.end + REMAINS;
+        let remains =
+            range.len() <= 4 * REMAINS && outliers.iter().any(|one| near.contains(&one.index));
         // What is stronger in some band only is something else.
         let of_band = || {
             self.is_of_band(std::slice::from_ref(range))
                 || even::p_value(&seen, range) < self.level()
         };
-        (!is_law && !rests && !of_band()).then_some(burst)
+        (!is_law && !rests && !remains && !of_band()).then_some(burst)
     }
 
     /// Masks the stretch that departs most from the rest.
