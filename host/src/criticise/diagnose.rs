@@ -14,8 +14,8 @@ use super::gain::laws::Ordinates;
 use super::gain::size::Sizes;
 use super::gain::{self, Halves, HeldCurve};
 use super::laws;
-use super::rounds::{self, Accepted, Options, Snapshot};
 use super::mend::Mended;
+use super::rounds::{self, Accepted, Options, Snapshot};
 use super::samples::{AxisSamples, Samples};
 use super::views::{Before, Models, Views};
 use crate::fft::ring::Series;
@@ -277,7 +277,9 @@ fn residual(mended: Mended, passed: Option<Series>) -> Vec<f32> {
         return left.iter().map(|&value| value as f32).collect();
     };
     let pairs = left.iter().zip(passed.iter());
-    pairs.map(|(left, passed)| (passed + 0.0 * left) as f32).collect()
+    pairs
+        .map(|(left, passed)| (passed + 0.0 * left) as f32)
+        .collect()
 }
 
 /// Gain of each effect on data that it was not fitted to. The halves are made where they are needed.

@@ -192,7 +192,6 @@ impl Mended {
             jump.index.saturating_sub(reach)..(jump.index + reach).min(self.measured.len())
         })
     }
-
 }
 
 /// Bridges what is not finite by straight lines between means on either side, of more samples the
