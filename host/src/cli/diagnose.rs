@@ -16,6 +16,7 @@ use crate::criticise::reference::clock;
 use crate::criticise::rounds::Options;
 use crate::criticise::samples::Samples;
 use crate::report;
+use crate::signal::Signal;
 use crate::source::open::open;
 use crate::source::options::Selector;
 
@@ -95,13 +96,14 @@ impl DiagnoseCommand {
         // On a terminal only, and gone when the text comes.
         let bar = ProgressBar::new(samples.axes.len() as u64).with_message("axes");
         bar.tick();
-        let mut axes = diagnose(&samples, &options, |axis| bar.set_position(axis as u64 + 1))
+        let signal = samples.signal.clone();
+        let mut axes = diagnose(samples, &options, |axis| bar.set_position(axis as u64 + 1))
             .map_err(|refused| anyhow::anyhow!("{}: {refused}", self.file))?;
         bar.finish_and_clear();
         for (number, finding) in clock {
             axes[number].findings.push(finding);
         }
-        let diagnosis = result(&samples, &account, self.level, axes);
+        let diagnosis = result(&signal, &account, self.level, axes);
         if let Some(path) = &self.model {
             write_to(path, |mut output| {
                 report::json::write(&diagnosis.model(), &mut output)
@@ -126,8 +128,8 @@ impl DiagnoseCommand {
         options.unit = Some(crate::signal::Unit::Counts);
         options.scales = Vec::new();
         let mut source = open(&self.file, &options)?;
-        let (samples, _) = Samples::read(&mut *source, |_| {})?;
-        let (mut values, mean) = samples.axes[0].centred(1.0);
+        let (mut samples, _) = Samples::read(&mut *source, |_| {})?;
+        let (mut values, mean) = samples.axes.swap_remove(0).centred(1.0);
         let mut last = 0.0;
         for value in &mut values {
             if value.is_finite() {
@@ -143,14 +145,14 @@ impl DiagnoseCommand {
 
 /// The result for the axes of a record.
 pub(super) fn result(
-    samples: &Samples,
+    signal: &Signal,
     account: &Account,
     family_level: f64,
     axes: Vec<AxisDiagnosis>,
 ) -> Diagnosis {
     Diagnosis {
         schema: crate::analyse::SCHEMA,
-        source: crate::analyse::summary(&samples.signal, account),
+        source: crate::analyse::summary(signal, account),
         family_level,
         axes,
     }

@@ -70,7 +70,7 @@ pub struct AxisState {
     /// Fit of the five terms and the laws.
     pub fit: Fit,
     /// The mended record, bridged.
-    pub filled: Vec<f64>,
+    pub filled: Arc<Vec<f64>>,
     /// Ranges that tests of single moments leave out, ascending and disjoint.
     unusable: Vec<Range<usize>>,
     fast: Transformer,
@@ -106,7 +106,7 @@ impl AxisState {
             laws: Vec::new(),
             data,
             fit,
-            filled: Vec::new(),
+            filled: Arc::default(),
             unusable: Vec::new(),
             fast,
             seen: OnceLock::new(),
@@ -116,6 +116,11 @@ impl AxisState {
         };
         state.refresh(false)?;
         Some(state)
+    }
+
+    /// The record, all else given up.
+    pub fn into_mended(self) -> Mended {
+        self.mended
     }
 
     /// Brings spectrum and fit up to date after the record was mended or a law was added;
@@ -131,7 +136,11 @@ impl AxisState {
         self.frame.leave_out(&self.apart);
         self.data = self.frame.measure(&values);
         self.fit = search::polish(&self.frame, &self.data, &mut self.laws, 0, 0.05)?;
-        let mut gaps = bridge(&mut values);
+        let mut gaps = if values.iter().all(|value| value.is_finite()) {
+            Vec::new()
+        } else {
+            bridge(Arc::make_mut(&mut values).as_mut_slice())
+        };
         gaps.extend(self.mended.about_jumps(0));
         gaps.sort_by_key(|gap| gap.start);
         let guard = self.guard();
@@ -232,7 +241,7 @@ impl AxisState {
 
     /// Transform of the record with `outliers` put back, for the noise that it has without them.
     pub fn with(&self, outliers: &[Outlier]) -> Whole {
-        let mut values = self.filled.clone();
+        let mut values = self.filled.to_vec();
         for one in outliers {
             values[one.index] += one.size;
         }

@@ -4,10 +4,7 @@ use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, DefaultHasher};
 
 use super::impulses::middle_spread;
-use super::samples::AxisSamples;
 use super::tail;
-use crate::signal::Axis;
-use crate::source::Values;
 
 /// Distinct values that are counted; with more, the values lie on no coarse grid.
 const DISTINCT: usize = 1 << 17;
@@ -38,15 +35,9 @@ pub struct CodeFindings {
 }
 
 impl CodeFindings {
-    /// Of an axis in its unit, `measured` about its `mean`, at the `level` of one test.
-    pub fn new(
-        record: &AxisSamples,
-        signal: &Axis,
-        level: f64,
-        measured: &[f64],
-        mean: f64,
-    ) -> Self {
-        let declared = matches!(record.raw(), Values::Codes(_)).then_some(signal.scale);
+    /// Of an axis in its unit, `measured` about its `mean`, at the `level` of one test; `declared` is
+    /// the step of its codes, where it has any.
+    pub fn new(declared: Option<f64>, level: f64, measured: &[f64], mean: f64) -> Self {
         let grid = grid(measured);
         let increments: Vec<f64> = measured
             .windows(2)

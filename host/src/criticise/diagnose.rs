@@ -14,15 +14,19 @@ use super::gain::laws::Ordinates;
 use super::gain::size::Sizes;
 use super::gain::{self, Halves, HeldCurve};
 use super::laws;
+use super::mend::Mended;
 use super::rounds::{self, Accepted, Options, Snapshot};
-use super::samples::Samples;
+use super::samples::{AxisSamples, Samples};
 use super::views::{Before, Models, Views};
+use crate::fft::ring::Series;
 use crate::fit::likelihood::Fit;
 use crate::fit::likelihood::components::SEEN;
 use crate::model::catalogue;
 use crate::model::effect::Effect;
 use crate::model::whole::{ModelAxis, ModelEffect};
 use crate::model::{Coefficient as Letter, PerCoefficient};
+use crate::signal::Axis;
+use crate::source::Values;
 
 /// Samples below which no spectrum is worth the name.
 const LEAST: usize = 1 << 13;
@@ -63,24 +67,28 @@ pub enum Refused {
     },
 }
 
-/// Diagnoses all axes, and what they have in common. `progress` is told each axis that is done.
+/// Diagnoses all axes, and what they have in common. `progress` is told each axis that is done. What
+/// is needed no more is given up on the way: a long record leaves no room for it.
 ///
 /// # Errors
 /// [`Refused`] where an axis holds too little.
 pub fn diagnose(
-    samples: &Samples,
+    samples: Samples,
     options: &Options,
     mut progress: impl FnMut(usize),
 ) -> Result<Vec<AxisDiagnosis>, Refused> {
     let (mut axes, mut residuals) = (Vec::new(), Vec::new());
-    let numbers: Vec<usize> = (0..samples.axes.len()).collect();
     let beside = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let at_once = if samples.len() > LONG { 1 } else { beside };
-    for some in numbers.chunks(at_once) {
+    let signal = samples.signal;
+    let mut waiting = signal.axes.iter().zip(samples.axes).peekable();
+    while waiting.peek().is_some() {
         let done: Vec<_> = std::thread::scope(|scope| {
+            let some = waiting.by_ref().take(at_once);
             let workers: Vec<_> = some
-                .iter()
-                .map(|&number| scope.spawn(move || diagnose_axis(samples, number, options)))
+                .map(|(axis, record)| {
+                    scope.spawn(move || diagnose_axis(axis, record, signal.rate_hz, options))
+                })
                 .collect();
             let joined = workers.into_iter().map(std::thread::ScopedJoinHandle::join);
             // A panic goes on where it came from.
@@ -95,7 +103,7 @@ pub fn diagnose(
             residuals.push(residual);
         }
     }
-    for common in coherence::common(&residuals, samples.signal.rate_hz, options.level()) {
+    for common in coherence::common(&residuals, signal.rate_hz, options.level()) {
         axes[common.axis].findings.push(common_finding(&common));
     }
     Ok(axes)
@@ -131,13 +139,12 @@ fn common_finding(common: &Common) -> Finding {
 /// # Errors
 /// [`Refused`] where the record holds too little.
 fn diagnose_axis(
-    samples: &Samples,
-    number: usize,
+    signal: &Axis,
+    record: AxisSamples,
+    rate_hz: f64,
     options: &Options,
 ) -> Result<(AxisDiagnosis, Vec<f32>), Refused> {
-    let signal = &samples.signal.axes[number];
-    let record = &samples.axes[number];
-    let rate_hz = samples.signal.rate_hz;
+    let declared = matches!(record.raw(), Values::Codes(_)).then_some(signal.scale);
     let (measured, mean) = record.centred(signal.scale);
     let good = measured.iter().filter(|value| value.is_finite()).count();
     if good < LEAST {
@@ -158,7 +165,7 @@ fn diagnose_axis(
             Refused::Broken { axis }
         }
     };
-    let values = CodeFindings::new(record, signal, options.level(), &measured, mean);
+    let values = CodeFindings::new(declared, options.level(), &measured, mean);
     let mut refused: Vec<&'static str> = Vec::new();
     let mut before: Option<Before> = None;
     let (axis, base_fit, outcome, nats) = loop {
@@ -230,7 +237,8 @@ fn diagnose_axis(
     };
     let before = before.unwrap_or_else(|| Before::new(&axis));
     let views = Views::new(&axis, before, models, &findings, mean, options.simulate);
-    let residual = residual(&axis);
+    let passed = passed(&axis);
+    let residual = residual(axis.into_mended(), passed);
     let diagnosis = AxisDiagnosis {
         name: signal.name.clone(),
         unit: signal.unit,
@@ -253,20 +261,25 @@ fn diagnose_axis(
     Ok((diagnosis, residual))
 }
 
-/// What is left of an axis, without the bands that were left out: a tone that wanders and that all axes
-/// see is no more a common noise than it is a noise.
-fn residual(axis: &AxisState) -> Vec<f32> {
-    let mut left = axis.mended.values();
-    if !axis.apart.is_empty() {
-        let seen = axis.whole();
-        let kept = |k: usize| f64::from(u8::from(seen.density[k].is_finite()));
-        let passed = seen.whole.filtered(|k| kept(k).into());
-        for (value, passed) in left.iter_mut().zip(passed) {
-            // Missing samples stay so.
-            *value = passed + 0.0 * *value;
-        }
-    }
-    left.iter().map(|&value| value as f32).collect()
+/// What is left of an axis without the bands that were left out, where there are any: a tone that
+/// wanders and that all axes see is no more a common noise than it is a noise.
+fn passed(axis: &AxisState) -> Option<Series> {
+    let seen = axis.whole();
+    let kept = |k: usize| f64::from(u8::from(seen.density[k].is_finite()));
+    let passed = || seen.whole.filtered(|k| kept(k).into());
+    (!axis.apart.is_empty()).then(passed)
+}
+
+/// What is left of a record, or what of that `passed`; NaN where missing or masked.
+fn residual(mended: Mended, passed: Option<Series>) -> Vec<f32> {
+    let left = mended.values();
+    let Some(passed) = passed else {
+        return left.iter().map(|&value| value as f32).collect();
+    };
+    let pairs = left.iter().zip(passed.iter());
+    pairs
+        .map(|(left, passed)| (passed + 0.0 * left) as f32)
+        .collect()
 }
 
 /// Gain of each effect on data that it was not fitted to. The halves are made where they are needed.

@@ -44,15 +44,21 @@ impl Frame {
     /// For records like `values`, with missing samples where these are not finite. `None` where
     /// they are too few for a spectrum, or all the same.
     pub fn new(values: &[f64], rate_hz: f64, chain: Option<&Chain>) -> Option<Self> {
+        Self::of_parts([(0, values)], rate_hz, chain)
+    }
+
+    /// The same for parts of a record, each with its first index, ascending.
+    pub fn of_parts<'a>(
+        parts: impl IntoIterator<Item = (usize, &'a [f64])>,
+        rate_hz: f64,
+        chain: Option<&Chain>,
+    ) -> Option<Self> {
         let settings = Settings {
             bins_per_octave: BINS_PER_OCTAVE,
             ..Settings::default()
         };
         let plan = Plan::new();
-        let mut cascade = Cascade::new(&plan);
-        cascade
-            .push_values(0, values)
-            .expect("the first block is in order");
+        let cascade = filled(&plan, parts);
         let estimate = Estimate::new(&cascade, rate_hz, &settings);
         let design = Design::new(rate_hz, chain);
         let nodes = estimate.operator.nodes_hz();
@@ -92,10 +98,12 @@ impl Frame {
 
     /// Spectrum of a record with the same missing samples, bin by bin.
     pub fn measure(&self, values: &[f64]) -> Data {
-        let mut cascade = Cascade::new(&self.plan);
-        cascade
-            .push_values(0, values)
-            .expect("the first block is in order");
+        self.measure_parts([(0, values)])
+    }
+
+    /// Spectrum of parts with the same places, bin by bin.
+    pub fn measure_parts<'a>(&self, parts: impl IntoIterator<Item = (usize, &'a [f64])>) -> Data {
+        let cascade = filled(&self.plan, parts);
         let bins = estimate::bins(&cascade, self.rate_hz, &self.settings);
         self.data.with_psd(bins.iter().map(|bin| bin.psd).collect())
     }
@@ -203,4 +211,14 @@ impl Frame {
     pub fn rate_hz(&self) -> f64 {
         self.rate_hz
     }
+}
+
+fn filled<'a>(plan: &Plan, parts: impl IntoIterator<Item = (usize, &'a [f64])>) -> Cascade {
+    let mut cascade = Cascade::new(plan);
+    for (first, values) in parts {
+        cascade
+            .push_values(first as u64, values)
+            .expect("the parts are in order");
+    }
+    cascade
 }

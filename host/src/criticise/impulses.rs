@@ -75,7 +75,20 @@ pub fn outliers(
         .map(|&index| z[index].abs() / spread(index))
         .fold(0.0, f64::max);
     candidates.sort_by(|&a, &b| z[b].abs().total_cmp(&z[a].abs()));
-    let mut pursuit = Pursuit::new(filter.z, answer(whole, density));
+    let size_sd = filter.size_sd;
+    // One record's worth of memory at a time: the output is made again beside the short answer.
+    drop(filter);
+    if candidates.is_empty() {
+        return Outliers {
+            found: Vec::new(),
+            p_value: 1.0,
+            threshold: threshold * middle * size_sd,
+            nats: 0.0,
+        };
+    }
+    let answer = answer(whole, density);
+    let filter = matched(whole, density, &Impulse, Half::Both);
+    let mut pursuit = Pursuit::new(filter.z, answer);
     // Largest first; each takes its own tails out of its neighbours.
     for index in candidates.into_iter().take(4 * MOST) {
         if pursuit.left()[index].abs() > threshold * spread(index) && pursuit.len() < MOST {
@@ -85,8 +98,8 @@ pub fn outliers(
     pursuit.settle();
     let outlier = |(index, height): (usize, f64)| Outlier {
         index,
-        size: height * filter.size_sd,
-        size_sd: filter.size_sd * spread(index),
+        size: height * size_sd,
+        size_sd: size_sd * spread(index),
     };
     // One that was moved aside may have nothing left to explain.
     let found: Vec<Outlier> = pursuit
@@ -94,21 +107,26 @@ pub fn outliers(
         .filter(|&(index, height)| height.abs() > threshold * spread(index))
         .map(outlier)
         .collect();
+    drop(pursuit);
     let nats = if found.is_empty() {
         0.0
     } else {
-        let seen = matched(whole, density, &Impulse, Half::Even);
-        let held = matched(whole, density, &Impulse, Half::Odd);
-        let gain = |outlier: &Outlier| {
-            // Sizes in the held half's own standard deviations.
-            let size = seen.z[outlier.index] * seen.size_sd / held.size_sd;
-            size * held.z[outlier.index] - 0.5 * size * size
+        let half = |half: Half| -> (Vec<f64>, f64) {
+            let filter = matched(whole, density, &Impulse, half);
+            let z = found.iter().map(|one| filter.z[one.index]);
+            (z.collect(), filter.size_sd)
         };
-        found.iter().map(gain).sum()
+        let ((seen, seen_sd), (held, held_sd)) = (half(Half::Even), half(Half::Odd));
+        let gain = |(seen, held): (&f64, &f64)| {
+            // Sizes in the held half's own standard deviations.
+            let size = seen * seen_sd / held_sd;
+            size * held - 0.5 * size * size
+        };
+        seen.iter().zip(&held).map(gain).sum()
     };
     Outliers {
         p_value: tail::highest(highest, whole.len(), f64::INFINITY),
-        threshold: threshold * middle * filter.size_sd,
+        threshold: threshold * middle * size_sd,
         nats,
         found,
     }
@@ -198,9 +216,9 @@ pub fn sizes_at(whole: &Whole, density: &[f64], indices: &[usize]) -> Vec<Outlie
     const ROUNDS: usize = 4;
     /// Samples to either side that count as such.
     const NEIGHBOURS: usize = 512;
-    let filter = matched(whole, density, &Impulse, Half::Both);
     let mut answer = answer(whole, density);
     answer.truncate(NEIGHBOURS);
+    let filter = matched(whole, density, &Impulse, Half::Both);
     let mut heights = vec![0.0; indices.len()];
     for _ in 0..ROUNDS {
         for (number, &index) in indices.iter().enumerate() {
@@ -229,9 +247,9 @@ pub fn sizes_at(whole: &Whole, density: &[f64], indices: &[usize]) -> Vec<Outlie
 /// The filter's answer to one sample of size one, from that moment on, over its peak, as far as it
 /// matters.
 fn answer(whole: &Whole, density: &[f64]) -> Vec<f64> {
-    let mut answer = whole.answer(|k| density[k].recip());
+    let answer = whole.answer(|k| density[k].recip());
     let peak = answer[0];
-    answer.truncate(REACH.min(answer.len() / 2));
+    let mut answer = answer[..REACH.min(answer.len() / 2)].to_vec();
     let matters = |value: &f64| value.abs() > NOTHING * peak;
     let end = answer.iter().rposition(matters).map_or(0, |last| last + 1);
     answer.truncate(end);

@@ -154,17 +154,18 @@ impl Mended {
         self.measured.is_empty()
     }
 
-    /// What is left; NaN where missing or masked.
-    pub fn values(&self) -> Vec<f64> {
-        let mut values = self.measured.to_vec();
+    /// What is left; NaN where missing or masked. The measured values themselves where nothing was
+    /// taken out.
+    pub fn values(&self) -> Arc<Vec<f64>> {
+        let mut left = Arc::clone(&self.measured);
         for wave in &self.waves {
-            wave.take_out(&mut values);
+            wave.take_out(Arc::make_mut(&mut left).as_mut_slice());
         }
         for mask in self.left_out() {
-            let end = mask.end.min(values.len());
-            values[mask.start.min(end)..end].fill(f64::NAN);
+            let end = mask.end.min(left.len());
+            Arc::make_mut(&mut left)[mask.start.min(end)..end].fill(f64::NAN);
         }
-        values
+        left
     }
 
     /// All that is left out.
@@ -190,16 +191,6 @@ impl Mended {
             let reach = (3.0 * jump.index_sd) as usize + more;
             jump.index.saturating_sub(reach)..(jump.index + reach).min(self.measured.len())
         })
-    }
-
-    /// The deterministic part of the model.
-    pub fn waveform(&self) -> Vec<f64> {
-        let mut values = vec![0.0; self.measured.len()];
-        for wave in &self.waves {
-            wave.take_out(&mut values);
-        }
-        values.iter_mut().for_each(|value| *value = -*value);
-        values
     }
 }
 
@@ -275,17 +266,20 @@ mod tests {
             },
         ];
         record.masked = vec![10..20];
-        let (left, taken) = (record.values(), record.waveform());
+        let (left, mut taken) = (record.values(), vec![0.0; 1000]);
+        for wave in &record.waves {
+            wave.take_out(&mut taken);
+        }
         for n in 0..1000 {
             if (10..20).contains(&n) {
                 assert!(left[n].is_nan());
             } else {
-                assert!((left[n] + taken[n] - measured[n]).abs() < 1e-12, "{n}");
+                assert!((left[n] - taken[n] - measured[n]).abs() < 1e-12, "{n}");
             }
         }
         // Between these the level rises by 2, the line by 2, and the settling falls.
         let settled = 5.0 * (f64::exp(-1.0) - f64::exp(-6.0));
-        assert!((taken[300] - taken[50] - (4.0 - settled)).abs() < 1e-9);
+        assert!((taken[50] - taken[300] - (4.0 - settled)).abs() < 1e-9);
     }
 
     #[test]

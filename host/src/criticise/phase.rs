@@ -21,6 +21,7 @@ mod ratio;
 #[cfg(test)]
 mod tests;
 
+use std::borrow::Cow;
 use std::f64::consts::PI;
 
 use rustfft::num_complex::Complex64;
@@ -153,7 +154,7 @@ impl Loss {
 /// a line count as one with it. Lines that were taken out of the record already are put back for
 /// the look, and are among the result's. `None` without two lines.
 pub fn lost_samples(axis: &AxisState, found: &[Peak], level: f64) -> Option<Loss> {
-    let mut values = axis.filled.clone();
+    let mut values = Cow::from(axis.filled.as_slice());
     let near = SPLIT * axis.rate_hz / values.len() as f64;
     for wave in &axis.mended.waves {
         let Wave::Line {
@@ -177,7 +178,7 @@ pub fn lost_samples(axis: &AxisState, found: &[Peak], level: f64) -> Option<Loss
                 sine,
                 lost,
             };
-            back.take_out(&mut values);
+            back.take_out(values.to_mut());
         }
     }
     let peaks = peaks::merged(found, axis.rate_hz, values.len());

@@ -85,7 +85,7 @@ fn merged(axes: &[Vec<Mark>]) -> Vec<Mark> {
 /// What can be told apart in the spectrum of an axis by its place.
 fn marks_of(samples: &Samples, number: usize, level: f64) -> Option<Vec<Mark>> {
     let signal = samples.signal.axes.get(number)?;
-    let (measured, _) = samples.axes.get(number)?.centred(signal.scale);
+    let (measured, _) = samples.axes.get(number)?.clone().centred(signal.scale);
     let axis = AxisState::new(
         Arc::new(measured),
         samples.signal.rate_hz,

@@ -119,7 +119,8 @@ impl Samples {
                     all.extend(new.iter().map(|&code| f64::from(code)));
                 }
                 (all @ Values::Codes(_), Values::Floats(new)) => {
-                    let mut floats = all.to_floats();
+                    let codes = std::mem::replace(all, Values::Floats(Vec::new()));
+                    let mut floats = codes.into_floats();
                     floats.extend(new);
                     *all = Values::Floats(floats);
                 }
@@ -129,10 +130,10 @@ impl Samples {
 }
 
 impl Values {
-    fn to_floats(&self) -> Vec<f64> {
+    fn into_floats(self) -> Vec<f64> {
         match self {
-            Self::Codes(codes) => codes.iter().map(|&code| f64::from(code)).collect(),
-            Self::Floats(floats) => floats.clone(),
+            Self::Codes(codes) => codes.into_iter().map(f64::from).collect(),
+            Self::Floats(floats) => floats,
         }
     }
 }
@@ -156,9 +157,9 @@ impl AxisSamples {
     }
 
     /// Values times `scale`, about their mean; missing ones are NaN. Also the mean that was taken
-    /// out, times `scale`.
-    pub fn centred(&self, scale: f64) -> (Vec<f64>, f64) {
-        let mut values = self.values.to_floats();
+    /// out, times `scale`. Floating-point values keep their place in memory.
+    pub fn centred(self, scale: f64) -> (Vec<f64>, f64) {
+        let mut values = self.values.into_floats();
         for gap in &self.missing {
             values[gap.clone()].fill(f64::NAN);
         }

@@ -20,11 +20,15 @@ use realfft::num_complex::Complex64;
 
 use super::axis::{AxisState, Seen};
 use super::tail;
-use crate::fft;
+use super::whole::smooth_len;
+use crate::fft::{self, long::Long};
 
 /// Ordinates of the narrowest group, and how much wider the next ones are.
 const NARROWEST: usize = 64;
 const WIDER: usize = 4;
+
+/// Ordinates of the widest band whose transform is planned.
+const LONGEST: usize = 1 << 16;
 
 /// Samples of the shortest tile: what shorter events do is the business of single samples.
 const SHORTEST: usize = 128;
@@ -66,7 +70,13 @@ pub fn strengths(seen: &Seen, ordinates: Range<usize>) -> Vec<f64> {
 }
 
 fn over_time(seen: &Seen, mut band: Vec<Complex64>) -> Vec<f64> {
-    fft::inverse(band.len()).process(&mut band);
+    // The topmost ordinates of an odd number of them would take many times the memory.
+    band.truncate(smooth_len(band.len()));
+    if band.len() > LONGEST {
+        Long::new(band.len()).inverse(&mut band);
+    } else {
+        fft::inverse(band.len()).process(&mut band);
+    }
     let unit = (band.len() as f64 * seen.whole.power()).recip();
     band.iter().map(|value| value.norm_sqr() * unit).collect()
 }

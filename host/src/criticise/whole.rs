@@ -25,9 +25,9 @@
 
 use std::sync::Arc;
 
-use realfft::{ComplexToReal, RealToComplex, num_complex::Complex64};
+use realfft::num_complex::Complex64;
 
-use crate::fft;
+use crate::fft::ring::{Ring, Series};
 
 /// Samples at each end that the line is laid through, at most.
 const END: usize = 256;
@@ -37,8 +37,7 @@ pub struct Whole {
     rate_hz: f64,
     len: usize,
     ordinates: Vec<Complex64>,
-    inverse: Arc<dyn ComplexToReal<f64>>,
-    turns: Arc<Turns>,
+    ring: Arc<Ring>,
 }
 
 /// Length that transforms fast: the largest even number with no prime factor above 5, at most
@@ -61,9 +60,7 @@ pub fn smooth_len(len: usize) -> usize {
 /// Transforms beside one another.
 pub struct Transformer {
     len: usize,
-    forward: Arc<dyn RealToComplex<f64>>,
-    inverse: Arc<dyn ComplexToReal<f64>>,
-    turns: Arc<Turns>,
+    ring: Arc<Ring>,
 }
 
 impl Transformer {
@@ -72,9 +69,7 @@ impl Transformer {
         let len = smooth_len(len);
         Self {
             len,
-            forward: fft::real_forward(len.max(2)),
-            inverse: fft::real_inverse(len.max(2)),
-            turns: Arc::new(Turns::new(len.max(2))),
+            ring: Arc::new(Ring::new(len.max(2))),
         }
     }
 
@@ -90,18 +85,13 @@ impl Transformer {
 
     /// Transform of `values`, none of which is missing, less the line through their ends.
     pub fn transform(&self, values: &[f64], rate_hz: f64) -> Whole {
-        let mut bridge = values[..self.len].to_vec();
+        let mut bridge = Series::new(&values[..self.len]);
         take_out_line(&mut bridge);
-        let mut ordinates = self.forward.make_output_vec();
-        self.forward
-            .process(&mut bridge, &mut ordinates)
-            .expect("the lengths are the plan's own");
         Whole {
             rate_hz,
             len: self.len,
-            ordinates,
-            inverse: Arc::clone(&self.inverse),
-            turns: Arc::clone(&self.turns),
+            ordinates: self.ring.forward(bridge),
+            ring: Arc::clone(&self.ring),
         }
     }
 
@@ -109,41 +99,14 @@ impl Transformer {
     pub fn waveform(&self, waveform: &impl Waveform, rate_hz: f64) -> Whole {
         let at = |k: usize| match k {
             0 => Complex64::ZERO,
-            _ => waveform.at(self.turns.at(k)),
+            _ => waveform.at(self.ring.turn(k)),
         };
         Whole {
             rate_hz,
             len: self.len,
             ordinates: (0..=self.len / 2).map(at).collect(),
-            inverse: Arc::clone(&self.inverse),
-            turns: Arc::clone(&self.turns),
+            ring: Arc::clone(&self.ring),
         }
-    }
-}
-
-/// `e^{-2 pi i k / N}` for every `k` from two short tables.
-struct Turns {
-    coarse: Vec<Complex64>,
-    fine: Vec<Complex64>,
-}
-
-impl Turns {
-    /// Binary digits of `k` that the fine table stands for.
-    const FINE: u32 = 10;
-
-    fn new(len: usize) -> Self {
-        let turn =
-            |k: usize| Complex64::from_polar(1.0, -std::f64::consts::TAU * k as f64 / len as f64);
-        Self {
-            coarse: (0..=(len / 2) >> Self::FINE)
-                .map(|k| turn(k << Self::FINE))
-                .collect(),
-            fine: (0..1 << Self::FINE).map(turn).collect(),
-        }
-    }
-
-    fn at(&self, k: usize) -> Complex64 {
-        self.coarse[k >> Self::FINE] * self.fine[k & ((1 << Self::FINE) - 1)]
     }
 }
 
@@ -180,8 +143,8 @@ impl Whole {
     /// Sets the seam free: the first sample takes the value, and the level across the seam the
     /// step, that all others predict for them.
     pub fn close(&mut self, density: &[f64]) {
-        let turns = Arc::clone(&self.turns);
-        let step = |k: usize| Step.at(turns.at(k));
+        let ring = Arc::clone(&self.ring);
+        let step = |k: usize| Step.at(ring.turn(k));
         // Normal equations of both, over half of the ring.
         let (mut right, mut gram) = ([0.0; 2], [0.0; 3]);
         for (k, (ordinate, density)) in self.ordinates.iter().zip(density).enumerate().skip(1) {
@@ -224,32 +187,23 @@ impl Whole {
 
     /// The record through the filter whose response at ordinate `k` is `response(k)`, which is
     /// asked above zero frequency; the mean is left out.
-    pub fn filtered(&self, response: impl Fn(usize) -> Complex64) -> Vec<f64> {
+    pub fn filtered(&self, mut response: impl FnMut(usize) -> Complex64) -> Series {
         self.back(|k| self.ordinates[k] * response(k))
     }
 
     /// What the filter of that response makes of a single sample of size one at moment zero.
-    pub fn answer(&self, response: impl Fn(usize) -> f64) -> Vec<f64> {
+    pub fn answer(&self, response: impl Fn(usize) -> f64) -> Series {
         self.back(|k| response(k).into())
     }
 
     /// Samples of a ring whose ordinates above zero frequency are `ordinate(k)`, its mean zero.
-    fn back(&self, ordinate: impl Fn(usize) -> Complex64) -> Vec<f64> {
+    fn back(&self, mut ordinate: impl FnMut(usize) -> Complex64) -> Series {
         let norm = (self.len as f64).recip();
-        let last = self.ordinates.len() - 1;
-        let mut ordinates: Vec<Complex64> = (0..=last)
-            .map(|k| match k {
-                0 => Complex64::ZERO,
-                _ => ordinate(k) * norm,
-            })
-            .collect();
-        // At half the rate only the real part has a meaning.
-        ordinates[last].im = 0.0;
-        let mut output = self.inverse.make_output_vec();
-        self.inverse
-            .process(&mut ordinates, &mut output)
-            .expect("the lengths are the plan's own");
-        output
+        let ordinates = (0..self.ordinates.len()).map(|k| match k {
+            0 => Complex64::ZERO,
+            _ => ordinate(k) * norm,
+        });
+        self.ring.inverse(ordinates.collect())
     }
 }
 
@@ -297,7 +251,7 @@ impl Waveform for Settling {
 /// What a matched filter says of every moment.
 pub struct Match {
     /// In standard deviations.
-    pub z: Vec<f64>,
+    pub z: Series,
     /// Standard deviation of the waveform's size.
     pub size_sd: f64,
     /// Expected crossings of zero in one direction a sample: sets the number of independent moments.
@@ -329,29 +283,26 @@ impl Half {
 /// The statistic of `waveform` at every moment, for noise of the two-sided densities `density`
 /// at the ordinates.
 pub fn matched(whole: &Whole, density: &[f64], waveform: &impl Waveform, half: Half) -> Match {
-    let turn = |k: usize| std::f64::consts::TAU * k as f64 / whole.len as f64;
-    let responses: Vec<Complex64> = (0..whole.ordinates.len())
-        .map(|k| match k {
-            0 => Complex64::ZERO,
-            _ if !half.has(k) => Complex64::ZERO,
-            _ => waveform.at(whole.turns.at(k)).conj() / (density[k] * whole.rate_hz),
-        })
-        .collect();
     let (mut information, mut curvature) = (0.0, 0.0);
-    for (k, response) in responses.iter().enumerate().skip(1) {
-        let both = if 2 * k == whole.len { 1.0 } else { 2.0 };
-        // A density without end leaves an ordinate out.
-        if !density[k].is_finite() {
-            continue;
+    let mut z = whole.filtered(|k| {
+        if !half.has(k) {
+            return Complex64::ZERO;
         }
-        let share = both * response.norm_sqr() * density[k] * whole.rate_hz;
-        information += share;
-        curvature += share * turn(k).powi(2);
-    }
+        let noise = density[k] * whole.rate_hz;
+        let response = waveform.at(whole.ring.turn(k)).conj() / noise;
+        // A density without end leaves an ordinate out.
+        if noise.is_finite() {
+            let both = if 2 * k == whole.len { 1.0 } else { 2.0 };
+            let share = both * response.norm_sqr() * noise;
+            let turn = std::f64::consts::TAU * k as f64 / whole.len as f64;
+            information += share;
+            curvature += share * turn.powi(2);
+        }
+        response
+    });
     information /= whole.len as f64;
     curvature /= whole.len as f64;
     let size_sd = information.sqrt().recip();
-    let mut z = whole.filtered(|k| responses[k]);
     z.iter_mut().for_each(|value| *value *= size_sd);
     Match {
         z,

@@ -127,9 +127,10 @@ fn diagnosed(capture: &str) -> anyhow::Result<Diagnosis> {
         covariate: None,
         simulate: true,
     };
-    let axes = diagnose(&samples, &options, |_| {})
+    let signal = samples.signal.clone();
+    let axes = diagnose(samples, &options, |_| {})
         .map_err(|refused| anyhow::anyhow!("{capture}: {refused}; give a longer --duration"))?;
-    Ok(result(&samples, &account, FAMILY_LEVEL, axes))
+    Ok(result(&signal, &account, FAMILY_LEVEL, axes))
 }
 
 /// Removes what an earlier demo left.

@@ -22,8 +22,8 @@ pub fn p_value(seen: &Seen, stretch: &Range<usize>) -> f64 {
     while top >= 2 * LEAST_ORDINATES {
         let ordinates = top / 2..top;
         top /= 2;
-        let moments = ordinates.len();
         let strengths = strengths(seen, ordinates);
+        let moments = strengths.len();
         let at = |moment: usize| moment * length / moments;
         let inside: Vec<f64> = (0..moments)
             .filter(|&moment| stretch.contains(&at(moment)))

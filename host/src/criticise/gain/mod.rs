@@ -17,7 +17,6 @@ pub mod laws;
 pub mod size;
 
 use std::ops::Range;
-use std::sync::Arc;
 
 use inm_allan::Statistic;
 
@@ -49,14 +48,13 @@ pub struct Halves {
     measured: Mended,
 }
 
-/// Puts NaN into every other block: into the odd ones for `parity` 1, the even ones for 0.
-fn leave(values: &[f64], parity: usize) -> Vec<f64> {
+/// Every other block of a record, with its first index: those fitted to for `parity` 0, those held
+/// out for 1.
+fn half(values: &[f64], parity: usize) -> impl Iterator<Item = (usize, &[f64])> {
     let block = values.len().div_ceil(BLOCKS).max(1);
-    let mut left = values.to_vec();
-    for part in left.chunks_mut(block).skip(parity).step_by(2) {
-        part.fill(f64::NAN);
-    }
-    left
+    let parts = values.chunks(block).enumerate();
+    let parts = parts.map(move |(number, part)| (number * block, part));
+    parts.skip(parity).step_by(2)
 }
 
 impl Halves {
@@ -65,8 +63,8 @@ impl Halves {
         let measured = axis.mended.bare();
         let values = measured.values();
         let chain = axis.chain.as_ref();
-        let mut train = Frame::new(&leave(&values, 1), axis.rate_hz, chain)?;
-        let mut held = Frame::new(&leave(&values, 0), axis.rate_hz, chain)?;
+        let mut train = Frame::of_parts(half(&values, 0), axis.rate_hz, chain)?;
+        let mut held = Frame::of_parts(half(&values, 1), axis.rate_hz, chain)?;
         train.leave_out(&axis.apart);
         held.leave_out(&axis.apart);
         Some(Self {
@@ -81,8 +79,9 @@ impl Halves {
         let mut record = self.measured.clone();
         record.waves.clone_from(&snapshot.waves);
         let values = record.values();
-        let train = self.train.measure(&leave(&values, 1));
-        let held = self.held.measure(&leave(&values, 0));
+        let train = self.train.measure_parts(half(&values, 0));
+        let held = self.held.measure_parts(half(&values, 1));
+        drop(values);
         let mut laws = laws_of(snapshot);
         let fit = search::polish(&self.train, &train, &mut laws, 0, 0.05)?;
         let components = components(&self.held, &laws);
@@ -143,9 +142,11 @@ fn waveform_curve<'a>(
     with: &Snapshot,
     left_out: impl Iterator<Item = &'a Range<usize>>,
 ) -> Vec<Point> {
-    let mut record = Mended::new(Arc::new(vec![0.0; axis.mended.len()]));
-    record.waves.clone_from(&with.waves);
-    let mut waveform = record.waveform();
+    // Its sign is no matter.
+    let mut waveform = vec![0.0; axis.mended.len()];
+    for wave in &with.waves {
+        wave.take_out(&mut waveform);
+    }
     for (value, measured) in waveform.iter_mut().zip(axis.mended.measured()) {
         if !measured.is_finite() {
             *value = f64::NAN;
@@ -154,7 +155,7 @@ fn waveform_curve<'a>(
     for mask in left_out {
         waveform[mask.clone()].fill(f64::NAN);
     }
-    curve(&leave(&waveform, 0), axis.rate_hz)
+    curve(half(&waveform, 1), axis.rate_hz)
 }
 
 /// The measured Allan curve of the held-out half.
@@ -167,26 +168,25 @@ impl HeldCurve {
     pub fn new(axis: &AxisState) -> Self {
         let record = axis.mended.bare();
         Self {
-            points: curve(&leave(&record.values(), 0), axis.rate_hz),
+            points: curve(half(&record.values(), 1), axis.rate_hz),
         }
     }
 }
 
-fn curve(values: &[f64], rate_hz: f64) -> Vec<Point> {
+fn curve<'a>(parts: impl Iterator<Item = (usize, &'a [f64])>, rate_hz: f64) -> Vec<Point> {
     let mut bins = Strided::default();
-    let mut from = 0;
-    while from < values.len() {
-        let good = values[from].is_finite();
-        let end = values[from..]
-            .iter()
-            .position(|value| value.is_finite() != good)
-            .map_or(values.len(), |length| from + length);
-        if good {
-            bins.push_floats(&values[from..end]);
-        } else {
-            bins.skip((end - from) as u64);
+    let mut next = 0;
+    for (first, values) in parts {
+        let same = |a: &f64, b: &f64| a.is_finite() == b.is_finite();
+        bins.skip((first - next) as u64);
+        for run in values.chunk_by(same) {
+            if run[0].is_finite() {
+                bins.push_floats(run);
+            } else {
+                bins.skip(run.len() as u64);
+            }
         }
-        from = end;
+        next = first + values.len();
     }
     point::points(
         Statistic::Allan,

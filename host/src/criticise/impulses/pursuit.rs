@@ -8,6 +8,8 @@
 
 use std::collections::BTreeMap;
 
+use crate::fft::ring::Series;
+
 /// Samples within which two disturb one another's place.
 const NEAR: usize = 64;
 
@@ -20,7 +22,7 @@ const ROUNDS: usize = 30;
 /// A filter's output on its way to be explained by single samples.
 pub struct Pursuit {
     /// What is left of the output.
-    left: Vec<f64>,
+    left: Series,
     /// The filter's answer to one sample, from that moment on; 1 at first.
     answer: Vec<f64>,
     /// Heights by place.
@@ -29,7 +31,7 @@ pub struct Pursuit {
 
 impl Pursuit {
     /// Nothing explained yet.
-    pub fn new(output: Vec<f64>, answer: Vec<f64>) -> Self {
+    pub fn new(output: Series, answer: Vec<f64>) -> Self {
         Self {
             left: output,
             answer,
@@ -132,7 +134,7 @@ mod tests {
                 *value += height * answer.unwrap_or(0.0);
             }
         }
-        let mut pursuit = Pursuit::new(output, answer());
+        let mut pursuit = Pursuit::new(Series::new(&output), answer());
         for _ in 0..3 {
             let left = pursuit.left();
             let highest = (0..left.len()).max_by(|&a, &b| left[a].abs().total_cmp(&left[b].abs()));

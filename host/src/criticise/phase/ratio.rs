@@ -6,6 +6,7 @@ use std::f64::consts::TAU;
 use super::super::demodulate::{Blocks, Demodulated, Turn};
 use super::super::mend::Wave;
 use super::{AS_GOOD, REACH};
+use crate::fft::ring::Series;
 
 /// Share of the record at each end in which no loss is looked for.
 const MARGIN: f64 = 0.02;
@@ -305,7 +306,7 @@ pub(super) fn posterior(gains: &(impl Iterator<Item = f64> + Clone)) -> Posterio
 pub(super) struct Quiet {
     /// The record, by the share that the least density under a line is of the density, where less
     /// than 1; zero where not usable.
-    pub(super) values: Vec<f64>,
+    pub(super) values: Series,
     /// Variance of a sample of white noise of that least density.
     pub(super) variance: f64,
 }

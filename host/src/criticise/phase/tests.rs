@@ -1,6 +1,7 @@
 use std::f64::consts::TAU;
 
 use super::*;
+use crate::fft::ring::Series;
 use crate::model::Seed;
 use crate::simulate::Gaussian;
 
@@ -46,7 +47,7 @@ fn peak(f_hz: f64, off: f64, nats: f64) -> Peak {
 
 fn look(values: &[f64], rough: &[Peak], level: f64) -> Option<Loss> {
     let quiet = Quiet {
-        values: values.to_vec(),
+        values: Series::new(values),
         variance: 1.0,
     };
     let places = peaks::merged(rough, RATE_HZ, LENGTH);

@@ -1,6 +1,7 @@
 //! The level in time: settling, what follows a covariate, jumps.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use super::super::axis::AxisState;
 use super::super::finding::Value;
@@ -164,7 +165,8 @@ impl Rounds<'_> {
         let mut new = Vec::new();
         while let Some(jump) = next.filter(|_| jumps.len() + new.len() <= MOST) {
             let jump = place(jump);
-            Wave::Steps(vec![jump]).take_out(&mut self.axis.filled);
+            let filled = Arc::make_mut(&mut self.axis.filled);
+            Wave::Steps(vec![jump]).take_out(filled);
             self.axis.set_aside(&jump);
             new.push(jump);
             next = self.largest_jump();
@@ -293,16 +295,13 @@ impl Rounds<'_> {
     fn jump_gain(&self, jumps: &[Jump]) -> f64 {
         let mut waveform = vec![0.0; self.axis.filled.len()];
         Wave::Steps(jumps.to_vec()).take_out(&mut waveform);
-        // They are taken out of the record already; for a comparison they go back in.
-        let before: Vec<f64> = self
-            .axis
-            .filled
-            .iter()
-            .zip(&waveform)
-            .map(|(left, wave)| left - wave)
-            .collect();
-        let (record, density) = self.axis.slow(&before, self.axis.slow_factor());
         let means = block_means(&waveform, self.axis.slow_factor());
+        // They are taken out of the record already; for a comparison they go back in.
+        let mut before = waveform;
+        for (before, left) in before.iter_mut().zip(self.axis.filled.iter()) {
+            *before = left - *before;
+        }
+        let (record, density) = self.axis.slow(&before, self.axis.slow_factor());
         let rate_hz = self.axis.rate_hz / self.axis.slow_factor() as f64;
         let mut wave = Transformer::new(means.len()).transform(&means, rate_hz);
         wave.close(&density);

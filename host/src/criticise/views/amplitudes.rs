@@ -40,7 +40,7 @@ impl Counts {
         };
         let white = seen.whole.filtered(|k| response(k).into());
         let mut counts = vec![0; 2 * CLASSES];
-        for (index, value) in white.into_iter().enumerate() {
+        for (index, value) in white.iter().enumerate() {
             if axis.usable(index) {
                 let class = (value / WIDTH + CLASSES as f64).clamp(0.0, 2.0 * CLASSES as f64 - 1.0);
                 counts[class as usize] += 1;

@@ -1,8 +1,14 @@
 //! Transforms, planned once: a plan's tables cost more than the transform they serve.
+//!
+//! Those of whole records are made from short ones: [`long`], [`ring`].
+
+pub mod long;
+pub mod ring;
+pub mod turns;
 
 use std::sync::{Arc, LazyLock, Mutex, PoisonError};
 
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
+use realfft::{RealFftPlanner, RealToComplex};
 use rustfft::{Fft, FftPlanner};
 
 static REAL: LazyLock<Mutex<RealFftPlanner<f64>>> =
@@ -15,12 +21,6 @@ pub fn real_forward(len: usize) -> Arc<dyn RealToComplex<f64>> {
     // A planner that panicked half-way has planned nothing: what it holds is sound.
     let mut planner = REAL.lock().unwrap_or_else(PoisonError::into_inner);
     planner.plan_fft_forward(len)
-}
-
-/// Back to `len` real samples, times `len`.
-pub fn real_inverse(len: usize) -> Arc<dyn ComplexToReal<f64>> {
-    let mut planner = REAL.lock().unwrap_or_else(PoisonError::into_inner);
-    planner.plan_fft_inverse(len)
 }
 
 /// Of `len` complex samples.

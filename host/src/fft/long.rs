@@ -1,0 +1,144 @@
+//! Long transforms in place, with short tables.
+//!
+//! A planner's transform of millions of numbers brings tables as long as they are and a second copy of
+//! them. Here a length `M = R s R` is split as D. H. Bailey (J. Supercomputing 4 (1990) 23) does:
+//! transforms of length `R` down the columns of `R` rows, a turn of each number, transforms of length
+//! `s R` along the rows. The result stands in the order of its digits read backwards; as the first
+//! and the last digit have one radix, that is put right by exchanging pairs. Tables and scratch are of
+//! the order of a row.
+
+use std::sync::Arc;
+
+use num_complex::Complex64;
+use rustfft::Fft;
+
+use super::turns::Turns;
+
+/// Columns that are transformed together: two lines of the cache wide.
+const TOGETHER: usize = 8;
+
+/// Side of the squares that are exchanged at a time.
+const TILE: usize = 16;
+
+/// Transforms of one length.
+pub struct Long {
+    /// `R`.
+    outer: usize,
+    /// `s`.
+    inner: usize,
+    forward: Plans,
+    inverse: Plans,
+    turns: Turns,
+}
+
+struct Plans {
+    column: Arc<dyn Fft<f64>>,
+    row: Arc<dyn Fft<f64>>,
+}
+
+impl Long {
+    /// Of `len` numbers, one at least. Fast and small where it has no prime factor above 5.
+    pub fn new(len: usize) -> Self {
+        let (outer, inner) = split(len);
+        Self {
+            outer,
+            inner,
+            forward: Plans {
+                column: super::forward(outer),
+                row: super::forward(inner * outer),
+            },
+            inverse: Plans {
+                column: super::inverse(outer),
+                row: super::inverse(inner * outer),
+            },
+            turns: Turns::new(len),
+        }
+    }
+
+    /// `X_k = sum x_n e^{-2 pi i k n / M}`.
+    pub fn forward(&self, data: &mut [Complex64]) {
+        self.transform(data, &self.forward, |turn| turn);
+    }
+
+    /// Back again, times `M`.
+    pub fn inverse(&self, data: &mut [Complex64]) {
+        self.transform(data, &self.inverse, |turn| turn.conj());
+    }
+
+    /// Either way; `turn` tells which.
+    fn transform(
+        &self,
+        data: &mut [Complex64],
+        plans: &Plans,
+        turn: impl Fn(Complex64) -> Complex64,
+    ) {
+        let (outer, width) = (self.outer, self.inner * self.outer);
+        let mut some = vec![Complex64::ZERO; TOGETHER * outer];
+        let scratch = plans.column.get_inplace_scratch_len();
+        let scratch = scratch.max(plans.row.get_inplace_scratch_len());
+        let mut scratch = vec![Complex64::ZERO; scratch];
+        for first in (0..width).step_by(TOGETHER) {
+            let count = TOGETHER.min(width - first);
+            let some = &mut some[..count * outer];
+            for (row, data) in data.chunks_exact(width).enumerate() {
+                for (column, value) in data[first..first + count].iter().enumerate() {
+                    some[column * outer + row] = *value;
+                }
+            }
+            plans.column.process_with_scratch(some, &mut scratch);
+            for (column, some) in some.chunks_exact_mut(outer).enumerate() {
+                for (k, value) in some.iter_mut().enumerate() {
+                    *value *= turn(self.turns.at(k * (first + column)));
+                }
+            }
+            for (row, data) in data.chunks_exact_mut(width).enumerate() {
+                for (column, value) in data[first..first + count].iter_mut().enumerate() {
+                    *value = some[column * outer + row];
+                }
+            }
+        }
+        let mut turned = vec![Complex64::ZERO; width];
+        for row in data.chunks_exact_mut(width) {
+            plans.row.process_with_scratch(row, &mut scratch);
+            // The two digits of a row backwards.
+            turned.copy_from_slice(row);
+            for (place, row) in row.chunks_exact_mut(outer).enumerate() {
+                let digits = turned.iter().skip(place).step_by(self.inner);
+                row.iter_mut()
+                    .zip(digits)
+                    .for_each(|(to, from)| *to = *from);
+            }
+        }
+        for middle in 0..self.inner {
+            exchange(data, outer, middle * outer, width);
+        }
+    }
+}
+
+/// Exchanges rows and columns of the square of `side` numbers that begins at `first`, its rows
+/// `width` apart.
+fn exchange(data: &mut [Complex64], side: usize, first: usize, width: usize) {
+    for top in (0..side).step_by(TILE) {
+        for left in (top..side).step_by(TILE) {
+            for row in top..(top + TILE).min(side) {
+                for column in left.max(row + 1)..(left + TILE).min(side) {
+                    let here = first + row * width + column;
+                    let there = first + column * width + row;
+                    data.swap(here, there);
+                }
+            }
+        }
+    }
+}
+
+/// `R` and `s` of a length `R s R`, `s` as small as the prime factors 2, 3 and 5 let it be.
+fn split(len: usize) -> (usize, usize) {
+    let (mut outer, mut inner) = (1, len);
+    for prime in [2, 3, 5] {
+        while inner.is_multiple_of(prime * prime) {
+            inner /= prime * prime;
+            outer *= prime;
+        }
+    }
+    (outer, inner)
+}
