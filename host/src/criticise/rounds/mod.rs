@@ -141,6 +141,7 @@ pub fn run(
         switching: false,
         ringing: false,
         restless: false,
+        sought_beside: 0,
         unsteady: Vec::new(),
         kept: Vec::new(),
     };
@@ -190,6 +191,8 @@ struct Rounds<'a> {
     ringing: bool,
     /// Whether the strength of the noise moves all the time: no business of bursts.
     restless: bool,
+    /// Effects there were when outliers were last sought among them.
+    sought_beside: usize,
     /// Lines that were seen to lose no samples.
     kept: Vec<f64>,
     /// Bands that no steady law speaks for.
@@ -251,8 +254,10 @@ impl Rounds<'_> {
             one.with.waves.retain(kept);
             one.without.waves.retain(kept);
         }
-        if effect == "burst" {
-            self.axis.mended.masked.clear();
+        match effect {
+            "burst" => self.axis.mended.masked.clear(),
+            "steps" => self.axis.mended.spread.clear(),
+            _ => {}
         }
         self.accepted.len() < before
     }

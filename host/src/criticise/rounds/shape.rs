@@ -6,7 +6,6 @@ use super::super::finding::{Rival, Value};
 use super::super::laws::spread::Spread;
 use super::super::laws::{self, Law, search};
 use super::super::lines;
-use super::super::mend::Wave;
 use super::super::telegraph;
 use super::{Rounds, named};
 use crate::fit::likelihood::Fit;
@@ -209,15 +208,7 @@ impl Rounds<'_> {
     /// Heights of the jumps that were told one by one, if each goes back where the one before came
     /// from.
     fn to_and_fro(&self) -> Vec<f64> {
-        let waves = self.axis.mended.waves.iter();
-        let heights: Vec<f64> = waves
-            .filter_map(|wave| match wave {
-                Wave::Steps(jumps) => Some(jumps),
-                _ => None,
-            })
-            .flatten()
-            .map(|jump| jump.height)
-            .collect();
+        let heights: Vec<f64> = self.axis.mended.jumps().map(|jump| jump.height).collect();
         let back = heights.windows(2).all(|pair| pair[0] * pair[1] < 0.0);
         if back { heights } else { Vec::new() }
     }
