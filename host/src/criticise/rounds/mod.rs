@@ -247,6 +247,7 @@ impl Rounds<'_> {
             Wave::Outliers(_) => effect != "outliers",
             Wave::Steps(_) => effect != "steps",
             Wave::WarmUp { .. } => effect != "warmup",
+            Wave::Follows { .. } => effect != "thermal",
             _ => true,
         };
         self.axis.mended.waves.retain(kept);
