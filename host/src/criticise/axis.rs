@@ -309,16 +309,12 @@ impl AxisState {
 
     /// Share of all of the density that a component of the five terms has.
     pub fn term_share(&self, component: usize, f_hz: f64) -> f64 {
-        let alone: Vec<f64> = (0..self.fit.squared.len())
-            .map(|one| {
-                if one == component {
-                    self.fit.squared[one]
-                } else {
-                    0.0
-                }
-            })
-            .collect();
-        self.frame.base_density(&alone, f_hz) * self.filters(f_hz) / self.density(f_hz)
+        self.fit.squared[component] * self.term_density(component, f_hz) / self.density(f_hz)
+    }
+
+    /// Density of a component of the five terms whose square is 1.
+    pub fn term_density(&self, component: usize, f_hz: f64) -> f64 {
+        self.frame.unit_density(component, f_hz, self.filters(f_hz))
     }
 
     /// Measured over expected power of the bins, drawn towards 1 where it rests on little.

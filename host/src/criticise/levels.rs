@@ -1,8 +1,10 @@
 //! Jumps of the level that stay: the matched filter for a step, at every moment.
 
+use super::axis::AxisState;
 use super::impulses::Outlier;
+use super::profile::Profile;
 use super::tail;
-use super::whole::{Half, Match, Step, Whole, matched};
+use super::whole::{Half, Match, Step, Transformer, Whole, matched};
 
 /// A jump of the level.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -21,13 +23,43 @@ pub struct Jump {
     pub p_value: f64,
 }
 
-/// The largest jump, if it is significant at a family-wise `level`.
+/// The largest jump, significant or not.
 pub fn largest_jump(
     whole: &Whole,
     density: &[f64],
-    level: f64,
     usable: impl Fn(usize) -> bool,
 ) -> Option<Jump> {
+    let (jump, _) = largest(whole, density, usable)?;
+    Some(jump)
+}
+
+/// The largest jump as it is beside walk and flicker fitted anew, which may have been taken for it;
+/// `first` is where it was seen.
+pub fn beside_walk(
+    axis: &AxisState,
+    whole: &Whole,
+    density: &[f64],
+    first: &Jump,
+    usable: impl Fn(usize) -> bool,
+) -> Option<Jump> {
+    let mut wave = Transformer::new(whole.len()).waveform_at(&Step, first.index, whole.rate_hz());
+    wave.close(density);
+    let profile = Profile::new(axis, whole, density);
+    let joint = profile.fit(&wave);
+    let (jump, filter) = largest(whole, &profile.density(&joint), usable)?;
+    Some(Jump {
+        z: joint.z,
+        p_value: tail::highest(joint.z, whole.len(), filter.crossings),
+        ..jump
+    })
+}
+
+/// The largest jump, and the statistic of all.
+fn largest(
+    whole: &Whole,
+    density: &[f64],
+    usable: impl Fn(usize) -> bool,
+) -> Option<(Jump, Match)> {
     let filter = statistic(whole, density);
     // On the ring, what happens at the ends is no event of the record.
     let margin = whole.len() / 200 + 16;
@@ -35,15 +67,15 @@ pub fn largest_jump(
         .filter(|&index| usable(index))
         .max_by(|&a, &b| filter.z[a].abs().total_cmp(&filter.z[b].abs()))?;
     let z = filter.z[index];
-    let p_value = tail::highest(z, whole.len(), filter.crossings);
-    (p_value < level).then(|| Jump {
+    let jump = Jump {
         index,
         height: z * filter.size_sd,
         height_sd: filter.size_sd,
         index_sd: spread(&filter, index),
         z,
-        p_value,
-    })
+        p_value: tail::highest(z, whole.len(), filter.crossings),
+    };
+    Some((jump, filter))
 }
 
 /// The statistic of a jump at every moment.

@@ -19,6 +19,7 @@ pub mod levels;
 pub mod lines;
 pub mod mend;
 pub mod phase;
+pub mod profile;
 pub mod reference;
 pub mod rounds;
 pub mod samples;

@@ -6,8 +6,9 @@ use std::sync::Arc;
 
 use super::axis::AxisState;
 use super::mend::{Wave, block_means};
+use super::profile::{Noise, Profile};
 use super::tail;
-use super::whole::{Half, Projection, Settling, Transformer, held_out_gain};
+use super::whole::{Half, Projection, Settling, Transformer, Whole, held_out_gain};
 
 /// A waveform that is in the record.
 pub struct SlowChange {
@@ -25,88 +26,149 @@ pub struct SlowChange {
     pub nats: f64,
 }
 
+/// Time constants of a settling tried an octave.
+const PER_OCTAVE: f64 = 3.0;
+
 /// Exponential settling from the start.
-pub fn warm_up(axis: &AxisState, level: f64) -> Option<SlowChange> {
-    /// Time constants an octave.
-    const PER_OCTAVE: f64 = 3.0;
+pub fn warm_up(axis: &AxisState, level: f64, noise: Noise) -> Option<SlowChange> {
     let factor = axis.drift_factor();
     let (record, density) = axis.slow(&axis.filled, factor);
-    let length = record.len();
-    let transformer = Transformer::new(length);
-    let rate_hz = axis.rate_hz / factor as f64;
-    let wave = |samples: f64| {
-        let settling = Settling {
-            samples,
-            len: length,
-        };
-        let mut wave = transformer.waveform(&settling, rate_hz);
-        wave.close(&density);
-        wave
-    };
-    let at = |samples: f64| Projection::new(&record, &density, &wave(samples), Half::Both);
-    let shortest = (length as f64 / 512.0).max(8.0);
-    let longest = length as f64 / 1.5;
-    let octaves = (longest / shortest).log2();
-    let count = (PER_OCTAVE * octaves) as usize;
-    let mut best = (0.0, 0.0);
-    for step in 0..=count {
-        let samples = shortest * (step as f64 / PER_OCTAVE).exp2();
-        let z = at(samples).z();
-        if z.abs() > f64::abs(best.0) {
-            best = (z, samples);
+    let mut settling = Settlings::new(&record, density);
+    let mut z = settling.best().0;
+    if noise == Noise::Anew && settling.p_value(z) >= level {
+        // Walk and flicker may have been taken for it.
+        let profile = Profile::new(axis, &record, &settling.density);
+        let joints = settling
+            .times()
+            .map(|samples| profile.fit(&settling.wave(samples)));
+        let joint = joints.max_by(|a, b| a.z.abs().total_cmp(&b.z.abs()))?;
+        let density = profile.density(&joint);
+        z = joint.z;
+        settling.density = density;
+    }
+    let p_value = settling.p_value(z);
+    (p_value < level).then(|| {
+        let change = settling.change(factor);
+        SlowChange {
+            z,
+            p_value,
+            ..change
         }
-    }
-    let z_at = |samples: f64| at(samples).z();
-    // The top between the steps.
-    let mut step = 0.15;
-    while step > 1e-3 {
-        let moved = [f64::exp(step), f64::exp(-step)]
-            .into_iter()
-            .map(|factor| (z_at(best.1 * factor), best.1 * factor))
-            .max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()))?;
-        if moved.0.abs() > best.0.abs() && moved.1 < longest * 1.2 && moved.1 > shortest * 0.8 {
-            best = moved;
-        } else {
-            step *= 0.5;
-        }
-    }
-    let (z, samples) = best;
-    // Neighbouring time constants are as good as one: about one independent trial an octave.
-    let p_value = tail::searched(tail::chi_squared(z * z, 2.0), octaves);
-    if p_value >= level {
-        return None;
-    }
-    let projection = at(samples);
-    // The square of z falls as a parabola in the logarithm of the time constant.
-    let bend = {
-        let h = 0.05_f64;
-        let side = z_at(samples * h.exp()).powi(2) + z_at(samples * (-h).exp()).powi(2);
-        (2.0 * z * z - side) / (2.0 * h * h)
-    };
-    let amplitude = projection.size();
-    let time_log_sd = bend.max(1e-9).recip().sqrt();
-    // The size goes with the time constant.
-    let slope = {
-        let h = 0.05_f64;
-        (at(samples * h.exp()).size() - at(samples * (-h).exp()).size()) / (2.0 * h)
-    };
-    Some(SlowChange {
-        wave: Wave::WarmUp {
-            amplitude,
-            samples: samples * factor as f64,
-        },
-        z,
-        size_sd: projection.size_sd().hypot(slope * time_log_sd),
-        time_log_sd,
-        p_value,
-        nats: held_out_gain(&record, &density, &wave(samples)),
     })
 }
 
+/// A slow record and what it settles by.
+struct Settlings<'a> {
+    record: &'a Whole,
+    density: Vec<f64>,
+    transformer: Transformer,
+}
+
+impl<'a> Settlings<'a> {
+    fn new(record: &'a Whole, density: Vec<f64>) -> Self {
+        Self {
+            record,
+            density,
+            transformer: Transformer::new(record.len()),
+        }
+    }
+
+    fn wave(&self, samples: f64) -> Whole {
+        let settling = Settling {
+            samples,
+            len: self.record.len(),
+        };
+        let mut wave = self.transformer.waveform(&settling, self.record.rate_hz());
+        wave.close(&self.density);
+        wave
+    }
+
+    fn at(&self, samples: f64) -> Projection {
+        Projection::new(self.record, &self.density, &self.wave(samples), Half::Both)
+    }
+
+    fn z_at(&self, samples: f64) -> f64 {
+        self.at(samples).z()
+    }
+
+    /// The shortest and the longest time constant.
+    fn ends(&self) -> [f64; 2] {
+        let length = self.record.len() as f64;
+        [(length / 512.0).max(8.0), length / 1.5]
+    }
+
+    fn octaves(&self) -> f64 {
+        let [shortest, longest] = self.ends();
+        (longest / shortest).log2()
+    }
+
+    fn times(&self) -> impl Iterator<Item = f64> + use<> {
+        let [shortest, _] = self.ends();
+        let count = (PER_OCTAVE * self.octaves()) as usize;
+        (0..=count).map(move |step| shortest * (step as f64 / PER_OCTAVE).exp2())
+    }
+
+    /// Neighbouring time constants are as good as one: about one independent trial an octave.
+    fn p_value(&self, z: f64) -> f64 {
+        tail::searched(tail::chi_squared(z * z, 2.0), self.octaves())
+    }
+
+    /// The largest statistic and its time constant.
+    fn best(&self) -> (f64, f64) {
+        let all = self.times().map(|samples| (self.z_at(samples), samples));
+        let larger = |a: &(f64, f64), b: &(f64, f64)| a.0.abs().total_cmp(&b.0.abs());
+        let mut best = all.max_by(larger).unwrap_or_default();
+        let [shortest, longest] = self.ends();
+        // The top between the steps.
+        let mut step = 0.15;
+        while step > 1e-3 {
+            let moved = [f64::exp(step), f64::exp(-step)]
+                .map(|factor| (self.z_at(best.1 * factor), best.1 * factor));
+            let moved = moved.into_iter().max_by(larger).unwrap_or(best);
+            if moved.0.abs() > best.0.abs() && moved.1 < longest * 1.2 && moved.1 > shortest * 0.8 {
+                best = moved;
+            } else {
+                step *= 0.5;
+            }
+        }
+        best
+    }
+
+    /// The settling that fits best, one sample of the record standing for `factor`.
+    fn change(&self, factor: usize) -> SlowChange {
+        let (z, samples) = self.best();
+        let projection = self.at(samples);
+        // The square of z falls as a parabola in the logarithm of the time constant.
+        let h = 0.05_f64;
+        let [later, sooner] = [h.exp(), (-h).exp()].map(|by| self.at(samples * by));
+        let side = later.z().powi(2) + sooner.z().powi(2);
+        let bend = (2.0 * z * z - side) / (2.0 * h * h);
+        let time_log_sd = bend.max(1e-9).recip().sqrt();
+        // The size goes with the time constant.
+        let slope = (later.size() - sooner.size()) / (2.0 * h);
+        SlowChange {
+            wave: Wave::WarmUp {
+                amplitude: projection.size(),
+                samples: samples * factor as f64,
+            },
+            z,
+            size_sd: projection.size_sd().hypot(slope * time_log_sd),
+            time_log_sd,
+            p_value: self.p_value(z),
+            nats: held_out_gain(self.record, &self.density, &self.wave(samples)),
+        }
+    }
+}
+
 /// Whether the level follows `column`, one value a sample, `lag` samples behind at most some.
-pub fn follows(axis: &AxisState, column: &[f64], level: f64) -> Option<(SlowChange, f64)> {
+pub fn follows(
+    axis: &AxisState,
+    column: &[f64],
+    level: f64,
+    noise: Noise,
+) -> Option<(SlowChange, f64)> {
     let factor = axis.drift_factor();
-    let (record, density) = axis.slow(&axis.filled, factor);
+    let (record, mut density) = axis.slow(&axis.filled, factor);
     let transformer = Transformer::new(record.len());
     let rate_hz = axis.rate_hz / factor as f64;
     let means = block_means(column, factor);
@@ -128,57 +190,64 @@ pub fn follows(axis: &AxisState, column: &[f64], level: f64) -> Option<(SlowChan
             })
             .collect()
     };
-    let wave = |lag: f64| {
-        let mut wave = transformer.transform(&lagged(lag), rate_hz);
-        wave.close(&density);
+    let open = |lag: f64| transformer.transform(&lagged(lag), rate_hz);
+    let wave = |lag: f64, density: &[f64]| {
+        let mut wave = open(lag);
+        wave.close(density);
         wave
     };
-    let (mut projection, mut lag) = lags
-        .iter()
-        .map(|&lag| {
-            (
-                Projection::new(&record, &density, &wave(lag), Half::Both),
-                lag,
-            )
-        })
-        .max_by(|a, b| a.0.z().abs().total_cmp(&b.0.z().abs()))?;
+    let trials = lags.len() as f64;
+    let p_of = |z: f64| tail::searched(tail::two_sided(z), trials);
+    let at = |lag: f64, density: &[f64]| {
+        Projection::new(&record, density, &wave(lag, density), Half::Both)
+    };
+    let larger =
+        |a: &(Projection, f64), b: &(Projection, f64)| a.0.z().abs().total_cmp(&b.0.z().abs());
+    let first = |density: &[f64]| {
+        lags.iter()
+            .map(|&lag| (at(lag, density), lag))
+            .max_by(larger)
+    };
+    let (mut projection, mut lag) = first(&density)?;
+    let mut told = None;
+    if noise == Noise::Anew && p_of(projection.z()) >= level {
+        // Walk and flicker may have been taken for it.
+        let profile = Profile::new(axis, &record, &density);
+        let joints = lags.iter().map(|&lag| profile.fit(&wave(lag, &density)));
+        let joint = joints.max_by(|a, b| a.z.abs().total_cmp(&b.z.abs()))?;
+        let beside = profile.density(&joint);
+        told = Some(joint.z);
+        density = beside;
+        (projection, lag) = first(&density)?;
+    }
     // The top between the steps.
     let mut step = 0.35;
     while lag > 0.0 && step > 5e-3 {
         let best = [f64::exp(step), f64::exp(-step)]
+            .map(|factor| (at(lag * factor, &density), lag * factor))
             .into_iter()
-            .map(|factor| {
-                let lag = lag * factor;
-                (
-                    Projection::new(&record, &density, &wave(lag), Half::Both),
-                    lag,
-                )
-            })
-            .max_by(|a, b| a.0.z().abs().total_cmp(&b.0.z().abs()))?;
+            .max_by(larger)?;
         if best.0.z().abs() > projection.z().abs() {
             (projection, lag) = best;
         } else {
             step *= 0.5;
         }
     }
-    let z = projection.z();
-    let p_value = tail::searched(tail::two_sided(z), lags.len() as f64);
+    let z = told.unwrap_or(projection.z());
+    let p_value = p_of(z);
+    if p_value >= level || !z.is_finite() {
+        return None;
+    }
     // The square of z falls as a parabola in the logarithm of the lag.
     let lag_log_sd = if lag > 0.0 {
         let h = 0.1_f64;
-        let square = |lag: f64| {
-            Projection::new(&record, &density, &wave(lag), Half::Both)
-                .z()
-                .powi(2)
-        };
-        let bend = (2.0 * z * z - square(lag * h.exp()) - square(lag * (-h).exp())) / (2.0 * h * h);
+        let square = |lag: f64| at(lag, &density).z().powi(2);
+        let top = projection.z().powi(2);
+        let bend = (2.0 * top - square(lag * h.exp()) - square(lag * (-h).exp())) / (2.0 * h * h);
         bend.max(1e-9).recip().sqrt()
     } else {
         f64::INFINITY
     };
-    if p_value >= level || !z.is_finite() {
-        return None;
-    }
     let keep = if lag > 0.0 {
         (-1.0 / (lag * factor as f64)).exp()
     } else {
@@ -203,7 +272,7 @@ pub fn follows(axis: &AxisState, column: &[f64], level: f64) -> Option<(SlowChan
             size_sd: projection.size_sd(),
             time_log_sd: lag_log_sd,
             p_value,
-            nats: held_out_gain(&record, &density, &wave(lag)),
+            nats: held_out_gain(&record, &density, &wave(lag, &density)),
         },
         lag * factor as f64 / axis.rate_hz,
     ))

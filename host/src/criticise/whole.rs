@@ -97,9 +97,22 @@ impl Transformer {
 
     /// Transform of a waveform that begins with the ring.
     pub fn waveform(&self, waveform: &impl Waveform, rate_hz: f64) -> Whole {
+        self.waveform_at(waveform, 0, rate_hz)
+    }
+
+    /// Transform of a waveform that begins with the sample `index`.
+    pub fn waveform_at(&self, waveform: &impl Waveform, index: usize, rate_hz: f64) -> Whole {
+        let shift = |k: usize| {
+            let turns = (k as u64 * index as u64 % self.len as u64) as usize;
+            if turns <= self.len / 2 {
+                self.ring.turn(turns)
+            } else {
+                self.ring.turn(self.len - turns).conj()
+            }
+        };
         let at = |k: usize| match k {
             0 => Complex64::ZERO,
-            _ => waveform.at(self.ring.turn(k)),
+            _ => waveform.at(self.ring.turn(k)) * shift(k),
         };
         Whole {
             rate_hz,
@@ -133,6 +146,11 @@ impl Whole {
     /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.len == 0
+    }
+
+    /// Samples a second.
+    pub fn rate_hz(&self) -> f64 {
+        self.rate_hz
     }
 
     /// Ordinates from zero frequency to half the rate, `X_k = sum x_n e^{-2 pi i k n / N}`.

@@ -7,6 +7,7 @@ use super::super::axis::AxisState;
 use super::super::finding::Value;
 use super::super::levels::{self, Jump};
 use super::super::mend::{Wave, block_means};
+use super::super::profile::Noise;
 use super::super::slow;
 use super::super::whole::{Transformer, held_out_gain};
 use super::steady::LONG;
@@ -23,23 +24,23 @@ const FINE: usize = 8;
 
 impl Rounds<'_> {
     /// Takes out the slow change that shows most: what follows the covariate, settling, or jumps.
-    pub(super) fn levels(&mut self) -> Option<bool> {
+    pub(super) fn levels(&mut self, noise: Noise) -> Option<bool> {
         let level = self.level();
         let open = |effect: &'static str| {
             !self.refused.contains(&effect) && self.accepted.iter().all(|one| one.effect != effect)
         };
         let thermal = match &self.options.covariate {
-            Some(column) if open("thermal") => slow::follows(self.axis, column, level),
+            Some(column) if open("thermal") => slow::follows(self.axis, column, level, noise),
             _ => None,
         };
         let warm_up = open("warmup")
-            .then(|| slow::warm_up(self.axis, level))
+            .then(|| slow::warm_up(self.axis, level, noise))
             .flatten()
             .filter(|change| !self.is_dwelling(change));
         let jump = if self.switching {
             None
         } else {
-            self.largest_jump()
+            self.largest_jump(noise)
         };
         let size = |z: Option<f64>| z.map_or(0.0, f64::abs);
         let (t, w, j) = (
@@ -132,13 +133,18 @@ impl Rounds<'_> {
         lag.is_some_and(|lag| (time_s / lag.value).ln().abs() < ALIKE.ln())
     }
 
-    fn largest_jump(&self) -> Option<Jump> {
+    fn largest_jump(&self, noise: Noise) -> Option<Jump> {
         let factor = self.axis.slow_factor();
         let (whole, density) = self.axis.slow(&self.axis.filled, factor);
         let axis = &*self.axis;
-        let jump = levels::largest_jump(&whole, &density, self.level(), |n| {
-            axis.usable(n * factor) && axis.usable((n + 1) * factor - 1)
-        })?;
+        let usable = |n: usize| axis.usable(n * factor) && axis.usable((n + 1) * factor - 1);
+        let mut jump = levels::largest_jump(&whole, &density, usable)?;
+        if noise == Noise::Anew && jump.p_value >= self.level() {
+            jump = levels::beside_walk(axis, &whole, &density, &jump, usable)?;
+        }
+        if jump.p_value >= self.level() {
+            return None;
+        }
         // In a loud stretch the level seems to jump, and about a jump the noise seems loud: whichever
         // is worth more.
         let burst = self.even_burst();
@@ -173,7 +179,7 @@ impl Rounds<'_> {
             Wave::Steps(vec![jump]).take_out(filled);
             self.axis.set_aside(&jump);
             new.push(jump);
-            next = self.largest_jump();
+            next = self.largest_jump(Noise::Fitted);
         }
         new.sort_by_key(|jump| jump.index);
         let nats = self.jump_gain(&new);

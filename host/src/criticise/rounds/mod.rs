@@ -26,13 +26,14 @@ use super::finding::{Remark, Rival, Value};
 use super::laws::Law;
 use super::laws::departure;
 use super::mend::Wave;
+use super::profile::Noise;
 use crate::fit::likelihood::Fit;
 use crate::model::catalogue;
 
 /// Tests that share the family's level evenly: of the values (repeats, both extremes, grid) 3, single
-/// samples, lost ones, lines, the level 3, steadiness, bursts, power over time 2, its colour, laws 4, what is left of
+/// samples, lost ones, lines, the level 3 twice, steadiness, bursts, power over time 2, its colour, laws 4, what is left of
 /// the spectrum, amplitudes, axes in common, the clock.
-const TESTS: f64 = 22.0;
+const TESTS: f64 = 25.0;
 
 /// Rounds, at most: far more than effects that one record can tell apart.
 const ROUNDS: usize = 24;
@@ -157,11 +158,13 @@ pub fn run(
             || rounds.lost(&groups)?
             || rounds.outliers()?
             || rounds.lines(groups)?
-            || rounds.levels()?
+            || rounds.levels(Noise::Fitted)?
             || rounds.steady()?
             || rounds.bursts()?
             || rounds.strength()?
             || rounds.laws()?
+            // What is left may be hidden by the walk that it was taken for.
+            || rounds.levels(Noise::Anew)?
             || rounds.wandering_lines()?)
         {
             break;

@@ -157,20 +157,23 @@ impl Rounds<'_> {
         if self.switching || self.refused.contains(&"telegraph") {
             return Some(false);
         }
-        let jumps = self.to_and_fro();
-        let before = (!jumps.is_empty()).then(|| (self.axis.mended.clone(), self.accepted.clone()));
-        if before.is_some() {
-            self.withdraw("steps");
-            self.axis.refresh_jumps()?;
+        if self.switches(&[])? {
+            self.switching = true;
+            return self.laws();
         }
+        let jumps = self.to_and_fro();
+        if jumps.is_empty() {
+            return Some(false);
+        }
+        let before = (self.axis.mended.clone(), self.accepted.clone());
+        self.withdraw("steps");
+        self.axis.refresh_jumps()?;
         if self.switches(&jumps)? {
             self.switching = true;
             return self.laws();
         }
-        if let Some((mended, accepted)) = before {
-            (self.axis.mended, self.accepted) = (mended, accepted);
-            self.axis.refresh_jumps()?;
-        }
+        (self.axis.mended, self.accepted) = before;
+        self.axis.refresh_jumps()?;
         Some(false)
     }
 
