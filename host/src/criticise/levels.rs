@@ -37,16 +37,17 @@ pub fn largest_jump(
 /// `first` is where it was seen.
 pub fn beside_walk(
     axis: &AxisState,
-    whole: &Whole,
+    mut whole: Whole,
     density: &[f64],
     first: &Jump,
     usable: impl Fn(usize) -> bool,
 ) -> Option<Jump> {
-    let mut wave = Transformer::new(whole.len()).waveform_at(&Step, first.index, whole.rate_hz());
-    wave.close(density);
-    let profile = Profile::new(axis, whole, density);
+    let wave = Transformer::new(whole.len()).waveform_at(&Step, first.index, whole.rate_hz());
+    let profile = Profile::new(axis, &whole, density);
     let joint = profile.fit(&wave);
-    let (jump, filter) = largest(whole, &profile.density(&joint), usable)?;
+    let density = profile.density(&joint);
+    whole.close(&density);
+    let (jump, filter) = largest(&whole, &density, usable)?;
     Some(Jump {
         z: joint.z,
         p_value: tail::highest(joint.z, whole.len(), filter.crossings),

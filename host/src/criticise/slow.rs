@@ -33,17 +33,18 @@ const PER_OCTAVE: f64 = 3.0;
 pub fn warm_up(axis: &AxisState, level: f64, noise: Noise) -> Option<SlowChange> {
     let factor = axis.drift_factor();
     let (record, density) = axis.slow(&axis.filled, factor);
-    let mut settling = Settlings::new(&record, density);
+    let mut settling = Settlings::new(record, density);
     let mut z = settling.best().0;
     if noise == Noise::Anew && settling.p_value(z) >= level {
         // Walk and flicker may have been taken for it.
-        let profile = Profile::new(axis, &record, &settling.density);
+        let profile = Profile::new(axis, &settling.record, &settling.density);
         let joints = settling
             .times()
             .map(|samples| profile.fit(&settling.wave(samples)));
         let joint = joints.max_by(|a, b| a.z.abs().total_cmp(&b.z.abs()))?;
         let density = profile.density(&joint);
         z = joint.z;
+        settling.record.close(&density);
         settling.density = density;
     }
     let p_value = settling.p_value(z);
@@ -58,18 +59,18 @@ pub fn warm_up(axis: &AxisState, level: f64, noise: Noise) -> Option<SlowChange>
 }
 
 /// A slow record and what it settles by.
-struct Settlings<'a> {
-    record: &'a Whole,
+struct Settlings {
+    record: Whole,
     density: Vec<f64>,
     transformer: Transformer,
 }
 
-impl<'a> Settlings<'a> {
-    fn new(record: &'a Whole, density: Vec<f64>) -> Self {
+impl Settlings {
+    fn new(record: Whole, density: Vec<f64>) -> Self {
         Self {
+            transformer: Transformer::new(record.len()),
             record,
             density,
-            transformer: Transformer::new(record.len()),
         }
     }
 
@@ -84,7 +85,7 @@ impl<'a> Settlings<'a> {
     }
 
     fn at(&self, samples: f64) -> Projection {
-        Projection::new(self.record, &self.density, &self.wave(samples), Half::Both)
+        Projection::new(&self.record, &self.density, &self.wave(samples), Half::Both)
     }
 
     fn z_at(&self, samples: f64) -> f64 {
@@ -155,7 +156,7 @@ impl<'a> Settlings<'a> {
             size_sd: projection.size_sd().hypot(slope * time_log_sd),
             time_log_sd,
             p_value: self.p_value(z),
-            nats: held_out_gain(self.record, &self.density, &self.wave(samples)),
+            nats: held_out_gain(&self.record, &self.density, &self.wave(samples)),
         }
     }
 }
@@ -168,7 +169,7 @@ pub fn follows(
     noise: Noise,
 ) -> Option<(SlowChange, f64)> {
     let factor = axis.drift_factor();
-    let (record, mut density) = axis.slow(&axis.filled, factor);
+    let (mut record, mut density) = axis.slow(&axis.filled, factor);
     let transformer = Transformer::new(record.len());
     let rate_hz = axis.rate_hz / factor as f64;
     let means = block_means(column, factor);
@@ -198,17 +199,16 @@ pub fn follows(
     };
     let trials = lags.len() as f64;
     let p_of = |z: f64| tail::searched(tail::two_sided(z), trials);
-    let at = |lag: f64, density: &[f64]| {
-        Projection::new(&record, density, &wave(lag, density), Half::Both)
+    let at = |lag: f64, record: &Whole, density: &[f64]| {
+        Projection::new(record, density, &wave(lag, density), Half::Both)
     };
     let larger =
         |a: &(Projection, f64), b: &(Projection, f64)| a.0.z().abs().total_cmp(&b.0.z().abs());
-    let first = |density: &[f64]| {
-        lags.iter()
-            .map(|&lag| (at(lag, density), lag))
-            .max_by(larger)
+    let first = |record: &Whole, density: &[f64]| {
+        let all = lags.iter().map(|&lag| (at(lag, record, density), lag));
+        all.max_by(larger)
     };
-    let (mut projection, mut lag) = first(&density)?;
+    let (mut projection, mut lag) = first(&record, &density)?;
     let mut told = None;
     if noise == Noise::Anew && p_of(projection.z()) >= level {
         // Walk and flicker may have been taken for it.
@@ -218,13 +218,14 @@ pub fn follows(
         let beside = profile.density(&joint);
         told = Some(joint.z);
         density = beside;
-        (projection, lag) = first(&density)?;
+        record.close(&density);
+        (projection, lag) = first(&record, &density)?;
     }
     // The top between the steps.
     let mut step = 0.35;
     while lag > 0.0 && step > 5e-3 {
         let best = [f64::exp(step), f64::exp(-step)]
-            .map(|factor| (at(lag * factor, &density), lag * factor))
+            .map(|factor| (at(lag * factor, &record, &density), lag * factor))
             .into_iter()
             .max_by(larger)?;
         if best.0.z().abs() > projection.z().abs() {
@@ -241,7 +242,7 @@ pub fn follows(
     // The square of z falls as a parabola in the logarithm of the lag.
     let lag_log_sd = if lag > 0.0 {
         let h = 0.1_f64;
-        let square = |lag: f64| at(lag, &density).z().powi(2);
+        let square = |lag: f64| at(lag, &record, &density).z().powi(2);
         let top = projection.z().powi(2);
         let bend = (2.0 * top - square(lag * h.exp()) - square(lag * (-h).exp())) / (2.0 * h * h);
         bend.max(1e-9).recip().sqrt()
@@ -276,4 +277,58 @@ pub fn follows(
         },
         lag * factor as f64 / axis.rate_hz,
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Seed;
+    use crate::simulate::Gaussian;
+
+    const LENGTH: usize = 1 << 15;
+    const RATE_HZ: f64 = 100.0;
+
+    /// White noise of deviation 1 beside a walk whose steps have this one, and a settling.
+    fn axis(seed: u64, walk: f64, amplitude: f64) -> AxisState {
+        let mut noise = Gaussian::new(Seed { seed, stream: 0 }, 1.0);
+        let mut level = 0.0;
+        let values = (0..LENGTH).map(|n| {
+            level += walk * noise.draw();
+            level + noise.draw() + amplitude * (-(n as f64) / 3000.0).exp()
+        });
+        AxisState::new(Arc::new(values.collect()), RATE_HZ, None).expect("long enough")
+    }
+
+    #[test]
+    fn walk_settles_by_chance_alone() {
+        // At 2 % of 30 records five or more have a probability of 3e-4.
+        for walk in [0.0, 1e-3, 1e-2] {
+            let alarms = (0..30)
+                .filter(|&seed| warm_up(&axis(seed, walk, 0.0), 0.02, Noise::Anew).is_some());
+            let alarms: Vec<u64> = alarms.collect();
+            assert!(alarms.len() < 5, "walk {walk}: seeds {alarms:?}");
+        }
+    }
+
+    #[test]
+    fn a_settling_taken_for_walk_is_found_beside_it() {
+        let level = 2e-4;
+        let mut hidden = 0;
+        for seed in 100..108 {
+            let axis = axis(seed, 0.0, 1.0);
+            hidden += u32::from(warm_up(&axis, level, Noise::Fitted).is_none());
+            let found = warm_up(&axis, level, Noise::Anew);
+            let found = found.unwrap_or_else(|| panic!("seed {seed}: nothing"));
+            let Wave::WarmUp { amplitude, .. } = found.wave else {
+                panic!("seed {seed}: another waveform");
+            };
+            // Four deviations: once in 16 000.
+            assert!(
+                (amplitude - 1.0).abs() < 4.0 * found.size_sd,
+                "seed {seed}: {amplitude} within {}",
+                found.size_sd
+            );
+        }
+        assert!(hidden > 0, "the walk hides none of them");
+    }
 }

@@ -140,7 +140,7 @@ impl Rounds<'_> {
         let usable = |n: usize| axis.usable(n * factor) && axis.usable((n + 1) * factor - 1);
         let mut jump = levels::largest_jump(&whole, &density, usable)?;
         if noise == Noise::Anew && jump.p_value >= self.level() {
-            jump = levels::beside_walk(axis, &whole, &density, &jump, usable)?;
+            jump = levels::beside_walk(axis, whole, &density, &jump, usable)?;
         }
         if jump.p_value >= self.level() {
             return None;
