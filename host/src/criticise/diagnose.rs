@@ -267,7 +267,7 @@ fn diagnose_axis(
     let before = before.unwrap_or_else(|| Before::new(&axis));
     let views = Views::new(&axis, before, models, &findings, mean, options.simulate);
     let passed = passed(&axis);
-    let residual = residual(axis.into_mended(), passed);
+    let residual = residual(&axis.into_mended(), passed);
     let diagnosis = AxisDiagnosis {
         name: signal.name.clone(),
         unit: signal.unit,
@@ -300,7 +300,7 @@ fn passed(axis: &AxisState) -> Option<Series> {
 }
 
 /// What is left of a record, or what of that `passed`; NaN where missing or masked.
-fn residual(mended: Mended, passed: Option<Series>) -> Vec<f32> {
+fn residual(mended: &Mended, passed: Option<Series>) -> Vec<f32> {
     let left = mended.values();
     let Some(passed) = passed else {
         return left.iter().map(|&value| value as f32).collect();
