@@ -277,15 +277,19 @@ impl AxisState {
 
     /// Two-sided density of the fitted model at `f_hz`, chain and filters included.
     pub fn density(&self, f_hz: f64) -> f64 {
-        let mut sum = self.frame.base_density(&self.fit.squared, f_hz);
-        let mut power = 1.0;
-        for (which, law) in self.laws.iter().enumerate() {
-            sum += self.law_density(which, f_hz);
-            if let Part::Distortion(filter) = law.effect.part(&law.values) {
-                power *= filter.power(f_hz, self.rate_hz);
-            }
-        }
-        sum * power
+        let laws = (0..self.laws.len()).map(|which| self.law_density(which, f_hz));
+        let sum = self.frame.base_density(&self.fit.squared, f_hz) + laws.sum::<f64>();
+        sum * self.filters(f_hz)
+    }
+
+    /// Power that the laws which filter let through.
+    fn filters(&self, f_hz: f64) -> f64 {
+        let parts = self.laws.iter().map(|law| law.effect.part(&law.values));
+        let powers = parts.map(|part| match part {
+            Part::Distortion(filter) => filter.power(f_hz, self.rate_hz),
+            Part::Term(_) | Part::Clock(_) | Part::Follows(_) => 1.0,
+        });
+        powers.product()
     }
 
     /// Its part that law number `which` adds, filters left aside.
@@ -296,6 +300,25 @@ impl AxisState {
         };
         let squared = self.fit.squared[laws::component_of(&self.frame, &self.laws, which)];
         squared * self.frame.term_density(&*term, f_hz) * self.frame.chain_power(f_hz)
+    }
+
+    /// Share of all of the density that law number `which` adds.
+    pub fn law_share(&self, which: usize, f_hz: f64) -> f64 {
+        self.law_density(which, f_hz) * self.filters(f_hz) / self.density(f_hz)
+    }
+
+    /// Share of all of the density that a component of the five terms has.
+    pub fn term_share(&self, component: usize, f_hz: f64) -> f64 {
+        let alone: Vec<f64> = (0..self.fit.squared.len())
+            .map(|one| {
+                if one == component {
+                    self.fit.squared[one]
+                } else {
+                    0.0
+                }
+            })
+            .collect();
+        self.frame.base_density(&alone, f_hz) * self.filters(f_hz) / self.density(f_hz)
     }
 
     /// Measured over expected power of the bins, drawn towards 1 where it rests on little.

@@ -181,13 +181,17 @@ impl Mended {
         }
     }
 
-    /// Where jumps were taken out, to within what their moments are known and `more` samples.
-    pub fn about_jumps(&self, more: usize) -> impl Iterator<Item = Range<usize>> {
-        let jumps = self.waves.iter().flat_map(|wave| match wave {
+    /// Jumps that are taken out of it.
+    pub fn jumps(&self) -> impl Iterator<Item = &Jump> {
+        self.waves.iter().flat_map(|wave| match wave {
             Wave::Steps(jumps) => jumps.as_slice(),
             _ => &[],
-        });
-        jumps.map(move |jump| {
+        })
+    }
+
+    /// Where jumps were taken out, to within what their moments are known and `more` samples.
+    pub fn about_jumps(&self, more: usize) -> impl Iterator<Item = Range<usize>> {
+        self.jumps().map(move |jump| {
             let reach = (3.0 * jump.index_sd) as usize + more;
             jump.index.saturating_sub(reach)..(jump.index + reach).min(self.measured.len())
         })

@@ -8,6 +8,7 @@ pub mod bursts;
 pub mod codes;
 pub mod coefficients;
 pub mod coherence;
+pub mod constancy;
 pub mod demodulate;
 pub mod diagnose;
 pub mod finding;

@@ -271,7 +271,7 @@ impl Groups {
 }
 
 /// Which of `size` moments count: those most of whose samples are measured ones.
-fn counting(axis: &AxisState, length: usize, size: usize) -> Vec<bool> {
+pub fn counting(axis: &AxisState, length: usize, size: usize) -> Vec<bool> {
     (0..size)
         .map(|moment| {
             // A moment stands in the middle of its samples.

@@ -2,6 +2,7 @@
 //! does not behave as the effect does.
 
 use super::super::amplitudes;
+use super::super::constancy::{self, Change};
 use super::super::finding::Remark;
 use super::super::laws::departure::{self, Departure};
 use super::super::mend::Wave;
@@ -33,7 +34,8 @@ impl Rounds<'_> {
                 continue;
             }
             let doubt = self
-                .unsteady_law(which, effect)
+                .changing_law(which, effect)
+                .or_else(|| self.unsteady_law(which, effect))
                 .or_else(|| self.misfit(which, effect, left.as_ref()));
             if let Some(doubt) = doubt {
                 self.accepted.remove(place);
@@ -42,6 +44,9 @@ impl Rounds<'_> {
             }
         }
         self.forget_laws(&given_back)?;
+        if remarks.is_empty() {
+            remarks.extend(self.changing_noise());
+        }
         Some(remarks)
     }
 
@@ -101,6 +106,47 @@ impl Rounds<'_> {
             .into_iter()
             .find(|band| band.end > band.start)
             .unwrap_or(0.0..0.0)
+    }
+
+    /// A law whose parameters change in time: noise of another kind, whose colour does.
+    fn changing_law(&self, which: usize, effect: &str) -> Option<Remark> {
+        // Two levels are not Gaussian.
+        if effect == "telegraph" {
+            return None;
+        }
+        let change = constancy::change_of_law(self.axis, which);
+        let change = change.filter(|one| one.p_value < self.level())?;
+        let band = self.main_band(which);
+        Some(changing(
+            &change,
+            &band,
+            &format!("as a {effect} whose {}", change.parameter),
+        ))
+    }
+
+    /// The five terms themselves, where their sizes change against one another: noise whose colour
+    /// does.
+    fn changing_noise(&self) -> Option<Remark> {
+        // These bend the law of amplitudes, or have what is too small to be told one by one.
+        let bends = [
+            "clipping",
+            "quantisation",
+            "telegraph",
+            "outliers",
+            "stale",
+            "dropped",
+        ];
+        if self.accepted.iter().any(|one| bends.contains(&one.effect)) {
+            return None;
+        }
+        let change = constancy::change_of_terms(self.axis);
+        let change = change.filter(|one| one.p_value < self.level())?;
+        let band = 0.0..0.5 * self.axis.rate_hz;
+        Some(changing(
+            &change,
+            &band,
+            &format!("as if {}", change.parameter),
+        ))
     }
 
     /// A law of steady noise where the noise is not steady.
@@ -179,5 +225,23 @@ impl Rounds<'_> {
                 found.skewness
             ),
         }))
+    }
+}
+
+fn changing(change: &Change, band: &std::ops::Range<f64>, what: &str) -> Remark {
+    let time_s = change.time_s;
+    let when = if change.cyclic {
+        format!("in cycles of {time_s:.3} s")
+    } else {
+        format!("over {time_s:.2} s")
+    };
+    Remark {
+        test: "steadiness".into(),
+        place: format!("{:.5} to {:.5} Hz", band.start, band.end),
+        p_value: change.p_value,
+        description: format!(
+            "noise whose colour and strength change {when}: {what} moved by {:.0} %",
+            100.0 * change.log_sd
+        ),
     }
 }

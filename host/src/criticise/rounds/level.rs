@@ -139,10 +139,14 @@ impl Rounds<'_> {
         let jump = levels::largest_jump(&whole, &density, self.level(), |n| {
             axis.usable(n * factor) && axis.usable((n + 1) * factor - 1)
         })?;
-        // In a loud stretch the level seems to jump.
+        // In a loud stretch the level seems to jump, and about a jump the noise seems loud: whichever
+        // is worth more.
         let burst = self.even_burst();
-        let loud = burst.filter(|burst| burst.range.len() >= LONG);
-        if loud.is_some_and(|burst| burst.range.contains(&(jump.index * factor))) {
+        let louder = burst.filter(|burst| {
+            let nats = -burst.p_value.max(f64::MIN_POSITIVE).ln();
+            burst.range.len() >= LONG && nats > 0.5 * jump.z * jump.z
+        });
+        if louder.is_some_and(|burst| burst.range.contains(&(jump.index * factor))) {
             return None;
         }
         Some(Jump {
@@ -213,14 +217,19 @@ impl Rounds<'_> {
             axis.refresh_jumps()
         };
         let Some(found) = found else {
-            return self.accept(
+            let accepted = self.accept(
                 effect,
                 parameters,
                 first.p_value,
                 freedom,
                 Some(nats),
                 change,
-            );
+            )?;
+            // What was slower may have been found for the jumps: it is looked for again.
+            if accepted && (self.withdraw("warmup") | self.withdraw("thermal")) {
+                self.axis.refresh(false)?;
+            }
+            return Some(accepted);
         };
         change(self.axis)?;
         let (with, after) = (Snapshot::of(self.axis), self.axis.fit.clone());

@@ -30,9 +30,9 @@ use crate::fit::likelihood::Fit;
 use crate::model::catalogue;
 
 /// Tests that share the family's level evenly: of the values (repeats, both extremes, grid) 3, single
-/// samples, lost ones, lines, the level 3, steadiness, bursts, power over time 2, laws 4, what is left of
+/// samples, lost ones, lines, the level 3, steadiness, bursts, power over time 2, its colour, laws 4, what is left of
 /// the spectrum, amplitudes, axes in common, the clock.
-const TESTS: f64 = 21.0;
+const TESTS: f64 = 22.0;
 
 /// Rounds, at most: far more than effects that one record can tell apart.
 const ROUNDS: usize = 24;
@@ -141,6 +141,7 @@ pub fn run(
         switching: false,
         ringing: false,
         restless: false,
+        sought_beside: 0,
         unsteady: Vec::new(),
         kept: Vec::new(),
     };
@@ -190,6 +191,8 @@ struct Rounds<'a> {
     ringing: bool,
     /// Whether the strength of the noise moves all the time: no business of bursts.
     restless: bool,
+    /// Effects there were when outliers were last sought among them.
+    sought_beside: usize,
     /// Lines that were seen to lose no samples.
     kept: Vec<f64>,
     /// Bands that no steady law speaks for.
@@ -244,6 +247,7 @@ impl Rounds<'_> {
             Wave::Outliers(_) => effect != "outliers",
             Wave::Steps(_) => effect != "steps",
             Wave::WarmUp { .. } => effect != "warmup",
+            Wave::Follows { .. } => effect != "thermal",
             _ => true,
         };
         self.axis.mended.waves.retain(kept);
@@ -251,8 +255,10 @@ impl Rounds<'_> {
             one.with.waves.retain(kept);
             one.without.waves.retain(kept);
         }
-        if effect == "burst" {
-            self.axis.mended.masked.clear();
+        match effect {
+            "burst" => self.axis.mended.masked.clear(),
+            "steps" => self.axis.mended.spread.clear(),
+            _ => {}
         }
         self.accepted.len() < before
     }

@@ -64,43 +64,40 @@ impl Rounds<'_> {
         if found.is_empty() {
             return Some(false);
         }
-        let best = found.remove(0);
-        let mut rivals: Vec<Rival> = found
-            .iter()
-            .map(|other| Rival {
-                effect: other.law.effect.name().to_owned(),
-                log_odds: worth(&best) - worth(other),
-            })
-            .collect();
-        let (law, p_value) = (best.law, best.p_value);
-        let freedom = law.values.len() as f64;
-        let mut effect = law.effect.name();
-        if effect == "markov" && self.drop_switching()? {
-            // Jumps seen one by one were a part of it; now all of it is.
-            return Some(true);
+        if found[0].law.effect.name() == "markov" {
+            // Jumps seen one by one may be a part of it.
+            if self.drop_switching()? || self.switching_law()? {
+                return Some(true);
+            }
         }
-        // One switch is enough: what is left of it is no second one.
-        if effect == "markov"
-            && self.find("telegraph").is_none()
-            && !self.refused.contains(&"telegraph")
-            && let Some(two) = self.two_levels(&law, &best.fit)
-        {
-            let other = |name: &str, log_odds| Rival {
-                effect: name.to_owned(),
-                log_odds,
-            };
-            if two > 0.0 {
-                effect = "telegraph";
+        let mut candidates: Vec<(&'static str, f64)> = found
+            .iter()
+            .map(|one| (one.law.effect.name(), worth(one)))
+            .collect();
+        let (mut effect, mut most) = candidates[0];
+        let mut place = 0;
+        if let Some((markov, two)) = self.switch_among(&found, worth) {
+            let telegraph = candidates[markov].1 + two;
+            candidates.push(("telegraph", telegraph));
+            if telegraph > most {
+                (effect, most, place) = ("telegraph", telegraph, markov);
                 self.switching = true;
                 // Its jumps may have passed for them.
                 for other in ["outliers", "steps", "warmup"] {
                     self.withdraw(other);
                 }
-                rivals.insert(0, other("markov", two));
-            } else {
-                rivals.insert(0, other("telegraph", -two));
             }
         }
+        candidates.retain(|(name, _)| *name != effect);
+        candidates.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let rivals = candidates.iter().map(|(name, worth)| Rival {
+            effect: (*name).to_owned(),
+            log_odds: most - worth,
+        });
+        let rivals: Vec<Rival> = rivals.collect();
+        let best = found.remove(place);
+        let (law, p_value) = (best.law, best.p_value);
+        let freedom = law.values.len() as f64;
         let accepted = self.accept(effect, BTreeMap::new(), p_value, freedom, None, |axis| {
             axis.laws.push(law);
             axis.refresh_jumps()
@@ -132,33 +129,88 @@ impl Rounds<'_> {
             || 0.5 * line.amplitude.powi(2) > SHARE * one.fit.squared[component]
     }
 
-    /// Adds the switching between two levels, where it is what makes the spectrum's low end.
+    /// Of what was found, best first, the Markov noise that may switch between two levels as well,
+    /// and the logarithm of the odds that it does.
+    fn switch_among(
+        &self,
+        found: &[search::Found],
+        worth: impl Fn(&search::Found) -> f64,
+    ) -> Option<(usize, f64)> {
+        /// By how much the Markov noise may be less likely than the best.
+        const NEAR: f64 = 10.0;
+        // One switch is enough: what is left of it is no second one.
+        let known = self.accepted.iter().any(|one| one.effect == "telegraph");
+        if known || self.refused.contains(&"telegraph") {
+            return None;
+        }
+        let place = found
+            .iter()
+            .position(|one| one.law.effect.name() == "markov")?;
+        let near = worth(&found[0]) - worth(&found[place]) < NEAR;
+        let two = near.then(|| self.two_levels(&found[place].law, &found[place].fit))??;
+        Some((place, two))
+    }
+
+    /// Adds the switching between two levels, where it is what makes the spectrum's low end. Jumps
+    /// that were told one by one are a part of it if they go to and fro by its height.
     pub(super) fn switching_law(&mut self) -> Option<bool> {
         if self.switching || self.refused.contains(&"telegraph") {
             return Some(false);
         }
+        let jumps = self.to_and_fro();
+        let before = (!jumps.is_empty()).then(|| (self.axis.mended.clone(), self.accepted.clone()));
+        if before.is_some() {
+            self.withdraw("steps");
+            self.axis.refresh_jumps()?;
+        }
+        if self.switches(&jumps)? {
+            self.switching = true;
+            return self.laws();
+        }
+        if let Some((mended, accepted)) = before {
+            (self.axis.mended, self.accepted) = (mended, accepted);
+            self.axis.refresh_jumps()?;
+        }
+        Some(false)
+    }
+
+    /// Whether there is Markov noise that rather switches between two levels, of the height of the
+    /// `jumps`.
+    fn switches(&self, jumps: &[f64]) -> Option<bool> {
+        /// Largest factor between a jump and the height.
+        const ALIKE: f64 = 1.6;
+        /// Odds that take a jump back, which by itself widens the law of amplitudes.
+        const PUT_BACK: f64 = 3.0;
         let axis = &*self.axis;
         let markov = catalogue::find("markov")?;
-        let (starts, level) = (axis.starts()?, self.level());
         let found = search::search(
             &axis.frame,
             &axis.data,
             &axis.laws,
             &axis.fit,
-            &starts,
+            &*axis.starts()?,
             markov,
         );
-        let Some(found) = found.filter(|one| one.p_value < level) else {
+        let Some(found) = found.filter(|one| one.p_value < self.level()) else {
             return Some(false);
         };
-        let Some(odds) = self.two_levels(&found.law, &found.fit) else {
-            return Some(false);
-        };
-        if odds <= 0.0 {
+        let component = laws::component_of(&axis.frame, &axis.laws, axis.laws.len());
+        let height = 2.0 * found.fit.squared[component].sqrt();
+        let alike = |jump: &f64| (height / jump.abs()).ln().abs() < ALIKE.ln();
+        if !jumps.iter().all(alike) {
             return Some(false);
         }
-        self.switching = true;
-        self.laws()
+        let odds = self.two_levels(&found.law, &found.fit);
+        let least = if jumps.is_empty() { 0.0 } else { PUT_BACK };
+        Some(odds.is_some_and(|odds| odds > least))
+    }
+
+    /// Heights of the jumps that were told one by one, if each goes back where the one before came
+    /// from.
+    fn to_and_fro(&self) -> Vec<f64> {
+        let heights: Vec<f64> = self.axis.mended.jumps().map(|jump| jump.height).collect();
+        let back = heights.windows(2).all(|pair| pair[0] * pair[1] < 0.0);
+        if back { heights } else { Vec::new() }
     }
 
     /// Logarithm of the odds that what looks like Markov noise in the spectrum switches between

@@ -52,10 +52,15 @@ impl Rounds<'_> {
         self.set_band_apart(&found, band);
         // What was named while the band was still in may have been named for it.
         self.withdraw("outliers");
+        let jumps = self.axis.mended.jumps();
+        let moments: Vec<_> = jumps.map(|jump| jump.index..jump.index + 1).collect();
+        if self.is_of_band(&moments) {
+            self.withdraw("steps");
+        }
         self.axis.laws.clear();
         self.accepted.retain(|one| one.law.is_none());
         self.switching = false;
-        self.axis.refresh(false)?;
+        self.axis.refresh_jumps()?;
         Some(true)
     }
 

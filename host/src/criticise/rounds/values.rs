@@ -91,18 +91,28 @@ impl Rounds<'_> {
             found
         };
         let mut found = search(whole);
-        if found.found.is_empty() {
+        let old = axis.mended.outliers();
+        // What else was taken out since they were found.
+        let else_now = self.accepted.len();
+        if found.found.is_empty() && (old.is_empty() || self.sought_beside == else_now) {
             return Some(false);
         }
-        let old = self.axis.mended.outliers();
         if !old.is_empty() {
-            // Found in noise that they themselves had raised, the first are known less well, in size and
-            // in place, than they can be now: all are looked for again.
+            // In noise that they themselves had raised, beside lines and jumps that were still there, the
+            // first are known less well, in size and in place, than they can be now: all are looked
+            // for again.
             found = search(&axis.with(old));
             let places =
                 |all: &[Outlier]| -> Vec<usize> { all.iter().map(|one| one.index).collect() };
-            if places(&found.found) == places(old) {
+            let same = places(&found.found) == places(old);
+            self.sought_beside = else_now;
+            if same {
                 return Some(false);
+            }
+            if found.found.is_empty() {
+                self.withdraw("outliers");
+                self.axis.refresh(false)?;
+                return Some(true);
             }
         }
         let moments: Vec<_> = found
