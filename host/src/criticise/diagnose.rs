@@ -4,6 +4,7 @@ use std::cell::OnceCell;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use super::aside::Aside;
 use super::axis::AxisState;
 use super::codes::CodeFindings;
 use super::coefficients::{coefficients, coefficients_of, even_density};
@@ -16,7 +17,7 @@ use super::gain::{self, Halves, HeldCurve};
 use super::laws;
 use super::mend::Mended;
 use super::rounds::{self, Accepted, Options, Snapshot};
-use super::samples::{AxisSamples, Samples};
+use super::samples::{AxisSamples, Samples, Waiting};
 use super::views::{Before, Models, Views};
 use crate::fft::ring::Series;
 use crate::fit::likelihood::Fit;
@@ -31,8 +32,8 @@ use crate::source::Values;
 /// Samples below which no spectrum is worth the name.
 const LEAST: usize = 1 << 13;
 
-/// Samples of an axis above which the axes wait for one another: each needs some hundred bytes a
-/// sample.
+/// Samples of an axis above which the axes wait for one another, out of memory: each needs some forty
+/// bytes a sample.
 const LONG: usize = 1 << 22;
 
 /// Effects that may be refused before the rest is taken as it is.
@@ -59,12 +60,31 @@ pub enum Refused {
         /// Name of the axis.
         axis: String,
     },
+    /// What waited out of memory is lost.
+    #[error(
+        "what waited in a file in {folder} cannot be read: {cause}; free space there, or set TMPDIR to another folder"
+    )]
+    Lost {
+        /// Folder for temporary files.
+        folder: String,
+        /// Why.
+        cause: String,
+    },
     /// All the same, or nothing to fit.
     #[error("axis {axis}: all samples are the same, there is no noise to diagnose")]
     Constant {
         /// Name of the axis.
         axis: String,
     },
+}
+
+impl From<std::io::Error> for Refused {
+    fn from(error: std::io::Error) -> Self {
+        Self::Lost {
+            folder: std::env::temp_dir().display().to_string(),
+            cause: error.to_string(),
+        }
+    }
 }
 
 /// Diagnoses all axes, and what they have in common. `progress` is told each axis that is done. What
@@ -79,15 +99,20 @@ pub fn diagnose(
 ) -> Result<Vec<AxisDiagnosis>, Refused> {
     let (mut axes, mut residuals) = (Vec::new(), Vec::new());
     let beside = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    let at_once = if samples.len() > LONG { 1 } else { beside };
+    let is_long = samples.len() > LONG;
+    let at_once = if is_long { 1 } else { beside };
     let signal = samples.signal;
-    let mut waiting = signal.axes.iter().zip(samples.axes).peekable();
+    // The first axis does not wait.
+    let wait = |(number, samples)| Waiting::new(samples, is_long && number > 0);
+    let waiting: Vec<Waiting> = samples.axes.into_iter().enumerate().map(wait).collect();
+    let mut waiting = signal.axes.iter().zip(waiting).peekable();
     while waiting.peek().is_some() {
         let done: Vec<_> = std::thread::scope(|scope| {
             let some = waiting.by_ref().take(at_once);
             let workers: Vec<_> = some
                 .map(|(axis, record)| {
-                    scope.spawn(move || diagnose_axis(axis, record, signal.rate_hz, options))
+                    let rate_hz = signal.rate_hz;
+                    scope.spawn(move || diagnose_axis(axis, record.back()?, rate_hz, options))
                 })
                 .collect();
             let joined = workers.into_iter().map(std::thread::ScopedJoinHandle::join);
@@ -100,9 +125,13 @@ pub fn diagnose(
             let (axis, residual) = one?;
             progress(axes.len());
             axes.push(axis);
-            residuals.push(residual);
+            residuals.push(Aside::new(residual, is_long));
         }
     }
+    let residuals: Vec<Vec<f32>> = residuals
+        .into_iter()
+        .map(Aside::back)
+        .collect::<Result<_, _>>()?;
     for common in coherence::common(&residuals, signal.rate_hz, options.level()) {
         axes[common.axis].findings.push(common_finding(&common));
     }

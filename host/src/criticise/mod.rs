@@ -1,6 +1,7 @@
 //! What a model gets wrong about a record, why, and what is gained by mending it.
 
 pub mod amplitudes;
+pub mod aside;
 pub mod axis;
 pub mod bands;
 pub mod bursts;

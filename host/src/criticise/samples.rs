@@ -5,6 +5,7 @@
 
 use std::ops::Range;
 
+use super::aside::Aside;
 use crate::bins::record::Account;
 use crate::signal::Signal;
 use crate::source::{Block, Chunk, Source, SourceError, Values};
@@ -25,6 +26,44 @@ pub struct Samples {
 pub struct AxisSamples {
     values: Values,
     missing: Vec<Range<usize>>,
+}
+
+/// Samples of one axis whose turn has not come.
+pub struct Waiting {
+    values: Waits,
+    missing: Vec<Range<usize>>,
+}
+
+enum Waits {
+    Codes(Aside<i32>),
+    Floats(Aside<f64>),
+}
+
+impl Waiting {
+    /// The samples, out of memory if `in_file`.
+    pub fn new(samples: AxisSamples, in_file: bool) -> Self {
+        Self {
+            values: match samples.values {
+                Values::Codes(codes) => Waits::Codes(Aside::new(codes, in_file)),
+                Values::Floats(floats) => Waits::Floats(Aside::new(floats, in_file)),
+            },
+            missing: samples.missing,
+        }
+    }
+
+    /// The samples again.
+    ///
+    /// # Errors
+    /// If they cannot be read any more.
+    pub fn back(self) -> std::io::Result<AxisSamples> {
+        Ok(AxisSamples {
+            values: match self.values {
+                Waits::Codes(codes) => Values::Codes(codes.back()?),
+                Waits::Floats(floats) => Values::Floats(floats.back()?),
+            },
+            missing: self.missing,
+        })
+    }
 }
 
 impl Samples {

@@ -70,7 +70,7 @@ pub fn strengths(seen: &Seen, ordinates: Range<usize>) -> Vec<f64> {
 }
 
 fn over_time(seen: &Seen, mut band: Vec<Complex64>) -> Vec<f64> {
-    // The topmost ordinates of an odd number of them would take many times the memory.
+    // A length with large prime factors would take many times the time and the memory.
     band.truncate(smooth_len(band.len()));
     if band.len() > LONGEST {
         Long::new(band.len()).inverse(&mut band);
