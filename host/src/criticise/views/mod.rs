@@ -16,6 +16,7 @@ use serde::Serialize;
 
 use super::axis::AxisState;
 use super::finding::Finding;
+use super::gain::allan::HeldPoint;
 use super::mend::Wave;
 use crate::fit::likelihood::Fit;
 use crate::model::effect::Part;
@@ -38,6 +39,8 @@ const BLOCK: usize = 1 << 16;
 pub struct Views {
     /// Allan deviation.
     pub allan: Vec<AllanPoint>,
+    /// That of the held-out half, where it says how far the models are off.
+    pub held_out: Vec<HeldPoint>,
     /// Spectral density.
     pub spectrum: Vec<SpectrumPoint>,
     /// Growth of the velocity error.
@@ -107,6 +110,7 @@ impl Views {
         axis: &AxisState,
         before: Before,
         models: Models<'_>,
+        held_out: Vec<HeldPoint>,
         findings: &[Finding],
         mean: f64,
         with_simulation: bool,
@@ -132,6 +136,7 @@ impl Views {
         }
         Self {
             allan,
+            held_out,
             spectrum: spectrum.points,
             velocity_error,
             simulation_seed: simulated.map(|_| SEED),
