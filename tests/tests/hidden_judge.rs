@@ -240,11 +240,48 @@ fn tables_count_what_was_said() {
     let table = tally::confusion(&trials);
     assert!(table.contains("rolloff                markov 2"), "{table}");
     assert!(table.contains("clean                  markov 2"), "{table}");
-    let detection = tally::detection(&trials[..4]);
-    assert!(
-        detection.contains("markov                     5.00       2       2    100.0"),
-        "{detection}"
-    );
+}
+
+#[test]
+fn detection_stands_beside_the_ideal() {
+    let trial = |row: &str, strength: f64, ideal: f64, named: Option<bool>| Trial {
+        row: row.to_owned(),
+        seed: 1,
+        strength: Some(strength),
+        ideal_power: Some(ideal),
+        result: match named {
+            Some(named) => Ok((
+                Score {
+                    named: vec![("hum", true), ("steps", named)],
+                    // Another name beside it does not make it less seen.
+                    extra: vec!["burst".to_owned()],
+                    ..Score::default()
+                },
+                Duration::ZERO,
+            )),
+            None => Err(Failure::Status("2".to_owned(), String::new())),
+        },
+    };
+    let trials = [
+        trial("steps", 1.5, 1.0, Some(true)),
+        trial("steps", 0.3, 0.2, Some(false)),
+        trial("steps", 0.3, 0.4, Some(true)),
+        trial("burst", 0.3, 0.0, Some(false)),
+        trial("burst", 0.3, 0.1, None),
+    ];
+    let text = tally::detection(&trials);
+    let rows: Vec<String> = text
+        .lines()
+        .map(|line| line.split_whitespace().collect::<Vec<_>>().join(" "))
+        .collect();
+    let expected = [
+        "named % (ideal %)",
+        "strength 0.30 1.50",
+        "steps 50 (30) 100 (100)",
+        "burst 0 (5) -",
+        "all 25 (18) 100 (100)",
+    ];
+    assert_eq!(rows, expected, "{text}");
 }
 
 /// Models whose deviations are 1.5 and 1.02 times the truth, on a part where 0.9 of it was measured.
