@@ -273,6 +273,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "statistics over four million samples")]
     fn gaps_of_a_tenth_give_the_truth_times_the_stated_bias() {
         // White noise with a large mean, the last 10 % of every 1000 samples missing (in runs of
         // 100): no whole difference beyond m = 450.

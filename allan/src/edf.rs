@@ -264,6 +264,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "long sums of plain floating-point numbers")]
     fn equals_the_sum_over_all_pairs() {
         for statistic in STATISTICS {
             for noise in [Noise::Quantisation, Noise::White, Noise::Walk] {
@@ -290,6 +291,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "long sums of plain floating-point numbers")]
     fn flicker_is_fractionally_integrated_noise() {
         // The sum over pairs truncates the noise's memory, which costs the last digits.
         for statistic in STATISTICS {
@@ -317,6 +319,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "long sums of plain floating-point numbers")]
     fn thinning_does_not_show() {
         for statistic in STATISTICS {
             for noise in Noise::ALL {

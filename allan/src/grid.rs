@@ -25,6 +25,7 @@ mod tests {
     const STATISTICS: [Statistic; 3] = [Statistic::Allan, Statistic::Modified, Statistic::Hadamard];
 
     #[test]
+    #[cfg_attr(miri, ignore = "long sums of plain floating-point numbers")]
     fn striding_costs_what_is_stated() {
         let mut worst = (0.0, Statistic::Allan, Noise::White, 0, 0);
         for statistic in STATISTICS {

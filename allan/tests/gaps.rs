@@ -50,6 +50,7 @@ fn tolerance(statistic: Statistic, estimate: &Estimate) -> f64 {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "statistics over two million samples")]
 fn a_mean_of_five_does_not_leak_through_gaps() {
     let record = Gappy::new();
     let mut bins = HostBins::new();
@@ -100,6 +101,7 @@ fn a_mean_of_five_does_not_leak_through_gaps() {
 
 /// What there is to compare with: a phase that stands still in a gap sees the mean stop and go.
 #[test]
+#[cfg_attr(miri, ignore = "another crate, two million samples")]
 fn the_other_crate_lets_it_leak() {
     let record = Gappy::new();
     let config = Config::new()
@@ -126,6 +128,7 @@ fn the_other_crate_lets_it_leak() {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "ten million samples")]
 fn gravity_costs_no_digit_over_a_whole_capture() {
     const SAMPLES: usize = 10_800_000;
     // On a grid of 2^-49, the spacing of f64 at 9.8, noise of 1e-6 has a deviation of 5.6e8 steps.

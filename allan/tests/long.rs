@@ -10,6 +10,10 @@ use normal::Normal;
 use support::{ALL, Runs, adversarial, direct, grid, normalisation};
 
 #[test]
+#[cfg_attr(
+    miri,
+    ignore = "700 000 samples; levels up to the 8th are in streaming.rs"
+)]
 fn upper_levels_equal_the_direct_evaluation() {
     // Codes of 20 bits keep the direct sums within 128 bits at the longest averaging times.
     let codes: Vec<i32> = adversarial(4, 700_000, 11)
@@ -53,6 +57,7 @@ fn upper_levels_equal_the_direct_evaluation() {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "statistics over 9000 records")]
 fn degrees_of_freedom_match_simulation() {
     const RECORDS: usize = 3000;
     const SAMPLES: usize = 240;
@@ -108,6 +113,7 @@ fn degrees_of_freedom_match_simulation() {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "statistics over 400 000 samples")]
 fn sampled_walk_has_its_closed_form() {
     // Method: (K^2 tau / 3)(1 + 1 / (2 m^2)), for unit steps m/3 + 1/(6 m). One long record of
     // random steps; five deviations of the estimate from its degrees of freedom.

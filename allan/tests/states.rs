@@ -1,10 +1,12 @@
 //! Serialised states that were tampered with. `allan/fuzz` tries the same without end.
 
 mod any_state;
+mod size;
 
 use any_state::{LEVELS, try_state};
 use inm_allan::Bins;
 use proptest::prelude::*;
+use size::{cases, size};
 
 /// The words of the state after runs of samples with gaps between.
 fn words(first: u64, runs: &[(u16, u8)]) -> Vec<u64> {
@@ -35,12 +37,12 @@ fn a_state_at_the_last_index_is_honest() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(cases(2000, 12))]
 
     #[test]
     fn tampered_states_are_refused_or_usable(
         first in prop_oneof![Just(0), 0..5000_u64, Just((1 << 63) - 2000), Just((1 << 63) - 100)],
-        runs in prop::collection::vec((0..700_u16, any::<u8>()), 0..3),
+        runs in prop::collection::vec((0..size(700, 150) as u16, any::<u8>()), 0..3),
         // Mostly among the positions at the beginning, which the code relies on most.
         changes in prop::collection::vec((prop_oneof![0..12_usize, any::<usize>()], nasty()), 0..4),
         shorten in prop::option::of(any::<usize>()),

@@ -1,9 +1,11 @@
 //! The streaming bins against the direct strided evaluation, bit for bit.
 
+mod size;
 mod support;
 
 use inm_allan::{AllanBins, Bins, Estimate, Statistic};
 use proptest::prelude::*;
+use size::{cases, size};
 use support::{ALL, Runs, adversarial, direct, grid, normalisation};
 
 const LEVELS: usize = 8;
@@ -33,7 +35,7 @@ fn assert_equals_direct(points: &[Estimate], statistic: Statistic, runs: &Runs, 
 }
 
 fn runs_strategy() -> impl Strategy<Value = Runs> {
-    let run = (0_u64..300, 0_u8..7, 1_usize..2500, any::<u64>());
+    let run = (0_u64..300, 0_u8..7, 1..size(2500, 250), any::<u64>());
     (0_u64..5000, prop::collection::vec(run, 1..5)).prop_map(|(first, parts)| {
         let mut at = first;
         parts
@@ -60,7 +62,7 @@ fn feed<T>(bins: &mut T, runs: &Runs, skip: impl Fn(&mut T, u64), push: impl Fn(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(cases(64, 4))]
 
     #[test]
     fn equal_the_direct_evaluation(runs in runs_strategy()) {
@@ -110,7 +112,7 @@ fn part(runs: &Runs, from: u64, to: u64) -> Bins<LEVELS> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(cases(64, 4))]
 
     #[test]
     fn any_chunking_gives_the_same_bits(runs in runs_strategy(), seed in any::<u64>()) {
@@ -170,9 +172,9 @@ proptest! {
 #[test]
 fn damaged_states_are_refused_or_usable() {
     let mut bins = Bins::<LEVELS>::new();
-    bins.push_slice(&adversarial(4, 3000, 5));
+    bins.push_slice(&adversarial(4, size(3000, 300), 5));
     bins.skip(10);
-    bins.push_slice(&adversarial(0, 3000, 6));
+    bins.push_slice(&adversarial(0, size(3000, 300), 6));
     let bytes = postcard::to_stdvec(&bins).unwrap();
     assert!(
         postcard::from_bytes::<Bins<7>>(&bytes).is_err(),
@@ -182,7 +184,8 @@ fn damaged_states_are_refused_or_usable() {
         postcard::from_bytes::<Bins<LEVELS>>(&bytes[..bytes.len() - 1]).is_err(),
         "cut"
     );
-    for position in (0..bytes.len()).step_by(101).chain(0..200.min(bytes.len())) {
+    let spread = (0..bytes.len()).step_by(size(101, 5001));
+    for position in spread.chain(0..size(200, 8)) {
         for flip in [1, 0x80, 0xFF] {
             let mut damaged = bytes.clone();
             damaged[position] ^= flip;
@@ -216,10 +219,12 @@ fn states_that_do_not_meet_refuse() {
 /// between two values make all of them as large as the bound allows, at and beside each limit.
 #[test]
 fn differences_at_the_limits_of_the_arithmetic() {
-    for exponent in 17..31 {
+    for exponent in (17..31).step_by(size(1, 6)) {
         for code in (-1..=1).map(|beside| (1 << exponent) + beside) {
             for period in [1, 5, 40] {
-                let codes: Vec<i32> = (0..2500).map(|i| [code, -code][i / period % 2]).collect();
+                let codes: Vec<i32> = (0..size(2500, 250))
+                    .map(|i| [code, -code][i / period % 2])
+                    .collect();
                 let mut bins = Bins::<LEVELS>::new();
                 bins.push_slice(&codes);
                 let runs = vec![(0, codes)];

@@ -127,12 +127,32 @@ fn views(diagnosis: &Value) {
     // The simulation has chance of its own.
     assert!(simulated < 7.0, "simulated: {simulated:.1} sigma off");
     assert_eq!(views["simulation_seed"], 1);
+    held_out(&diagnosis["axes"][0]);
     let growth = views["velocity_error"].as_array().expect("a list");
     assert!(!growth.is_empty());
     for one in growth {
         let number = |field: &str| one[field].as_f64().expect("a number");
         assert!(number("lo") <= number("observed") && number("observed") <= number("hi"));
         assert!(number("before") > 0.0 && number("after") > 0.0);
+    }
+}
+
+/// The points of the held-out half are those that the errors are of.
+fn held_out(axis: &Value) {
+    let points = axis["views"]["held_out"].as_array().expect("a list");
+    let number = |one: &Value, field: &str| one[field].as_f64().expect("a number");
+    assert!(points.len() > 20, "{} points", points.len());
+    assert!(points.iter().all(|one| number(one, "edf") >= 1000.0));
+    for (which, model) in [("before", "base"), ("after", "final")] {
+        let squares = points
+            .iter()
+            .map(|one| (number(one, which) / number(one, "adev") - 1.0).powi(2));
+        let rms = 100.0 * (squares.sum::<f64>() / points.len() as f64).sqrt();
+        let said = number(&axis[model], "allan_error_percent");
+        assert!(
+            (rms / said - 1.0).abs() < 1e-9,
+            "{which}: {rms}, said {said}"
+        );
     }
 }
 

@@ -11,6 +11,7 @@ use std::path::PathBuf;
 use clap::{Parser, ValueEnum};
 use inm_tests::hidden::case::{Case, Plan};
 use inm_tests::hidden::effect::{self, Kind};
+use inm_tests::hidden::judge::allan_table;
 use inm_tests::hidden::judge::program::Program;
 use inm_tests::hidden::judge::tally;
 use inm_tests::hidden::judge::trial::{Task, Trial, run_all};
@@ -117,6 +118,9 @@ fn run(part: Part, arguments: &Arguments) -> Result<(), Box<dyn std::error::Erro
     }
     println!("{}", tally::confusion(&trials));
     println!("{}", tally::coverage(&trials));
+    if matches!(part, Part::Single | Part::Pairs) {
+        println!("{}", allan_table::table(&trials));
+    }
     Ok(())
 }
 

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use inm_tests::hidden::case::axis_samples;
+use inm_tests::hidden::axis::Axis;
 use inm_tests::hidden::draw::Draw;
 use inm_tests::hidden::effect::{Effect, find};
 use inm_tests::hidden::noise::base::Base;
@@ -59,7 +59,8 @@ impl Alone {
 
     fn axis(&self, axis: usize) -> (Vec<f64>, Vec<(String, f64)>) {
         let effects = [self.effect.as_ref()];
-        let (samples, settled) = axis_samples(&self.scene, axis, &effects, self.seed, "alone");
+        let (samples, settled) =
+            Axis::new(&self.scene, axis, &effects, self.seed, "alone").samples();
         (samples, settled.into_iter().flatten().collect())
     }
 

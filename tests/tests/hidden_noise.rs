@@ -2,7 +2,7 @@
 
 use std::f64::consts::{LN_2, PI};
 
-use inm_tests::hidden::case::axis_samples;
+use inm_tests::hidden::axis::Axis;
 use inm_tests::hidden::draw::Draw;
 use inm_tests::hidden::noise::base::Base;
 use inm_tests::hidden::noise::chain::Chain;
@@ -26,7 +26,7 @@ fn record(base: Base, chain: Chain, seed: u64) -> Vec<f64> {
         target: 0,
         chain,
     };
-    axis_samples(&scene, 0, &[], seed, "noise").0
+    Axis::new(&scene, 0, &[], seed, "noise").samples().0
 }
 
 /// Allan variance by eq. 4, and the means it is taken from.

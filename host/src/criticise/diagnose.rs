@@ -11,9 +11,10 @@ use super::coefficients::{coefficients, coefficients_of, even_density};
 use super::coherence::{self, Common};
 use super::finding::{AxisDiagnosis, Base, Final, Finding, Gain, Value};
 use super::frame::Frame;
+use super::gain::allan::HeldCurve;
 use super::gain::laws::Ordinates;
 use super::gain::size::Sizes;
-use super::gain::{self, Halves, HeldCurve};
+use super::gain::{self, Halves};
 use super::laws;
 use super::mend::Mended;
 use super::rounds::{self, Accepted, Options, Snapshot};
@@ -228,13 +229,18 @@ fn diagnose_axis(
         coefficients: gain::coefficients(&fit.squared),
         effects: law_effects(&axis.frame, snapshot, fit),
     };
-    let error =
-        |model: &ModelAxis, snapshot: &Snapshot| gain::allan_error(&axis, &held, model, snapshot);
+    let expected = |model: &ModelAxis, with: &Snapshot| held.expected(&axis, model, with);
+    let error = |model: &ModelAxis, with: &Snapshot| {
+        let error = held.error_percent(&expected(model, with));
+        error.map(|(error, _)| error)
+    };
     let base = model(&base_snapshot, &base_fit);
-    let base_error = error(&base, &base_snapshot);
+    let base_expected = expected(&base, &base_snapshot);
+    let base_error = held.error_percent(&base_expected);
     let last_snapshot = Snapshot::of(&axis);
     let stationary = model(&last_snapshot, &axis.fit);
-    let last_error = error(&stationary, &last_snapshot);
+    let last_expected = expected(&stationary, &last_snapshot);
+    let last_error = held.error_percent(&last_expected);
     let sizes = Sizes::new(&axis, &held, &stationary, &last_snapshot);
     let mut findings = Vec::new();
     for (one, nats) in outcome.accepted.iter().zip(nats) {
@@ -245,8 +251,8 @@ fn diagnose_axis(
             Gain {
                 heldout_nats: nats,
                 allan_change_percent: sizes.change_percent(one),
-                allan_error_percent_before: error(&before, &one.without).map(|error| error.0),
-                allan_error_percent_after: error(&after, &one.with).map(|error| error.0),
+                allan_error_percent_before: error(&before, &one.without),
+                allan_error_percent_after: error(&after, &one.with),
             },
         ));
     }
@@ -264,8 +270,10 @@ fn diagnose_axis(
         noise: &stationary,
         whole: &whole,
     };
+    let held_out = held.beside(&base_expected, &last_expected);
     let before = before.unwrap_or_else(|| Before::new(&axis));
-    let views = Views::new(&axis, before, models, &findings, mean, options.simulate);
+    let simulate = options.simulate;
+    let views = Views::new(&axis, before, models, held_out, &findings, mean, simulate);
     let passed = passed(&axis);
     let residual = residual(&axis.into_mended(), passed);
     let diagnosis = AxisDiagnosis {

@@ -181,6 +181,16 @@ impl Mended {
         }
     }
 
+    /// All that is taken out of it, as it is in the record.
+    pub fn waveform(&self) -> Vec<f64> {
+        let mut values = vec![0.0; self.measured.len()];
+        for wave in &self.waves {
+            wave.take_out(&mut values);
+        }
+        values.iter_mut().for_each(|value| *value = -*value);
+        values
+    }
+
     /// Jumps that are taken out of it.
     pub fn jumps(&self) -> impl Iterator<Item = &Jump> {
         self.waves.iter().flat_map(|wave| match wave {

@@ -3,11 +3,10 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::axis::Axis;
 use super::draw::Draw;
 use super::effect::{Effect, Kind};
 use super::ideal::detector::Evidence;
-use super::noise::chain::filter;
-use super::noise::gaussian::gaussian;
 use super::npy;
 use super::outside::Place;
 use super::scene::Scene;
@@ -56,6 +55,8 @@ pub struct Case {
     pub ideal: Option<Evidence>,
     /// Where it shows, of what has no name.
     pub place: Option<Place>,
+    hidden: Vec<Box<dyn Effect>>,
+    name: String,
 }
 
 /// The files of a case, and how the program is told of them.
@@ -108,37 +109,54 @@ impl Case {
             ideal: hidden.first().map(|effect| effect.evidence(&scene)),
             place: hidden.iter().find_map(|effect| effect.place()),
             scene,
+            hidden,
+            name,
         };
-        case.fill(&hidden, &name);
+        case.fill();
         case
     }
 
-    fn fill(&mut self, hidden: &[Box<dyn Effect>], name: &str) {
-        let seed = self.seed;
-        let reference = format!("{name} reference");
+    fn fill(&mut self) {
         for axis in 0..self.scene.axes.len() {
-            let here: Vec<&dyn Effect> = hidden
-                .iter()
-                .map(AsRef::as_ref)
-                .filter(|effect| effect.in_all_axes() || axis == self.scene.target)
-                .collect();
-            let (samples, settled) = axis_samples(&self.scene, axis, &here, seed, name);
+            let here = self.effects(axis);
+            let (samples, settled) = self.axis(axis, &here).samples();
+            let names = here.iter().map(|effect| effect.truths().pop());
+            let late: Vec<_> = names.zip(settled).collect();
             self.columns.push(samples);
-            for (effect, parameters) in here.iter().zip(settled) {
-                let name = effect.truths().last().map(|truth| truth.effect);
+            for (named, parameters) in late {
+                let name = named.map(|truth| truth.effect);
                 let truth = self.truths.iter_mut().find(|t| Some(t.effect) == name);
                 if let Some(truth) = truth {
                     truth.parameters.extend(parameters);
                 }
             }
         }
-        let temperature = hidden.iter().find_map(|effect| effect.temperature());
+        let temperature = self.hidden.iter().find_map(|effect| effect.temperature());
         self.temperature = temperature.map(<[f64]>::to_vec);
-        self.reference = hidden.iter().find_map(|e| e.in_reference()).map(|effect| {
-            (0..self.scene.axes.len())
-                .map(|axis| axis_samples(&self.scene, axis, &[effect.as_ref()], seed, &reference).0)
-                .collect()
+        let reference = self.hidden.iter().find_map(|effect| effect.in_reference());
+        self.reference = reference.map(|effect| {
+            let name = format!("{} reference", self.name);
+            let one =
+                |axis| Axis::new(&self.scene, axis, &[effect.as_ref()], self.seed, &name).samples();
+            (0..self.scene.axes.len()).map(|axis| one(axis).0).collect()
         });
+    }
+
+    /// What is hidden in an axis.
+    fn effects(&self, axis: usize) -> Vec<&dyn Effect> {
+        let here = |effect: &&dyn Effect| effect.in_all_axes() || axis == self.scene.target;
+        self.hidden.iter().map(AsRef::as_ref).filter(here).collect()
+    }
+
+    fn axis<'a>(&'a self, axis: usize, effects: &'a [&'a dyn Effect]) -> Axis<'a> {
+        Axis::new(&self.scene, axis, effects, self.seed, &self.name)
+    }
+
+    /// Expected Allan variances of the target's samples for averages over each of `ms` samples; see
+    /// [`Axis::allan_variances`].
+    pub fn allan_variances(&self, ms: &[u64]) -> Option<Vec<f64>> {
+        let effects = self.effects(self.scene.target);
+        self.axis(self.scene.target, &effects).allan_variances(ms)
     }
 
     /// Writes the files into `folder`, under names that tell nothing.
@@ -173,85 +191,4 @@ impl Case {
         }
         Ok(Files { record, arguments })
     }
-}
-
-/// One axis: Gaussian parts in one transform, waveforms through the chain, then what acts on
-/// finished samples, whose late parameters come back in the order of `effects`. The `record`'s
-/// name and `seed` name its random numbers.
-pub fn axis_samples(
-    scene: &Scene,
-    axis: usize,
-    effects: &[&dyn Effect],
-    seed: u64,
-    record: &str,
-) -> (Vec<f64>, Vec<Vec<(String, f64)>>) {
-    let stream = |name: &str| Draw::new(seed, &format!("{record} {axis} {name}"));
-    // Everything happens in true time.
-    let clock: f64 = effects.iter().map(|effect| effect.clock()).product();
-    let scene = &Scene {
-        rate_hz: scene.rate_hz * clock,
-        ..scene.clone()
-    };
-    let count = scene.samples;
-    let power = |f_hz: f64| -> f64 { effects.iter().map(|effect| effect.power(f_hz)).product() };
-    let added = |f_hz: f64| -> f64 {
-        let sum: f64 = effects.iter().map(|e| e.density(f_hz, scene)).sum();
-        sum * scene.chain.power(f_hz, scene.rate_hz)
-    };
-    let envelope = effects
-        .iter()
-        .enumerate()
-        .find_map(|(i, effect)| effect.envelope(scene, &mut stream(&format!("envelope {i}"))));
-    let mut samples = if let Some(envelope) = envelope {
-        let slow = |f_hz: f64| {
-            let rest = scene.density(axis, f_hz) - scene.short_density(axis, f_hz);
-            (rest.max(0.0) + added(f_hz)) * power(f_hz)
-        };
-        let short = |f_hz: f64| scene.short_density(axis, f_hz) * power(f_hz);
-        let mut samples = gaussian(count, scene.rate_hz, slow, &mut stream("slow"));
-        let short = gaussian(count, scene.rate_hz, short, &mut stream("short"));
-        // The level that a synthesis starts at is no noise.
-        let level = short.iter().sum::<f64>() / count as f64;
-        for ((sample, short), factor) in samples.iter_mut().zip(&short).zip(&envelope) {
-            *sample += factor * (short - level);
-        }
-        samples
-    } else {
-        let law = |f_hz: f64| (scene.density(axis, f_hz) + added(f_hz)) * power(f_hz);
-        gaussian(count, scene.rate_hz, law, &mut stream("noise"))
-    };
-    let waveforms = effects.iter().enumerate().filter_map(|(i, effect)| {
-        // The same for all axes.
-        let mut draw = Draw::new(seed, &format!("{record} waveform {i}"));
-        effect.waveform(scene, axis, &mut draw)
-    });
-    let waveform = waveforms.reduce(|mut sum, other| {
-        for (a, b) in sum.iter_mut().zip(other) {
-            *a += b;
-        }
-        sum
-    });
-    if let Some(mut waveform) = waveform {
-        let filters = effects
-            .iter()
-            .any(|effect| effect.power(0.5 * scene.rate_hz) != 1.0);
-        if filters || !scene.chain.is_none() {
-            filter(&mut waveform, scene.rate_hz, |f_hz| {
-                scene.chain.power(f_hz, scene.rate_hz) * power(f_hz)
-            });
-        }
-        for (sample, value) in samples.iter_mut().zip(waveform) {
-            *sample += value;
-        }
-    }
-    let base = &scene.axes[axis];
-    for (i, sample) in samples.iter_mut().enumerate() {
-        *sample += base.mean + base.r * i as f64 / scene.rate_hz;
-    }
-    let settled = effects
-        .iter()
-        .enumerate()
-        .map(|(i, e)| e.distort(&mut samples, scene, &mut stream(&format!("distortion {i}"))))
-        .collect();
-    (samples, settled)
 }

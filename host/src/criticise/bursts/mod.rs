@@ -43,8 +43,8 @@ pub struct Burst {
     pub end_sd: f64,
     /// Gain in log-likelihood.
     pub nats: f64,
-    /// The same on blocks that the factor was not fitted to.
-    pub held_nats: f64,
+    /// The same on blocks that the factor was not fitted to, if the stretch has some of both.
+    pub held_nats: Option<f64>,
     /// Probability of as large a gain anywhere in steady noise.
     pub p_value: f64,
 }
@@ -176,8 +176,8 @@ pub fn burst(powers: &Powers, level: f64) -> Option<Burst> {
 }
 
 /// Gain in log-likelihood of the odd blocks for variances within and outside of `range` that are
-/// fitted to the even ones, over one variance for all.
-fn held_out(powers: &Powers, range: &Range<usize>) -> f64 {
+/// fitted to the even ones, over one variance for all; `None` where a part has no such blocks.
+fn held_out(powers: &Powers, range: &Range<usize>) -> Option<f64> {
     let half = |parity: usize| {
         let mut half = powers.clone();
         for count in half.counts.iter_mut().skip(1 - parity).step_by(2) {
@@ -190,9 +190,10 @@ fn held_out(powers: &Powers, range: &Range<usize>) -> f64 {
     let ((held_inside, n), (held_outside, m)) = half(1);
     let score =
         |count: f64, square: f64, variance: f64| -0.5 * count * (variance.ln() + square / variance);
-    score(n, held_inside, inside) + score(m, held_outside, outside)
+    let gain = score(n, held_inside, inside) + score(m, held_outside, outside)
         - score(n, held_inside, all)
-        - score(m, held_outside, all)
+        - score(m, held_outside, all);
+    gain.is_finite().then_some(gain)
 }
 
 /// Cumulative sums over blocks.

@@ -13,30 +13,21 @@
 //!   ordinates of the record's transform and judged by the odd ones, which are independent.
 //! - A stretch of another variance: fitted to the even ones of short blocks, judged by the odd.
 
+pub mod allan;
 pub mod laws;
 pub mod size;
-
-use std::ops::Range;
-
-use inm_allan::Statistic;
 
 use super::axis::AxisState;
 use super::frame::Frame;
 use super::laws::{components, search};
 use super::mend::Mended;
 use super::rounds::{Accepted, Snapshot, laws_of};
-use crate::bins::point::{self, Point};
-use crate::bins::strided::Strided;
 use crate::fit::likelihood::components::SEEN;
 use crate::fit::likelihood::log_likelihood;
 use crate::model::PerCoefficient;
-use crate::model::whole::ModelAxis;
 
 /// Blocks of the record, half of them held out.
 pub const BLOCKS: usize = 16;
-
-/// Degrees of freedom from which a point of the Allan curve counts.
-const LEAST_EDF: f64 = 1000.0;
 
 /// Nats for each number that was fitted to all of the record.
 pub const SEEN_COST: f64 = 0.5;
@@ -99,101 +90,6 @@ impl Halves {
         let gain = self.score(&one.with)? - self.score(&one.without)?;
         Some(gain - SEEN_COST * one.freedom)
     }
-}
-
-/// Error of a model's Allan deviation on the held-out half, percent, and what sampling alone makes
-/// of it; none where the half has no point of a thousand degrees of freedom.
-pub fn allan_error(
-    axis: &AxisState,
-    held: &HeldCurve,
-    model: &ModelAxis,
-    with: &Snapshot,
-) -> Option<(f64, f64)> {
-    let law = model.law(axis.rate_hz);
-    let wave = if with.waves.is_empty() {
-        Vec::new()
-    } else {
-        waveform_curve(axis, with, axis.mended.left_out())
-    };
-    let mut squares = (0.0, 0.0, 0.0);
-    for point in held.points.iter().filter(|point| point.edf >= LEAST_EDF) {
-        let own = wave
-            .iter()
-            .find(|other| other.m == point.m)
-            .map_or(0.0, |other| other.variance);
-        let expected = law.allan_variance(point.m) + own;
-        let error = (expected / point.variance).sqrt() - 1.0;
-        squares.0 += error * error;
-        squares.1 += 1.0 / (2.0 * point.edf);
-        squares.2 += 1.0;
-    }
-    (squares.2 > 0.0).then(|| {
-        (
-            100.0 * f64::sqrt(squares.0 / squares.2),
-            100.0 * f64::sqrt(squares.1 / squares.2),
-        )
-    })
-}
-
-/// Allan curve of the waveforms of a snapshot, where the held-out half has samples that are not left
-/// out.
-fn waveform_curve<'a>(
-    axis: &AxisState,
-    with: &Snapshot,
-    left_out: impl Iterator<Item = &'a Range<usize>>,
-) -> Vec<Point> {
-    // Its sign is no matter.
-    let mut waveform = vec![0.0; axis.mended.len()];
-    for wave in &with.waves {
-        wave.take_out(&mut waveform);
-    }
-    for (value, measured) in waveform.iter_mut().zip(axis.mended.measured()) {
-        if !measured.is_finite() {
-            *value = f64::NAN;
-        }
-    }
-    for mask in left_out {
-        waveform[mask.clone()].fill(f64::NAN);
-    }
-    curve(half(&waveform, 1), axis.rate_hz)
-}
-
-/// The measured Allan curve of the held-out half.
-pub struct HeldCurve {
-    points: Vec<Point>,
-}
-
-impl HeldCurve {
-    /// Of an axis, without the stretches that are masked.
-    pub fn new(axis: &AxisState) -> Self {
-        let record = axis.mended.bare();
-        Self {
-            points: curve(half(&record.values(), 1), axis.rate_hz),
-        }
-    }
-}
-
-fn curve<'a>(parts: impl Iterator<Item = (usize, &'a [f64])>, rate_hz: f64) -> Vec<Point> {
-    let mut bins = Strided::default();
-    let mut next = 0;
-    for (first, values) in parts {
-        let same = |a: &f64, b: &f64| a.is_finite() == b.is_finite();
-        bins.skip((first - next) as u64);
-        for run in values.chunk_by(same) {
-            if run[0].is_finite() {
-                bins.push_floats(run);
-            } else {
-                bins.skip(run.len() as u64);
-            }
-        }
-        next = first + values.len();
-    }
-    point::points(
-        Statistic::Allan,
-        &bins.estimates(Statistic::Allan),
-        rate_hz,
-        1.0,
-    )
 }
 
 /// Coefficients of a fit's squares.

@@ -1,6 +1,6 @@
 //! How much an effect changes: significance is not size.
 
-use super::{HeldCurve, waveform_curve};
+use super::allan::{HeldCurve, waveform_curve};
 use crate::bins::point::Point;
 use crate::criticise::axis::AxisState;
 use crate::criticise::rounds::{Accepted, Snapshot};

@@ -2,10 +2,15 @@
 
 use super::super::bursts::{self, Burst, even, wander};
 use super::super::finding::Value;
+use super::steady::LONG;
 use super::{Rounds, named};
+use std::ops::Range;
 
 /// Stretches at most.
 const MOST: usize = 3;
+
+/// Samples from the end of a burst within which a short stretch belongs to it.
+const NEAR: usize = 4096;
 
 /// Samples about an outlier where something of it may stay.
 const REMAINS: usize = 64;
@@ -74,12 +79,15 @@ impl Rounds<'_> {
         ]);
         // Large samples of the stretch may have passed for them.
         self.withdraw("outliers");
+        if let Some(longer) = self.beside(&range) {
+            return self.lengthen(longer, &range);
+        }
         self.accept(
             "burst",
             parameters,
             burst.p_value,
             3.0,
-            Some(burst.held_nats),
+            burst.held_nats,
             |axis| {
                 // The ends are known to within some blocks.
                 let wide = 3.0 * burst.end_sd;
@@ -89,6 +97,42 @@ impl Rounds<'_> {
                 axis.refresh(true)
             },
         )
+    }
+
+    /// The burst, by its place among the effects, that a short stretch is an end of: noise that is switched
+    /// behind the converter's filter leaves what the filter shuts out.
+    fn beside(&self, range: &Range<usize>) -> Option<usize> {
+        let rate_hz = self.axis.rate_hz;
+        self.accepted.iter().position(|one| {
+            let at = |name: &str| Some(one.parameters.get(name)?.value * rate_hz);
+            let ends = (one.effect == "burst").then(|| at("from_s").zip(at("to_s")));
+            ends.flatten().is_some_and(|(from, to)| {
+                let short = range.len() <= LONG.min((to - from) as usize);
+                let near = [from, to].map(|end| {
+                    (range.start as f64 - end)
+                        .abs()
+                        .min((range.end as f64 - end).abs())
+                });
+                short && near[0].min(near[1]) < NEAR as f64
+            })
+        })
+    }
+
+    /// Masks a stretch beside a burst along with it.
+    fn lengthen(&mut self, place: usize, range: &Range<usize>) -> Option<bool> {
+        let rate_hz = self.axis.rate_hz;
+        let one = &mut self.accepted[place];
+        for (name, end) in [("from_s", range.start), ("to_s", range.end)] {
+            let end_s = end as f64 / rate_hz;
+            if let Some(value) = one.parameters.get_mut(name)
+                && ((name == "from_s") == (end_s < value.value))
+            {
+                *value = Value::normal(end_s, bursts::BLOCK as f64 / rate_hz);
+            }
+        }
+        self.axis.mended.masked.push(range.clone());
+        self.axis.refresh(true)?;
+        Some(true)
     }
 
     /// Whether the values lie on a coarse grid: noise seems to change its strength wherever its level

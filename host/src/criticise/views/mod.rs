@@ -16,7 +16,7 @@ use serde::Serialize;
 
 use super::axis::AxisState;
 use super::finding::Finding;
-use super::mend::Wave;
+use super::gain::allan::HeldPoint;
 use crate::fit::likelihood::Fit;
 use crate::model::effect::Part;
 use crate::model::whole::{Model, ModelAxis, SCHEMA};
@@ -38,6 +38,8 @@ const BLOCK: usize = 1 << 16;
 pub struct Views {
     /// Allan deviation.
     pub allan: Vec<AllanPoint>,
+    /// That of the held-out half, where it says how far the models are off.
+    pub held_out: Vec<HeldPoint>,
     /// Spectral density.
     pub spectrum: Vec<SpectrumPoint>,
     /// Growth of the velocity error.
@@ -107,6 +109,7 @@ impl Views {
         axis: &AxisState,
         before: Before,
         models: Models<'_>,
+        held_out: Vec<HeldPoint>,
         findings: &[Finding],
         mean: f64,
         with_simulation: bool,
@@ -132,6 +135,7 @@ impl Views {
         }
         Self {
             allan,
+            held_out,
             spectrum: spectrum.points,
             velocity_error,
             simulation_seed: simulated.map(|_| SEED),
@@ -141,23 +145,16 @@ impl Views {
     }
 }
 
-/// The deterministic part of the model in this record; missing samples are NaN. What stands in
-/// place of samples that were no measurement is no part of it. Empty where there is none.
+/// The deterministic part of the model in this record, samples that were no measurement included: the
+/// measured record holds them too. Missing samples are NaN; empty where there is none.
 fn deterministic(axis: &AxisState) -> Vec<f64> {
-    let is_part = |wave: &&Wave| !matches!(wave, Wave::Replaced(_));
-    if !axis.mended.waves.iter().any(|wave| is_part(&wave)) {
+    if axis.mended.waves.is_empty() {
         return Vec::new();
     }
-    let mut wave: Vec<f64> = axis
-        .mended
-        .measured()
-        .iter()
-        .map(|value| 0.0 * value)
-        .collect();
-    for one in axis.mended.waves.iter().filter(is_part) {
-        one.take_out(&mut wave);
+    let mut wave = axis.mended.waveform();
+    for (value, measured) in wave.iter_mut().zip(axis.mended.measured()) {
+        *value += 0.0 * measured;
     }
-    wave.iter_mut().for_each(|value| *value = -*value);
     wave
 }
 

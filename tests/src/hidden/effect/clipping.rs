@@ -1,6 +1,6 @@
 //! Samples held at a limit on one side.
 
-use super::{Effect, Evidence, Scene, Truth};
+use super::{Distorts, Effect, Evidence, Scene, Truth};
 use crate::hidden::draw::Draw;
 use crate::hidden::ideal::detector::at_least;
 
@@ -51,5 +51,10 @@ impl Effect for Clipping {
             *sample = (*sample * self.side).min(limit) * self.side;
         }
         vec![("level".to_owned(), limit * self.side)]
+    }
+
+    /// Correlated with the samples by twice the share, times the excess of a few in a thousand.
+    fn distorts(&self, _scene: &Scene) -> Distorts {
+        Distorts::Adds
     }
 }

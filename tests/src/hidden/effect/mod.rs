@@ -77,6 +77,11 @@ pub trait Effect: Send + Sync {
         Vec::new()
     }
 
+    /// What that does to the Allan variance.
+    fn distorts(&self, _scene: &Scene) -> Distorts {
+        Distorts::Alike
+    }
+
     /// Whether it is in all axes and not only in the target.
     fn in_all_axes(&self) -> bool {
         false
@@ -101,6 +106,18 @@ pub trait Effect: Send + Sync {
     fn place(&self) -> Option<Place> {
         None
     }
+}
+
+/// What [`Effect::distort`] does to the Allan variance of an axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Distorts {
+    /// Nothing, or the same to a course by itself as to the finished samples: some are lost.
+    Alike,
+    /// What it adds to the samples is not correlated with them, or to no effect: less than a thousandth
+    /// of the deviation.
+    Adds,
+    /// More than these say.
+    Beyond,
 }
 
 /// A kind of effect.

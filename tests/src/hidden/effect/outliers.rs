@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::{Effect, Evidence, Scene, Truth};
+use super::{Distorts, Effect, Evidence, Scene, Truth};
 use crate::hidden::draw::Draw;
 use crate::hidden::ideal::detector::Contrast;
 
@@ -61,6 +61,10 @@ impl Effect for Outliers {
             t_s += draw.exponential(1.0 / self.rate_hz);
         }
         Vec::new()
+    }
+
+    fn distorts(&self, _scene: &Scene) -> Distorts {
+        Distorts::Adds
     }
 }
 

@@ -1,6 +1,6 @@
 //! Coarse steps: every sample rounded to a multiple of a step.
 
-use super::{Effect, Evidence, Scene, Truth};
+use super::{Distorts, Effect, Evidence, Scene, Truth};
 use crate::hidden::draw::Draw;
 
 struct Quantisation {
@@ -52,5 +52,15 @@ impl Effect for Quantisation {
             *sample = (*sample / self.step).round() * self.step;
         }
         Vec::new()
+    }
+
+    /// Steps below 1.5 deviations of Gaussian noise leave an error that is correlated with it by
+    /// `2 exp(-2 pi^2 / 1.5^2)`, 3e-4 of the variance (Widrow 1956).
+    fn distorts(&self, _scene: &Scene) -> Distorts {
+        if self.relative < 1.5 {
+            Distorts::Adds
+        } else {
+            Distorts::Beyond
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! Samples that repeat the one before, at random.
 
-use super::{Effect, Evidence, Scene, Truth};
+use super::{Distorts, Effect, Evidence, Scene, Truth};
 use crate::hidden::draw::Draw;
 use crate::hidden::ideal::detector::at_least;
 
@@ -44,5 +44,11 @@ impl Effect for Stale {
             }
         }
         Vec::new()
+    }
+
+    /// Of a repeat, the difference from the sample that was due is not correlated with a mean over
+    /// white noise, nor with one over quantisation noise; with the samples themselves it is, by share.
+    fn distorts(&self, _scene: &Scene) -> Distorts {
+        Distorts::Adds
     }
 }

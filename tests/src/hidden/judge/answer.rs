@@ -21,6 +21,43 @@ pub struct Axis {
     /// The model after all findings.
     #[serde(rename = "final")]
     pub last: Option<Last>,
+    /// What the pictures show.
+    #[serde(default)]
+    pub views: Views,
+}
+
+/// Curves of the record and of the models, the five terms alone and the last one.
+#[derive(Debug, Clone, Default, Deserialize)]
+pub struct Views {
+    /// Allan deviation, whole record.
+    pub allan: Vec<Modelled>,
+    /// Allan deviation, the part that is held out.
+    pub held_out: Vec<Held>,
+}
+
+/// What two models expect at an averaging time.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+pub struct Modelled {
+    /// Averaging time, samples.
+    pub m: u64,
+    /// Five terms alone.
+    pub before: f64,
+    /// The last model.
+    pub after: f64,
+}
+
+/// What was measured there, too.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+pub struct Held {
+    /// Averaging time, seconds.
+    pub tau_s: f64,
+    /// Measured deviation.
+    pub adev: f64,
+    /// Degrees of freedom behind it.
+    pub edf: f64,
+    /// The models.
+    #[serde(flatten)]
+    pub models: Modelled,
 }
 
 /// One effect named.

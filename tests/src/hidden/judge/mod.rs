@@ -1,5 +1,7 @@
 //! Runs the program on cases, compares its answers with the truth, and counts.
 
+pub mod allan;
+pub mod allan_table;
 pub mod answer;
 pub mod place;
 pub mod program;

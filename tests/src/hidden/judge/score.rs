@@ -1,5 +1,6 @@
 //! One answer against one truth.
 
+use super::allan::{self, ModelError};
 use super::answer::{Answer, Axis, Finding, Interval, Remark};
 use super::place;
 use crate::hidden::case::Case;
@@ -20,6 +21,9 @@ pub struct Score {
     pub coefficients: Vec<Parameter>,
     /// Whether a remark points to the right place, of what has no name.
     pub placed: Option<bool>,
+    /// Errors of the models' Allan deviations in the target, where everything is named and nothing
+    /// else.
+    pub allan: Vec<ModelError>,
 }
 
 /// One parameter beside its truth.
@@ -75,6 +79,13 @@ pub fn score(case: &Case, answer: &Answer) -> Score {
     let rate_is_right = truths.iter().all(|truth| truth.effect != "timebase");
     if let Some(axis) = answer.axes.get(case.scene.target).filter(|_| rate_is_right) {
         score.coefficients = coefficients(case, axis);
+    }
+    if let Some(axis) = answer
+        .axes
+        .get(case.scene.target)
+        .filter(|_| score.is_right())
+    {
+        score.allan = allan::errors(case, &axis.views);
     }
     score
 }

@@ -118,34 +118,46 @@ pub fn coverage(trials: &[Trial]) -> String {
     text
 }
 
-/// Detection against strength beside the ideal detector, a row a kind and strength.
+/// Detection against strength, a row a kind and a column a strength: percent named, whatever else is
+/// said, and in brackets percent that the ideal detector sees.
 pub fn detection(trials: &[Trial]) -> String {
-    let mut text =
-        String::from("kind                   strength   cases   named  % named  % ideal\n");
-    let mut rows: BTreeMap<(&str, u64), Vec<&Trial>> = BTreeMap::new();
-    for trial in trials {
-        let strength = trial.strength.unwrap_or(0.0);
-        // Strengths of a grid: their bits order as they do.
-        let key = (trial.row.as_str(), strength.to_bits());
-        rows.entry(key).or_default().push(trial);
+    let mut strengths: Vec<f64> = trials.iter().filter_map(|trial| trial.strength).collect();
+    strengths.sort_by(f64::total_cmp);
+    strengths.dedup();
+    let mut text = String::from("named % (ideal %)\nstrength      ");
+    for strength in &strengths {
+        let _ = write!(text, "{strength:>12.2}");
     }
-    for ((row, strength), trials) in rows {
-        let named = trials.iter().filter(|trial| {
-            let all = |score: &super::score::Score| score.named.iter().all(|(_, named)| *named);
-            trial.result.as_ref().is_ok_and(|(score, _)| all(score))
-        });
-        let named = named.count();
-        let ideal: f64 = trials.iter().filter_map(|trial| trial.ideal_power).sum();
-        let _ = writeln!(
-            text,
-            "{row:<22} {:>8.2} {:>7} {named:>7} {:>8} {:>8.1}",
-            f64::from_bits(strength),
-            trials.len(),
-            percent(named, trials.len()),
-            100.0 * ideal / trials.len() as f64
-        );
+    text.push('\n');
+    let mut rows = rows(trials);
+    rows.push(("all", trials.iter().collect()));
+    for (row, trials) in rows {
+        let _ = write!(text, "{row:<14}");
+        for strength in &strengths {
+            let here = trials
+                .iter()
+                .filter(|trial| trial.strength == Some(*strength));
+            let here: Vec<&Trial> = here.copied().collect();
+            let _ = write!(text, "{:>12}", share(&here));
+        }
+        text.push('\n');
     }
     text
+}
+
+/// A cell of [`detection`]; a program that failed has named nothing.
+fn share(trials: &[&Trial]) -> String {
+    if trials.is_empty() {
+        return "-".to_owned();
+    }
+    let is_named = |trial: &&&Trial| {
+        let result = trial.result.as_ref();
+        result.is_ok_and(|(score, _)| score.named.iter().all(|(_, named)| *named))
+    };
+    let (named, count) = (trials.iter().filter(is_named).count(), trials.len() as f64);
+    let ideal: f64 = trials.iter().filter_map(|trial| trial.ideal_power).sum();
+    let named = 100.0 * named as f64 / count;
+    format!("{named:.0} ({:.0})", 100.0 * ideal / count)
 }
 
 fn percent(part: usize, of: usize) -> String {

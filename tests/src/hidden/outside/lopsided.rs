@@ -2,7 +2,7 @@
 
 use super::Place;
 use crate::hidden::draw::Draw;
-use crate::hidden::effect::Effect;
+use crate::hidden::effect::{Distorts, Effect};
 use crate::hidden::ideal::detector::{Evidence, power};
 use crate::hidden::scene::Scene;
 use crate::hidden::truth::Truth;
@@ -53,6 +53,10 @@ impl Effect for Lopsided {
             *sample += scale * (draw.normal().powi(2) - 1.0);
         }
         Vec::new()
+    }
+
+    fn distorts(&self, _scene: &Scene) -> Distorts {
+        Distorts::Adds
     }
 
     fn place(&self) -> Option<Place> {

@@ -1,0 +1,147 @@
+//! A model's Allan deviation beside that of the held-out half of the record.
+
+use std::ops::Range;
+
+use inm_allan::Statistic;
+use serde::Serialize;
+
+use super::half;
+use crate::bins::point::{self, Point};
+use crate::bins::strided::Strided;
+use crate::criticise::axis::AxisState;
+use crate::criticise::rounds::Snapshot;
+use crate::model::whole::ModelAxis;
+
+/// Degrees of freedom from which a point of the Allan curve says how far a model is off.
+const LEAST_EDF: f64 = 1000.0;
+
+/// One averaging time of the held-out half. Deviations are in the unit of the signal.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct HeldPoint {
+    /// Averaging time, seconds.
+    pub tau_s: f64,
+    /// Averaging time, samples.
+    pub m: u64,
+    /// Measured deviation.
+    pub adev: f64,
+    /// Equivalent degrees of freedom behind it, 1000 or more.
+    pub edf: f64,
+    /// What the five terms alone expect.
+    pub before: f64,
+    /// What the extended model expects.
+    pub after: f64,
+}
+
+/// The measured Allan curve of the held-out half, without the stretches that are masked.
+pub struct HeldCurve {
+    pub(super) points: Vec<Point>,
+}
+
+impl HeldCurve {
+    /// Of an axis.
+    pub fn new(axis: &AxisState) -> Self {
+        let record = axis.mended.bare();
+        Self {
+            points: curve(half(&record.values(), 1), axis.rate_hz),
+        }
+    }
+
+    /// The points of a thousand degrees of freedom or more.
+    fn sure(&self) -> impl Iterator<Item = &Point> {
+        self.points.iter().filter(|point| point.edf >= LEAST_EDF)
+    }
+
+    /// Variances that a model expects at these points: its noise, and the waveforms of a snapshot
+    /// where the half has samples.
+    pub fn expected(&self, axis: &AxisState, model: &ModelAxis, with: &Snapshot) -> Vec<f64> {
+        let law = model.law(axis.rate_hz);
+        let waves = if with.waves.is_empty() {
+            Vec::new()
+        } else {
+            waveform_curve(axis, with, axis.mended.left_out())
+        };
+        let variance = |point: &Point| {
+            let own = waves.iter().find(|other| other.m == point.m);
+            law.allan_variance(point.m) + own.map_or(0.0, |other| other.variance)
+        };
+        self.sure().map(variance).collect()
+    }
+
+    /// Root mean square error of the deviations that belong to the `expected` variances, percent, and
+    /// what sampling alone makes of that; `None` where there are no such points.
+    pub fn error_percent(&self, expected: &[f64]) -> Option<(f64, f64)> {
+        let mut squares = (0.0, 0.0);
+        for (point, expected) in self.sure().zip(expected) {
+            let error = (expected / point.variance).sqrt() - 1.0;
+            squares.0 += error * error;
+            squares.1 += 1.0 / (2.0 * point.edf);
+        }
+        let count = expected.len() as f64;
+        (count > 0.0).then(|| {
+            (
+                100.0 * f64::sqrt(squares.0 / count),
+                100.0 * f64::sqrt(squares.1 / count),
+            )
+        })
+    }
+
+    /// The points with what two models expect there.
+    pub fn beside(&self, before: &[f64], after: &[f64]) -> Vec<HeldPoint> {
+        let expected = before.iter().zip(after);
+        let point = |(point, (before, after)): (&Point, (&f64, &f64))| HeldPoint {
+            tau_s: point.tau_s,
+            m: point.m,
+            adev: point.deviation(),
+            edf: point.edf,
+            before: before.sqrt(),
+            after: after.sqrt(),
+        };
+        self.sure().zip(expected).map(point).collect()
+    }
+}
+
+/// Allan curve of the waveforms of a snapshot, where the held-out half has samples that are not left
+/// out.
+pub(super) fn waveform_curve<'a>(
+    axis: &AxisState,
+    with: &Snapshot,
+    left_out: impl Iterator<Item = &'a Range<usize>>,
+) -> Vec<Point> {
+    // Its sign is no matter.
+    let mut waveform = vec![0.0; axis.mended.len()];
+    for wave in &with.waves {
+        wave.take_out(&mut waveform);
+    }
+    for (value, measured) in waveform.iter_mut().zip(axis.mended.measured()) {
+        if !measured.is_finite() {
+            *value = f64::NAN;
+        }
+    }
+    for mask in left_out {
+        waveform[mask.clone()].fill(f64::NAN);
+    }
+    curve(half(&waveform, 1), axis.rate_hz)
+}
+
+fn curve<'a>(parts: impl Iterator<Item = (usize, &'a [f64])>, rate_hz: f64) -> Vec<Point> {
+    let mut bins = Strided::default();
+    let mut next = 0;
+    for (first, values) in parts {
+        let same = |a: &f64, b: &f64| a.is_finite() == b.is_finite();
+        bins.skip((first - next) as u64);
+        for run in values.chunk_by(same) {
+            if run[0].is_finite() {
+                bins.push_floats(run);
+            } else {
+                bins.skip(run.len() as u64);
+            }
+        }
+        next = first + values.len();
+    }
+    point::points(
+        Statistic::Allan,
+        &bins.estimates(Statistic::Allan),
+        rate_hz,
+        1.0,
+    )
+}
