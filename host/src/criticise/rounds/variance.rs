@@ -3,14 +3,15 @@
 use super::super::bursts::{self, Burst, even, wander};
 use super::super::finding::Value;
 use super::steady::LONG;
-use super::{Rounds, named};
+use super::{Accepted, Rounds, named};
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// Stretches at most.
 const MOST: usize = 3;
 
 /// Samples from the end of a burst within which a short stretch belongs to it.
-const NEAR: usize = 4096;
+const NEAR: f64 = 4096.0;
 
 /// Samples about an outlier where something of it may stay.
 const REMAINS: usize = 64;
@@ -79,8 +80,8 @@ impl Rounds<'_> {
         ]);
         // Large samples of the stretch may have passed for them.
         self.withdraw("outliers");
-        if let Some(longer) = self.beside(&range) {
-            return self.lengthen(longer, &range);
+        if let Some(other) = self.beside(&range) {
+            return self.join(other, &range, parameters, burst.held_nats);
         }
         self.accept(
             "burst",
@@ -99,37 +100,52 @@ impl Rounds<'_> {
         )
     }
 
-    /// The burst, by its place among the effects, that a short stretch is an end of: noise that is switched
-    /// behind the converter's filter leaves what the filter shuts out.
+    /// The burst, by its place among the effects, of which a stretch is an end, or the other way
+    /// round: noise that is switched behind the converter's filter leaves what the filter shuts out.
     fn beside(&self, range: &Range<usize>) -> Option<usize> {
-        let rate_hz = self.axis.rate_hz;
         self.accepted.iter().position(|one| {
-            let at = |name: &str| Some(one.parameters.get(name)?.value * rate_hz);
-            let ends = (one.effect == "burst").then(|| at("from_s").zip(at("to_s")));
-            ends.flatten().is_some_and(|(from, to)| {
-                let short = range.len() <= LONG.min((to - from) as usize);
-                let near = [from, to].map(|end| {
-                    (range.start as f64 - end)
-                        .abs()
-                        .min((range.end as f64 - end).abs())
-                });
-                short && near[0].min(near[1]) < NEAR as f64
+            self.stretch_of(one).is_some_and(|[from, to]| {
+                let ends = [range.start as f64, range.end as f64];
+                let apart = (ends[0] - to).max(from - ends[1]);
+                let shorter = (to - from).min(ends[1] - ends[0]);
+                shorter <= LONG as f64 && apart < NEAR
             })
         })
     }
 
-    /// Masks a stretch beside a burst along with it.
-    fn lengthen(&mut self, place: usize, range: &Range<usize>) -> Option<bool> {
-        let rate_hz = self.axis.rate_hz;
-        let one = &mut self.accepted[place];
-        for (name, end) in [("from_s", range.start), ("to_s", range.end)] {
-            let end_s = end as f64 / rate_hz;
-            if let Some(value) = one.parameters.get_mut(name)
-                && ((name == "from_s") == (end_s < value.value))
+    /// First and last sample of a burst.
+    fn stretch_of(&self, one: &Accepted) -> Option<[f64; 2]> {
+        if one.effect != "burst" {
+            return None;
+        }
+        let at = |name: &str| Some(one.parameters.get(name)?.value * self.axis.rate_hz);
+        Some([at("from_s")?, at("to_s")?])
+    }
+
+    /// Joins a stretch with the burst that it is a part of: of the longer one's size, between the
+    /// outer ends of both.
+    fn join(
+        &mut self,
+        other: usize,
+        range: &Range<usize>,
+        mut parameters: BTreeMap<String, Value>,
+        nats: Option<f64>,
+    ) -> Option<bool> {
+        let [from, to] = self.stretch_of(&self.accepted[other])?;
+        let mut old = self.accepted[other].parameters.clone();
+        if to - from > range.len() as f64 {
+            std::mem::swap(&mut old, &mut parameters);
+        }
+        for (name, first) in [("from_s", true), ("to_s", false)] {
+            if let (Some(one), Some(two)) = (parameters.get_mut(name), old.get(name))
+                && (two.value < one.value) == first
             {
-                *value = Value::normal(end_s, bursts::BLOCK as f64 / rate_hz);
+                *one = *two;
             }
         }
+        let one = &mut self.accepted[other];
+        one.parameters = parameters;
+        one.nats = nats.or(one.nats);
         self.axis.mended.masked.push(range.clone());
         self.axis.refresh(true)?;
         Some(true)
