@@ -132,8 +132,9 @@ struct Tiles {
 
 struct Group {
     f_hz: f64,
-    /// Over their mean, at even moments; `None` where samples do not count.
-    strengths: Vec<Option<f64>>,
+    /// Sum of the strengths, over their mean, and their number: moment by moment, or in as many even
+    /// parts of the record as there are of the finest blocks.
+    parts: Vec<[f64; 2]>,
 }
 
 impl Tiles {
@@ -151,16 +152,21 @@ impl Tiles {
                     continue;
                 }
                 let strengths = strengths(&seen, start..start + size);
-                let good = || strengths.iter().zip(&counts).filter(|(_, counts)| **counts);
-                let mean = good().map(|(one, _)| one).sum::<f64>() / good().count() as f64;
-                if mean > 0.0 {
+                let moments = size.div_ceil(BLOCKS[BLOCKS.len() - 1]);
+                let both = strengths.chunks(moments).zip(counts.chunks(moments));
+                let mut parts: Vec<[f64; 2]> = both
+                    .map(|(strengths, counts)| {
+                        let good = strengths.iter().zip(counts).filter(|(_, counts)| **counts);
+                        good.fold([0.0; 2], |[sum, count], (one, _)| [sum + one, count + 1.0])
+                    })
+                    .collect();
+                let sum: f64 = parts.iter().map(|[sum, _]| sum).sum();
+                let count: f64 = parts.iter().map(|[_, count]| count).sum();
+                if sum > 0.0 {
+                    parts.iter_mut().for_each(|[one, _]| *one *= count / sum);
                     groups.push(Group {
                         f_hz: seen.whole.frequency(start + size / 2),
-                        strengths: strengths
-                            .iter()
-                            .zip(&counts)
-                            .map(|(one, counts)| counts.then_some(one / mean))
-                            .collect(),
+                        parts,
                     });
                 }
             }
@@ -200,22 +206,23 @@ impl<'a> Scores<'a> {
     fn blocks(&self, count: usize) -> Blocks {
         let groups = || {
             let both = self.tiles.groups.iter().zip(&self.weights);
-            both.map(move |(group, weight)| (group, *weight, group.strengths.len() / count))
-                .filter(|(.., each)| *each > 0)
+            both.filter(|(group, _)| group.parts.len() >= count)
         };
         // What is the same at all frequencies does not count.
-        let (sum, tiles) = groups().fold((0.0, 0.0), |(sum, tiles), (_, weight, each)| {
-            (sum + weight * each as f64, tiles + each as f64)
+        let (sum, tiles) = groups().fold((0.0, 0.0), |(sum, tiles), (group, weight)| {
+            let moments: f64 = group.parts.iter().map(|[_, count]| count).sum();
+            (sum + weight * moments, tiles + moments)
         });
         let common = sum / tiles;
         let mut sums = vec![[0.0; 3]; count];
-        for (group, weight, each) in groups() {
+        for (group, weight) in groups() {
             let weight = weight - common;
-            for (block, tiles) in sums.iter_mut().zip(group.strengths.chunks(each)) {
-                for strength in tiles.iter().flatten() {
-                    block[0] += weight * (strength - 1.0);
-                    block[1] += weight * weight;
-                    block[2] += weight.powi(4);
+            let parts = group.parts.chunks(group.parts.len() / count);
+            for (block, parts) in sums.iter_mut().zip(parts) {
+                for [strength, moments] in parts {
+                    block[0] += weight * (strength - moments);
+                    block[1] += weight * weight * moments;
+                    block[2] += weight.powi(4) * moments;
                 }
             }
         }
