@@ -13,6 +13,9 @@ use super::steady;
 /// Shares of the density, the largest that a law reaches somewhere tells its band.
 const SHARES: [f64; 4] = [0.5, 0.25, 0.1, 0.03];
 
+/// Standard deviation of a parameter's logarithm that is little.
+const LITTLE: f64 = 0.15;
+
 impl Rounds<'_> {
     /// Takes back what the record speaks against; remarks on each.
     pub(super) fn doubts(&mut self) -> Option<Vec<Remark>> {
@@ -33,14 +36,24 @@ impl Rounds<'_> {
                 given_back.push(which);
                 continue;
             }
-            let doubt = self
-                .changing_law(which, effect)
+            let (mut doubt, mut moves) = (None, None);
+            if let Some((remark, log_sd)) = self.changing_law(which, effect) {
+                // Where all of the noise is unsteady, what moves a little may still be what it is.
+                if log_sd < LITTLE && (self.restless || !self.axis.apart.is_empty()) {
+                    moves = Some(remark);
+                } else {
+                    doubt = Some(remark);
+                }
+            }
+            let doubt = doubt
                 .or_else(|| self.unsteady_law(which, effect))
                 .or_else(|| self.misfit(which, effect, left.as_ref()));
             if let Some(doubt) = doubt {
                 self.accepted.remove(place);
                 given_back.push(which);
                 remarks.push(doubt);
+            } else {
+                remarks.extend(moves);
             }
         }
         self.forget_laws(&given_back)?;
@@ -108,8 +121,9 @@ impl Rounds<'_> {
             .unwrap_or(0.0..0.0)
     }
 
-    /// A law whose parameters change in time: noise of another kind, whose colour does.
-    fn changing_law(&self, which: usize, effect: &str) -> Option<Remark> {
+    /// A law whose parameters change in time, which noise of another kind makes whose colour does, and
+    /// by how much, as the standard deviation of a logarithm.
+    fn changing_law(&self, which: usize, effect: &str) -> Option<(Remark, f64)> {
         // Two levels are not Gaussian.
         if effect == "telegraph" {
             return None;
@@ -117,11 +131,8 @@ impl Rounds<'_> {
         let change = constancy::change_of_law(self.axis, which);
         let change = change.filter(|one| one.p_value < self.level())?;
         let band = self.main_band(which);
-        Some(changing(
-            &change,
-            &band,
-            &format!("as a {effect} whose {}", change.parameter),
-        ))
+        let what = format!("as a {effect} whose {}", change.parameter);
+        Some((changing(&change, &band, &what), change.log_sd))
     }
 
     /// The five terms themselves, where their sizes change against one another: noise whose colour
