@@ -3,6 +3,8 @@
 use std::path::Path;
 
 use assert_cmd::Command;
+use inm_host::model::Seed;
+use inm_host::simulate::Gaussian;
 use serde_json::Value;
 
 /// A walk for the low end, white noise, and two effects of different kinds.
@@ -176,4 +178,39 @@ fn pictures(folder: &Path) {
     );
     let bitmap = std::fs::read(folder.join("first.png")).expect("written");
     assert!(bitmap.starts_with(b"\x89PNG"));
+}
+
+#[test]
+fn what_follows_the_temperature_is_told_for_a_degree() {
+    /// Signal a degree, and degrees a count of the column.
+    const GAIN: f64 = 2e-3;
+    const SCALE: f64 = 0.01;
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let mut noise = Gaussian::new(Seed { seed: 3, stream: 0 }, 1e-3);
+    let rows = (0..1 << 15).map(|n| {
+        let degrees = 25.0 + 2.0 * (f64::from(n) * 5e-4).sin();
+        let level = GAIN * (degrees - 25.0) + noise.draw();
+        format!("{level:.7},{:.0}\n", degrees / SCALE)
+    });
+    std::fs::write(folder.join("log.csv"), rows.collect::<String>()).expect("written");
+    inm(folder)
+        .args(["diagnose", "log.csv", "--rate", "100", "--columns", "0"])
+        .args(["--temperature", "1", "--temperature-scale", "0.01"])
+        .args(["--json", "log.json"])
+        .assert()
+        .success();
+    let text = std::fs::read_to_string(folder.join("log.json")).expect("written");
+    let told: Value = serde_json::from_str(&text).expect("JSON");
+    let findings = findings(&told);
+    assert_eq!(findings.len(), 1, "seed 3: {findings:?}");
+    let gain = &findings[0].1["parameters"]["gain"];
+    let number = |name: &str| gain[name].as_f64().expect("a number");
+    let deviation = (number("hi") - number("lo")) / INTERVAL;
+    assert!(
+        (number("value") - GAIN).abs() < SIGMAS * deviation,
+        "seed 3: {gain}"
+    );
+    // A tenth of the gain: the scale of a hundred would not pass for it.
+    assert!(deviation < 0.1 * GAIN, "seed 3: {gain}");
 }

@@ -36,6 +36,15 @@ pub struct DiagnoseCommand {
     /// Column of temperatures in the same file, by number from 0 or by name.
     #[arg(long, value_name = "COLUMN")]
     temperature: Option<Selector>,
+    /// Degrees that one unit of that column stands for; gains are told for a degree.
+    #[arg(
+        long,
+        value_name = "SCALE",
+        requires = "temperature",
+        allow_negative_numbers = true,
+        default_value_t = 1.0
+    )]
+    temperature_scale: f64,
     /// Another record of the same axes: tells whether this one was taken at the rate that it says.
     #[arg(long, value_name = "FILE")]
     reference: Option<String>,
@@ -59,6 +68,11 @@ impl DiagnoseCommand {
             self.level > 0.0 && self.level < 1.0,
             "--level {}: a probability between 0 and 1",
             self.level
+        );
+        anyhow::ensure!(
+            self.temperature_scale.is_normal(),
+            "--temperature-scale {}: a number other than zero",
+            self.temperature_scale
         );
         let covariate = match &self.temperature {
             Some(column) => Some(self.read_column(column)?),
@@ -137,7 +151,7 @@ impl DiagnoseCommand {
             } else {
                 *value = last;
             }
-            *value += mean;
+            *value = self.temperature_scale * (*value + mean);
         }
         Ok(values)
     }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::place::Place;
 use super::views::Views;
 use crate::analyse::SourceSummary;
 use crate::model::PerCoefficient;
@@ -78,20 +79,12 @@ pub struct Remark {
     /// Which test.
     pub test: String,
     /// Place in frequency, time or amplitude.
-    #[serde(rename = "where")]
-    pub place: String,
+    #[serde(flatten)]
+    pub place: Place,
     /// Probability of as much in data of the fitted model, the search included.
     pub p_value: f64,
     /// How it looks, in words.
     pub description: String,
-}
-
-impl Remark {
-    /// The two frequencies between which it is, hertz; `None` where its place is no band.
-    pub fn band_hz(&self) -> Option<(f64, f64)> {
-        let (from, to) = self.place.strip_suffix(" Hz")?.split_once(" to ")?;
-        Some((from.parse().ok()?, to.parse().ok()?))
-    }
 }
 
 /// An effect that was found.

@@ -20,6 +20,7 @@ pub mod levels;
 pub mod lines;
 pub mod mend;
 pub mod phase;
+pub mod place;
 pub mod profile;
 pub mod reference;
 pub mod rounds;

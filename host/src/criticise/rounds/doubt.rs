@@ -6,6 +6,7 @@ use super::super::constancy::{self, Change};
 use super::super::finding::Remark;
 use super::super::laws::departure::{self, Departure};
 use super::super::mend::Wave;
+use super::super::place::Place;
 use super::super::steadiness;
 use super::Rounds;
 use super::steady;
@@ -192,7 +193,7 @@ impl Rounds<'_> {
         let band = self.main_band(which);
         (band.start < left.to_hz && left.from_hz < band.end).then(|| Remark {
             test: "spectrum".into(),
-            place: format!("{:.5} to {:.5} Hz", band.start, band.end),
+            place: band.clone().into(),
             p_value: self
                 .accepted
                 .iter()
@@ -223,11 +224,10 @@ impl Rounds<'_> {
         Some(Some(Remark {
             test: "amplitude".into(),
             place: if side > 0.0 {
-                "upper side"
+                Place::UpperSide
             } else {
-                "lower side"
-            }
-            .into(),
+                Place::LowerSide
+            },
             p_value: found.p_value,
             description: format!(
                 "the law of amplitudes is lopsided, its tail longer on that side: skewness {:.2} \
@@ -248,7 +248,7 @@ fn changing(change: &Change, band: &std::ops::Range<f64>, what: &str) -> Remark 
     };
     Remark {
         test: "steadiness".into(),
-        place: format!("{:.5} to {:.5} Hz", band.start, band.end),
+        place: band.clone().into(),
         p_value: change.p_value,
         description: format!(
             "noise whose colour and strength change {when}: {what} moved by {:.0} %",

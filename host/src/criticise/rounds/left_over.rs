@@ -4,6 +4,7 @@ use super::super::bursts::wander::{self, Wander};
 use super::super::finding::Remark;
 use super::super::laws::departure;
 use super::super::lines::{self, Group};
+use super::super::place::Place;
 use super::{Rounds, spectrum_remark};
 
 impl Rounds<'_> {
@@ -32,11 +33,7 @@ impl Rounds<'_> {
                     .fold(1.0, f64::min);
                 remarks.push(Remark {
                     test: "lines".into(),
-                    place: format!(
-                        "{:.5} to {:.5} Hz",
-                        f_hz - 0.5 * width_hz,
-                        f_hz + 0.5 * width_hz
-                    ),
+                    place: (f_hz - 0.5 * width_hz..f_hz + 0.5 * width_hz).into(),
                     p_value,
                     description: format!(
                         "power in {} narrow lines that stand too close to be separate: {}",
@@ -50,8 +47,12 @@ impl Rounds<'_> {
         let powers = axis.powers();
         if let Some(Wander { cyclic, slow }) = wander::wander(&powers) {
             let movements = [
-                (cyclic, "period", "rises and falls in a cycle"),
-                (slow, "period down to", "changes in time"),
+                (
+                    cyclic,
+                    Place::Period as fn(f64) -> Place,
+                    "rises and falls in a cycle",
+                ),
+                (slow, Place::Slower, "changes in time"),
             ];
             // One movement shows in both: a cycle is the plainer of the two.
             let seen = movements.iter().find(|(one, ..)| one.p_value < level);
@@ -59,7 +60,7 @@ impl Rounds<'_> {
             if let Some((movement, place, how)) = seen {
                 remarks.push(Remark {
                     test: "variance".into(),
-                    place: format!("{place} {:.4} s", movement.period / axis.rate_hz),
+                    place: place(movement.period / axis.rate_hz),
                     p_value: movement.p_value,
                     description: format!("the strength of the noise {how}"),
                 });

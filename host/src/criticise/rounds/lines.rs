@@ -4,6 +4,7 @@ use super::super::axis::AxisState;
 use super::super::finding::{Remark, Value};
 use super::super::lines::{self, Group, Measured};
 use super::super::mend::Wave;
+use super::super::place::Place;
 use super::super::tone;
 use super::{Rounds, Snapshot, named};
 
@@ -71,7 +72,7 @@ impl Rounds<'_> {
         let width_hz = REACH * self.axis.rate_hz / self.axis.filled.len() as f64;
         self.unsteady.push(Remark {
             test: "lines".into(),
-            place: format!("{f_hz:.5} Hz"),
+            place: Place::Line(f_hz),
             p_value: one.line.false_alarm,
             description: format!(
                 "a line of amplitude {:.3e} that does not keep its size and phase: {}",

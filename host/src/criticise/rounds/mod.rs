@@ -303,7 +303,7 @@ fn named<const N: usize>(values: [(&str, Value); N]) -> BTreeMap<String, Value> 
 fn spectrum_remark(departure: &departure::Departure) -> Remark {
     Remark {
         test: "spectrum".into(),
-        place: format!("{:.5} to {:.5} Hz", departure.from_hz, departure.to_hz),
+        place: (departure.from_hz..departure.to_hz).into(),
         p_value: departure.p_value,
         description: format!(
             "{:.3} times the power that the model expects there",

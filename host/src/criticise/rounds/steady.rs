@@ -1,6 +1,7 @@
 //! Bands of noise that no steady law speaks for.
 
 use super::super::finding::Remark;
+use super::super::place::Place;
 use super::super::steadiness::{self, Unsteady};
 use super::Rounds;
 use crate::model::effect::Part;
@@ -78,9 +79,12 @@ impl Rounds<'_> {
         };
         let old = self.axis.apart[joined].clone();
         let all = old.start.min(band.start)..old.end.max(band.end);
-        let before = self.unsteady.iter_mut();
-        for one in before.filter(|one| one.place.starts_with(&place_of(&old))) {
-            one.place = one.place.replace(&place_of(&old), &place_of(&all));
+        for one in &mut self.unsteady {
+            if let Place::Band { ends_hz, .. } = &mut one.place
+                && *ends_hz == [old.start, old.end]
+            {
+                *ends_hz = [all.start, all.end];
+            }
         }
         self.axis.apart[joined] = all;
     }
@@ -136,10 +140,6 @@ impl Rounds<'_> {
     }
 }
 
-fn place_of(band: &std::ops::Range<f64>) -> String {
-    format!("{:.5} to {:.5} Hz", band.start, band.end)
-}
-
 /// In words.
 pub(super) fn remark(found: &Unsteady) -> Remark {
     let Unsteady {
@@ -162,10 +162,10 @@ pub(super) fn remark(found: &Unsteady) -> Remark {
     };
     Remark {
         test: "steadiness".into(),
-        place: format!(
-            "{}, plainest at {peak_hz:.5} Hz",
-            place_of(&(from_hz..to_hz))
-        ),
+        place: Place::Band {
+            ends_hz: [from_hz, to_hz],
+            peak_hz: Some(peak_hz),
+        },
         p_value,
         description,
     }

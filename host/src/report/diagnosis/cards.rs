@@ -49,7 +49,7 @@ pub fn remark(page: &mut String, one: &Remark) -> Result {
         "<article class=\"card unexplained\"><h3>unexplained: {}</h3><p>{}: {}</p>\
          <dl><div><dt>by chance</dt><dd>{}</dd></div></dl></article>",
         escape(&one.test),
-        escape(&one.place),
+        escape(&one.place.to_string()),
         escape(&one.description),
         probability(one.p_value)
     )

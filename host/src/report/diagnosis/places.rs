@@ -90,7 +90,8 @@ pub fn bands(axis: &AxisDiagnosis) -> (Vec<Band>, Vec<Band>) {
         axis.findings.iter().filter_map(resonance).collect(),
         axis.unexplained
             .iter()
-            .filter_map(|remark| remark.band_hz())
+            .filter_map(|remark| remark.place.band_hz())
+            .map(|[from_hz, to_hz]| (from_hz, to_hz))
             .collect(),
     )
 }
