@@ -2,7 +2,6 @@
 //! does not behave as the effect does.
 
 use super::super::amplitudes;
-use super::super::constancy::{self, Change};
 use super::super::finding::Remark;
 use super::super::laws::departure::{self, Departure};
 use super::super::mend::Wave;
@@ -16,6 +15,14 @@ const SHARES: [f64; 4] = [0.5, 0.25, 0.1, 0.03];
 
 /// Standard deviation of a parameter's logarithm that is little.
 const LITTLE: f64 = 0.15;
+
+/// What becomes of a law's name, and what there is to say.
+enum Verdict {
+    /// It stays.
+    Keeps(Option<Remark>),
+    /// It is none.
+    GivesBack(Option<Remark>),
+}
 
 impl Rounds<'_> {
     /// Takes back what the record speaks against; remarks on each.
@@ -32,36 +39,41 @@ impl Rounds<'_> {
                 continue;
             };
             let effect = self.accepted[place].effect;
-            if effect == "resonance" && self.is_skirt(which) {
-                self.accepted.remove(place);
-                given_back.push(which);
-                continue;
-            }
-            let (mut doubt, mut moves) = (None, None);
-            if let Some((remark, log_sd)) = self.changing_law(which, effect) {
-                // Where all of the noise is unsteady, what moves a little may still be what it is.
-                if log_sd < LITTLE && (self.restless || !self.axis.apart.is_empty()) {
-                    moves = Some(remark);
-                } else {
-                    doubt = Some(remark);
+            remarks.extend(match self.verdict(which, effect, left.as_ref()) {
+                Verdict::Keeps(remark) => remark,
+                Verdict::GivesBack(remark) => {
+                    self.accepted.remove(place);
+                    given_back.push(which);
+                    remark
                 }
-            }
-            let doubt = doubt
-                .or_else(|| self.unsteady_law(which, effect))
-                .or_else(|| self.misfit(which, effect, left.as_ref()));
-            if let Some(doubt) = doubt {
-                self.accepted.remove(place);
-                given_back.push(which);
-                remarks.push(doubt);
-            } else {
-                remarks.extend(moves);
-            }
+            });
         }
         self.forget_laws(&given_back)?;
         if remarks.is_empty() {
             remarks.extend(self.changing_noise());
         }
         Some(remarks)
+    }
+
+    /// What the record says of a law's name.
+    fn verdict(&self, which: usize, effect: &str, left: Option<&Departure>) -> Verdict {
+        if effect == "resonance" && self.is_skirt(which) {
+            return Verdict::GivesBack(None);
+        }
+        // Where all of the noise is unsteady, what moves a little may still be what it is.
+        let unsteady = self.restless || !self.axis.apart.is_empty();
+        let moves = match self.changing_law(which, effect) {
+            Some((remark, log_sd)) if !unsteady || log_sd > LITTLE => {
+                return Verdict::GivesBack(Some(remark));
+            }
+            other => other.map(|(remark, _)| remark),
+        };
+        let doubt = self
+            .unsteady_law(which, effect)
+            .or_else(|| self.misfit(which, effect, left));
+        doubt.map_or(Verdict::Keeps(moves), |doubt| {
+            Verdict::GivesBack(Some(doubt))
+        })
     }
 
     /// Fits without laws that were given back: the model holds what has a name, and no more.
@@ -114,51 +126,12 @@ impl Rounds<'_> {
     }
 
     /// Where a law makes most of the spectrum, or what it makes at most.
-    fn main_band(&self, which: usize) -> std::ops::Range<f64> {
+    pub(super) fn main_band(&self, which: usize) -> std::ops::Range<f64> {
         let bands = SHARES.iter().map(|&share| self.band_of(which, share));
         bands
             .into_iter()
             .find(|band| band.end > band.start)
             .unwrap_or(0.0..0.0)
-    }
-
-    /// A law whose parameters change in time, which noise of another kind makes whose colour does, and
-    /// by how much, as the standard deviation of a logarithm.
-    fn changing_law(&self, which: usize, effect: &str) -> Option<(Remark, f64)> {
-        // Two levels are not Gaussian.
-        if effect == "telegraph" {
-            return None;
-        }
-        let change = constancy::change_of_law(self.axis, which);
-        let change = change.filter(|one| one.p_value < self.level())?;
-        let band = self.main_band(which);
-        let what = format!("as a {effect} whose {}", change.parameter);
-        Some((changing(&change, &band, &what), change.log_sd))
-    }
-
-    /// The five terms themselves, where their sizes change against one another: noise whose colour
-    /// does.
-    fn changing_noise(&self) -> Option<Remark> {
-        // These bend the law of amplitudes, or have what is too small to be told one by one.
-        let bends = [
-            "clipping",
-            "quantisation",
-            "telegraph",
-            "outliers",
-            "stale",
-            "dropped",
-        ];
-        if self.accepted.iter().any(|one| bends.contains(&one.effect)) {
-            return None;
-        }
-        let change = constancy::change_of_terms(self.axis);
-        let change = change.filter(|one| one.p_value < self.level())?;
-        let band = 0.0..0.5 * self.axis.rate_hz;
-        Some(changing(
-            &change,
-            &band,
-            &format!("as if {}", change.parameter),
-        ))
     }
 
     /// A law of steady noise where the noise is not steady.
@@ -236,23 +209,5 @@ impl Rounds<'_> {
                 found.skewness
             ),
         }))
-    }
-}
-
-fn changing(change: &Change, band: &std::ops::Range<f64>, what: &str) -> Remark {
-    let time_s = change.time_s;
-    let when = if change.cyclic {
-        format!("in cycles of {time_s:.3} s")
-    } else {
-        format!("over {time_s:.2} s")
-    };
-    Remark {
-        test: "steadiness".into(),
-        place: band.clone().into(),
-        p_value: change.p_value,
-        description: format!(
-            "noise whose colour and strength change {when}: {what} moved by {:.0} %",
-            100.0 * change.log_sd
-        ),
     }
 }

@@ -7,6 +7,7 @@
 //!
 //! One file a view; each extends `Rounds`.
 
+mod colour;
 mod doubt;
 mod left_over;
 mod level;
