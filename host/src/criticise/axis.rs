@@ -283,7 +283,7 @@ impl AxisState {
     }
 
     /// Power that the laws which filter let through.
-    fn filters(&self, f_hz: f64) -> f64 {
+    pub fn filters(&self, f_hz: f64) -> f64 {
         let parts = self.laws.iter().map(|law| law.effect.part(&law.values));
         let powers = parts.map(|part| match part {
             Part::Distortion(filter) => filter.power(f_hz, self.rate_hz),
@@ -294,12 +294,20 @@ impl AxisState {
 
     /// Its part that law number `which` adds, filters left aside.
     pub fn law_density(&self, which: usize, f_hz: f64) -> f64 {
+        self.unit_law_density(which, f_hz).map_or(0.0, |density| {
+            density * self.fit.squared[laws::component_of(&self.frame, &self.laws, which)]
+        })
+    }
+
+    /// The same for a component of square 1; `None` for a law that filters.
+    pub fn unit_law_density(&self, which: usize, f_hz: f64) -> Option<f64> {
         let law = &self.laws[which];
-        let Part::Term(term) = law.effect.part(&law.values) else {
-            return 0.0;
-        };
-        let squared = self.fit.squared[laws::component_of(&self.frame, &self.laws, which)];
-        squared * self.frame.term_density(&*term, f_hz) * self.frame.chain_power(f_hz)
+        match law.effect.part(&law.values) {
+            Part::Term(term) => {
+                Some(self.frame.term_density(&*term, f_hz) * self.frame.chain_power(f_hz))
+            }
+            Part::Distortion(_) | Part::Clock(_) | Part::Follows(_) => None,
+        }
     }
 
     /// Share of all of the density that law number `which` adds.

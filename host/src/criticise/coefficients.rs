@@ -5,7 +5,8 @@ use super::finding::Coefficient;
 use super::rounds::Accepted;
 use crate::fit::likelihood::Fit;
 use crate::fit::likelihood::components::SEEN;
-use crate::model::{Coefficient as Letter, PerCoefficient};
+use crate::fit::likelihood::ramp::Ramp;
+use crate::model::PerCoefficient;
 
 /// Standard deviations of a one-sided 5 % test, and of a 95 % interval.
 const ONE_SIDED: f64 = 1.644_854;
@@ -22,8 +23,22 @@ pub fn coefficients_of(fit: &Fit) -> PerCoefficient<Coefficient> {
     coefficients(&fit.squared, &sd)
 }
 
+/// A ramp by its size.
+pub fn of_ramp(ramp: &Ramp) -> Coefficient {
+    let size = ramp.per_s.abs();
+    let identified = ramp.identified();
+    let finite = |value: f64| value.is_finite().then_some(value);
+    Coefficient {
+        value: identified.then_some(size),
+        lo: identified.then(|| (size - ramp.two_sided).max(0.0)),
+        hi: identified.then_some(size + ramp.two_sided),
+        identified,
+        upper: finite(size + ramp.one_sided),
+    }
+}
+
 /// Coefficients of the base components with the squares `squared`, whose standard deviations are
-/// `squares_sd`.
+/// `squares_sd`; the ramp has none.
 pub fn coefficients(squared: &[f64], squares_sd: &[f64]) -> PerCoefficient<Coefficient> {
     PerCoefficient::from_fn(|letter| {
         let Some(place) = SEEN.iter().position(|seen| *seen == letter) else {
@@ -31,7 +46,7 @@ pub fn coefficients(squared: &[f64], squares_sd: &[f64]) -> PerCoefficient<Coeff
         };
         let (squared, sd) = (squared[place], squares_sd[place]);
         let root = |square: f64| square.max(0.0).sqrt();
-        let identified = squared > ONE_SIDED * sd && letter != Letter::R;
+        let identified = squared > ONE_SIDED * sd;
         Coefficient {
             value: identified.then(|| root(squared)),
             lo: identified.then(|| root(squared - TWO_SIDED * sd)),

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::aside::Aside;
 use super::axis::AxisState;
 use super::codes::CodeFindings;
-use super::coefficients::{coefficients, coefficients_of, even_density};
+use super::coefficients::{coefficients, coefficients_of, even_density, of_ramp};
 use super::coherence::{self, Common};
 use super::finding::{AxisDiagnosis, Base, Final, Finding, Gain, Value};
 use super::frame::Frame;
@@ -17,12 +17,14 @@ use super::gain::size::Sizes;
 use super::gain::{self, Halves};
 use super::laws;
 use super::mend::Mended;
+use super::ramp;
 use super::rounds::{self, Accepted, Options, Snapshot};
 use super::samples::{AxisSamples, Samples, Waiting};
 use super::views::{Before, Models, Views};
 use crate::fft::ring::Series;
 use crate::fit::likelihood::Fit;
 use crate::fit::likelihood::components::SEEN;
+use crate::fit::likelihood::ramp::Ramp;
 use crate::model::catalogue;
 use crate::model::effect::Effect;
 use crate::model::whole::{ModelAxis, ModelEffect};
@@ -197,12 +199,12 @@ fn diagnose_axis(
     };
     let values = CodeFindings::new(declared, options.level(), &measured, mean);
     let mut refused: Vec<&'static str> = Vec::new();
-    let mut before: Option<Before> = None;
+    let mut begun: Option<(Before, f64)> = None;
     let (axis, base_fit, outcome, nats) = loop {
         let mut axis = AxisState::new(Arc::clone(&measured), rate_hz, signal.chain.as_ref())
             .ok_or_else(refusal)?;
         let base_fit = axis.fit.clone();
-        before.get_or_insert_with(|| Before::new(&axis));
+        begun.get_or_insert_with(|| (Before::new(&axis), slope(ramp::ramp(&axis))));
         let outcome = rounds::run(&mut axis, options, &values, &refused).ok_or_else(refusal)?;
         let nats = held_out(&axis, &outcome.accepted);
         // What gains nothing on data that it was not fitted to is no effect.
@@ -221,12 +223,21 @@ fn diagnose_axis(
         laws: Vec::new(),
     };
     let held = HeldCurve::new(&axis);
-    let model = |snapshot: &Snapshot, fit: &Fit| ModelAxis {
+    let (before, base_slope) = begun.unwrap_or_else(|| (Before::new(&axis), 0.0));
+    let last_ramp = if takes_slope(&outcome.accepted) {
+        None
+    } else {
+        ramp::ramp(&axis)
+    };
+    let model = |snapshot: &Snapshot, fit: &Fit, r: f64| ModelAxis {
         name: signal.name.clone(),
         unit: signal.unit,
         mean,
         chain: signal.chain.clone(),
-        coefficients: gain::coefficients(&fit.squared),
+        coefficients: PerCoefficient {
+            r,
+            ..gain::coefficients(&fit.squared)
+        },
         effects: law_effects(&axis.frame, snapshot, fit),
     };
     let expected = |model: &ModelAxis, with: &Snapshot| held.expected(&axis, model, with);
@@ -234,18 +245,19 @@ fn diagnose_axis(
         let error = held.error_percent(&expected(model, with));
         error.map(|(error, _)| error)
     };
-    let base = model(&base_snapshot, &base_fit);
+    let base = model(&base_snapshot, &base_fit, base_slope);
     let base_expected = expected(&base, &base_snapshot);
     let base_error = held.error_percent(&base_expected);
     let last_snapshot = Snapshot::of(&axis);
-    let stationary = model(&last_snapshot, &axis.fit);
+    let last_slope = slope(last_ramp);
+    let stationary = model(&last_snapshot, &axis.fit, last_slope);
     let last_expected = expected(&stationary, &last_snapshot);
     let last_error = held.error_percent(&last_expected);
     let sizes = Sizes::new(&axis, &held, &stationary, &last_snapshot);
     let mut findings = Vec::new();
     for (one, nats) in outcome.accepted.iter().zip(nats) {
-        let before = model(&one.without, &one.before);
-        let after = model(&one.with, &one.after);
+        let before = model(&one.without, &one.before, last_slope);
+        let after = model(&one.with, &one.after, last_slope);
         findings.push(finding(
             one,
             Gain {
@@ -261,7 +273,10 @@ fn diagnose_axis(
         net[white] = (net[white] - even_density(&axis, &outcome.accepted)).max(0.0);
     }
     let whole = ModelAxis {
-        coefficients: gain::coefficients(&net),
+        coefficients: PerCoefficient {
+            r: last_slope,
+            ..gain::coefficients(&net)
+        },
         effects: named_effects(&findings),
         ..stationary.clone()
     };
@@ -271,7 +286,6 @@ fn diagnose_axis(
         whole: &whole,
     };
     let held_out = held.beside(&base_expected, &last_expected);
-    let before = before.unwrap_or_else(|| Before::new(&axis));
     let simulate = options.simulate;
     let views = Views::new(&axis, before, models, held_out, &findings, mean, simulate);
     let passed = passed(&axis);
@@ -288,7 +302,10 @@ fn diagnose_axis(
         unexplained: outcome.unexplained,
         last: Final {
             model: whole,
-            coefficients: coefficients(&net, &outcome.squares_sd),
+            coefficients: PerCoefficient {
+                r: last_ramp.as_ref().map(of_ramp).unwrap_or_default(),
+                ..coefficients(&net, &outcome.squares_sd)
+            },
             allan_error_percent: last_error.map(|error| error.0),
             allan_error_sampling_percent: last_error.map(|error| error.1),
         },
@@ -317,6 +334,19 @@ fn residual(mended: &Mended, passed: Option<Series>) -> Vec<f32> {
     pairs
         .map(|(left, passed)| (passed + 0.0 * left) as f32)
         .collect()
+}
+
+/// Slope of a ramp that was told from none.
+fn slope(ramp: Option<Ramp>) -> f64 {
+    let told = ramp.filter(Ramp::identified);
+    told.map_or(0.0, |ramp| ramp.per_s.abs())
+}
+
+/// Whether effects were taken out that go with a slope, so that what is left tells little of it.
+fn takes_slope(accepted: &[Accepted]) -> bool {
+    let slow = ["steps", "warmup", "thermal", "telegraph"];
+    let mut waves = accepted.iter().filter(|one| one.law.is_none());
+    waves.any(|one| slow.contains(&one.effect))
 }
 
 /// Gain of each effect on data that it was not fitted to. The halves are made where they are needed.

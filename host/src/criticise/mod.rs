@@ -22,6 +22,7 @@ pub mod mend;
 pub mod phase;
 pub mod place;
 pub mod profile;
+pub mod ramp;
 pub mod reference;
 pub mod rounds;
 pub mod samples;

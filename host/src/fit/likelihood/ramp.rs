@@ -51,7 +51,7 @@ impl Ramp {
             data: data.with_bin(0.0, 1.0),
             components: components
                 .iter()
-                .zip(slope.unit_variances)
+                .zip(&slope.unit_variances)
                 .map(|(component, variance)| {
                     let last = std::iter::once(unit * variance);
                     component.iter().copied().chain(last).collect()

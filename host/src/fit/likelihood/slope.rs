@@ -79,8 +79,9 @@ pub fn empty_blocks(duration_s: f64) -> Vec<Block> {
 pub struct Slope {
     /// The estimate, unit of the signal per second.
     pub per_s: f64,
-    /// Variance of the estimate for squared coefficients of 1, in the order of [`SEEN`].
-    pub unit_variances: [f64; SEEN.len()],
+    /// Variance of the estimate for squared coefficients of 1, in the order of [`SEEN`], and of what
+    /// was added to them.
+    pub unit_variances: Vec<f64>,
 }
 
 impl Slope {
@@ -127,8 +128,16 @@ impl Slope {
         let variance = |unit: &DMatrix<f64>| (weights.transpose() * unit * &weights)[(0, 0)];
         Some(Self {
             per_s: weights.dot(&means),
-            unit_variances: std::array::from_fn(|i| variance(&units[i]).max(0.0)),
+            unit_variances: units.iter().map(|unit| variance(unit).max(0.0)).collect(),
         })
+    }
+
+    /// Adds a component that is as good as white over the length of the record, of this two-sided
+    /// density for a square of 1.
+    pub fn beside(&mut self, density: f64) {
+        let white = SEEN.iter().position(|&one| one == Coefficient::N);
+        let unit = white.map_or(0.0, |place| self.unit_variances[place]);
+        self.unit_variances.push(density * unit);
     }
 
     /// Variance of the estimate for the squared coefficients `squared`.

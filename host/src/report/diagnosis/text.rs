@@ -130,9 +130,6 @@ fn coefficients(text: &mut String, axis: &AxisDiagnosis) -> std::fmt::Result {
         "", "five terms"
     )?;
     for letter in Coefficient::ALL {
-        if letter == Coefficient::R {
-            continue;
-        }
         let before = *axis.base.model.coefficients.get(letter);
         let after = axis.last.coefficients.get(letter);
         let now = match (after.value, after.lo, after.hi) {
@@ -143,7 +140,7 @@ fn coefficients(text: &mut String, axis: &AxisDiagnosis) -> std::fmt::Result {
                 significant(hi, 4)
             ),
             _ => after.upper.map_or_else(
-                || "unknown".to_owned(),
+                || "not told beside what was taken out of the level".to_owned(),
                 |upper| format!("not told from zero, below {}", significant(upper, 3)),
             ),
         };
