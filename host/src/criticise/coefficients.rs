@@ -1,7 +1,7 @@
 //! The five coefficients of a fit, with intervals.
 
 use super::axis::AxisState;
-use super::finding::Coefficient;
+use super::finding::{Coefficient, Value};
 use super::rounds::Accepted;
 use crate::fit::likelihood::Fit;
 use crate::fit::likelihood::components::SEEN;
@@ -57,14 +57,40 @@ pub fn coefficients(squared: &[f64], squares_sd: &[f64]) -> PerCoefficient<Coeff
     })
 }
 
-/// Density of what the named effects add evenly to the noise, where it shows as white noise of the
-/// sensor's: the rounding of a step that was found.
-pub fn even_density(axis: &AxisState, accepted: &[Accepted]) -> f64 {
-    let joins_behind = axis.frame.units().len() > SEEN.len();
-    let step = accepted
-        .iter()
-        .find(|one| one.effect == "quantisation")
-        .and_then(|one| one.parameters.get("step"));
-    step.filter(|_| !joins_behind)
-        .map_or(0.0, |step| step.value * step.value / 12.0 / axis.rate_hz)
+/// Density that named effects add evenly to the noise, where it shows as white noise of the sensor's,
+/// and its standard deviation: the rounding of a step that was found, and outliers too small to be
+/// taken out one by one.
+pub fn even_density(axis: &AxisState, accepted: &[Accepted]) -> [f64; 2] {
+    // Behind a converter's filter they have a component of their own.
+    if axis.frame.units().len() > SEEN.len() {
+        return [0.0; 2];
+    }
+    let find = |effect: &str| accepted.iter().find(|one| one.effect == effect);
+    let value = |one: &Accepted, name: &str| one.parameters.get(name).copied();
+    let rounding = find("quantisation")
+        .and_then(|one| value(one, "step"))
+        .map_or(0.0, |step| step.value * step.value / 12.0 / axis.rate_hz);
+    let [small, small_sd] = find("outliers")
+        .and_then(|one| Some([value(one, "rate_hz")?, value(one, "size")?]))
+        .map_or([0.0; 2], |[rate_hz, size]| {
+            small_outliers(axis, rate_hz, size)
+        });
+    [rounding + small, small_sd]
+}
+
+/// Of outliers of a law, `rate_hz` of them a second, those that are still in the record: their density
+/// and its standard deviation.
+fn small_outliers(axis: &AxisState, rate_hz: Value, size: Value) -> [f64; 2] {
+    let duration_s = axis.mended.len() as f64 / axis.rate_hz;
+    let seen = axis.mended.outliers().iter().map(|one| one.size * one.size);
+    let all = rate_hz.value * size.value * size.value;
+    let small = (all - seen.sum::<f64>() / duration_s).max(0.0);
+    let log_sd = |value: Value| {
+        let ends = value.lo.zip(value.hi);
+        ends.map_or(1.0, |(lo, hi)| (hi / lo).ln() / (2.0 * TWO_SIDED))
+    };
+    let squared = axis.rate_hz * axis.rate_hz;
+    // All of them at most.
+    let sd = all * log_sd(rate_hz).hypot(2.0 * log_sd(size)).min(1.0);
+    [small / squared, sd / squared]
 }

@@ -269,8 +269,11 @@ fn diagnose_axis(
         ));
     }
     let mut net = axis.fit.squared.clone();
+    let mut squares_sd = outcome.squares_sd;
     if let Some(white) = SEEN.iter().position(|one| *one == Letter::N) {
-        net[white] = (net[white] - even_density(&axis, &outcome.accepted)).max(0.0);
+        let [even, even_sd] = even_density(&axis, &outcome.accepted);
+        net[white] = (net[white] - even).max(0.0);
+        squares_sd[white] = squares_sd[white].hypot(even_sd);
     }
     let whole = ModelAxis {
         coefficients: PerCoefficient {
@@ -304,7 +307,7 @@ fn diagnose_axis(
             model: whole,
             coefficients: PerCoefficient {
                 r: last_ramp.as_ref().map(of_ramp).unwrap_or_default(),
-                ..coefficients(&net, &outcome.squares_sd)
+                ..coefficients(&net, &squares_sd)
             },
             allan_error_percent: last_error.map(|error| error.0),
             allan_error_sampling_percent: last_error.map(|error| error.1),

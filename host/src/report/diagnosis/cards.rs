@@ -192,7 +192,7 @@ fn coefficients(
     )
 }
 
-/// The coefficients that a diagnosis fits; the ramp is left to `inm analyze`.
+/// The coefficients that change with a finding; the ramp is told once, beside all of them.
 pub fn seen() -> impl Iterator<Item = Coefficient> {
     Coefficient::ALL
         .into_iter()
