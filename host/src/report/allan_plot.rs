@@ -159,7 +159,7 @@ fn measured(frame: &mut Frame<'_>, axis: &AxisAnalysis) {
     frame.band(Field::Main, &band, colour, BAND);
     frame.line(Field::Main, points().map(curve), Stroke::solid(colour, 1.0));
     frame.dots(Field::Main, points().map(curve), 2.3, colour);
-    frame.explain(Mark::DotOnBand(colour, BAND), "measured, 95 % band");
+    frame.explain(Mark::DotOnBand(colour, BAND), "measured, 95 %");
 }
 
 fn fits(frame: &mut Frame<'_>, axis: &AxisAnalysis) {

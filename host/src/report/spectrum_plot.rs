@@ -121,7 +121,7 @@ pub(super) fn measured(frame: &mut Frame<'_>, spots: &[Compared]) {
     frame.band(Field::Main, &band, stroke.colour, BAND);
     let curve = spots.iter().map(|spot| (spot.x, spot.measured));
     frame.line(Field::Main, curve, stroke);
-    frame.explain(Mark::LineOnBand(stroke, BAND), "measured, 95 % band");
+    frame.explain(Mark::LineOnBand(stroke, BAND), "measured, 95 %");
 }
 
 /// The limit of a strip as far as the typical interval reaches: the lowest frequencies may leave

@@ -37,7 +37,7 @@ pub fn panel(axis: &AxisDiagnosis, id: &str, theme: &Theme) -> String {
     for &(from, to) in &unexplained {
         frame.shade(from, to, theme.before, 2.0 * DIFFERS);
     }
-    let tags = places::frequencies(axis);
+    let mut tags = places::frequencies(axis);
     for (at, _) in &tags {
         frame.upright(*at, Stroke::dashed(theme.faint, 0.8, "1 4"));
     }
@@ -50,9 +50,6 @@ pub fn panel(axis: &AxisDiagnosis, id: &str, theme: &Theme) -> String {
     let simulated = Stroke::solid(theme.simulated, 0.9);
     models(&mut frame, &modelled, Mark::Line(simulated));
     underline(&mut frame, points);
-    if !unexplained.is_empty() {
-        frame.explain(Mark::Area(theme.before, 2.0 * DIFFERS), "unexplained");
-    }
     let before = compared(points, |one| one.before);
     let limit = typical_limit(&before).max(typical_limit(&after));
     ratio::open(&mut frame, limit);
@@ -65,6 +62,8 @@ pub fn panel(axis: &AxisDiagnosis, id: &str, theme: &Theme) -> String {
         frame.line(Field::Strip, line, super::before(theme));
     }
     ratio::points(&mut frame, &after, 1.6);
+    let unexplained = unexplained.into_iter();
+    tags.extend(unexplained.map(|(_, to_hz)| (to_hz, "unexplained".into())));
     frame.tags(tags, theme.ink);
     frame.finish()
 }
