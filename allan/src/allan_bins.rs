@@ -126,7 +126,7 @@ mod tests {
 
     #[test]
     fn bins_that_were_used_before_are_like_new() {
-        const SAMPLES: u64 = if cfg!(miri) { 300 } else { 9000 };
+        const SAMPLES: u64 = if cfg!(miri) { 100 } else { 9000 };
         let mut state = 7_u64;
         let mut code = || {
             state = state

@@ -203,7 +203,7 @@ fn sampled_sinusoid_has_its_closed_form() {
 }
 
 proptest! {
-    #![proptest_config(cases(256, 16))]
+    #![proptest_config(cases(256, 8))]
 
     #[test]
     fn equals_the_definition(

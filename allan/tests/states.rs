@@ -37,7 +37,7 @@ fn a_state_at_the_last_index_is_honest() {
 }
 
 proptest! {
-    #![proptest_config(cases(2000, 12))]
+    #![proptest_config(cases(2000, 6))]
 
     #[test]
     fn tampered_states_are_refused_or_usable(
