@@ -107,6 +107,7 @@ impl BoardSource {
             .map(|path| Writer::create(path, &header))
             .transpose()?;
         // Only what comes after the start command belongs to the record.
+        client.settle()?;
         frames = Frames::default();
         let mut talk = Talk {
             client: &mut client,
