@@ -10,10 +10,7 @@ use normal::Normal;
 use support::{ALL, Runs, adversarial, direct, grid, normalisation};
 
 #[test]
-#[cfg_attr(
-    miri,
-    ignore = "700 000 samples; the lower levels are in streaming.rs"
-)]
+#[cfg_attr(miri, ignore = "700 000 samples; the lower levels are in streaming.rs")]
 fn upper_levels_equal_the_direct_evaluation() {
     // Codes of 20 bits keep the direct sums within 128 bits at the longest averaging times.
     let codes: Vec<i32> = adversarial(4, 700_000, 11)
