@@ -118,11 +118,15 @@ impl Client {
         .into())
     }
 
-    /// Lets answers that nobody waits for go by, so that what arrives next begins with a whole frame.
+    /// Lets answers that nobody waits for go by, so that no frame is cut in two: `arrived` is given
+    /// every byte of them.
     ///
     /// # Errors
-    /// [`LinkError::Gone`] if the port went away.
-    pub fn settle(&mut self) -> Result<(), LinkError> {
+    /// [`LinkError::Gone`] if the port went away, or what `arrived` returns.
+    pub fn settle<E: From<LinkError>>(
+        &mut self,
+        mut arrived: impl FnMut(&[u8]) -> Result<(), E>,
+    ) -> Result<(), E> {
         if !std::mem::take(&mut self.repeated) {
             return Ok(());
         }
@@ -130,7 +134,9 @@ impl Client {
         let begin = Instant::now();
         let mut quiet_since = begin;
         while quiet_since.elapsed() < QUIET && begin.elapsed() < 10 * QUIET {
-            if self.read(&mut buf)? > 0 {
+            let len = self.read(&mut buf)?;
+            if len > 0 {
+                arrived(&buf[..len])?;
                 quiet_since = Instant::now();
             }
         }
@@ -295,7 +301,13 @@ mod tests {
             Ok::<_, LinkError>((bytes == [1]).then_some(reply))
         });
         assert!(matches!(answer, Ok(Answer::Done)));
-        client.settle().expect("the port stays");
+        let mut passed = Vec::new();
+        let settled = client.settle(|bytes| -> Result<(), LinkError> {
+            passed.extend_from_slice(bytes);
+            Ok(())
+        });
+        assert!(settled.is_ok());
+        assert_eq!(passed, [2, 3, 4]);
         assert_eq!(client.read(&mut [0; 8]).expect("the port stays"), 0);
     }
 }
