@@ -18,9 +18,6 @@ pub struct Patience {
     pub tries: u32,
 }
 
-/// Silence after which no answer is on its way any more: the board takes one request after the other.
-const QUIET: Duration = Duration::from_millis(300);
-
 impl Default for Patience {
     fn default() -> Self {
         Self {
@@ -39,8 +36,6 @@ pub struct Client {
     name: String,
     next_id: u16,
     patience: Patience,
-    /// Whether a request was sent again: each time has an answer of its own, the later ones unawaited.
-    repeated: bool,
 }
 
 impl Client {
@@ -51,7 +46,6 @@ impl Client {
             name,
             next_id: 1,
             patience,
-            repeated: false,
         }
     }
 
@@ -87,8 +81,7 @@ impl Client {
         // The same number each time: the answer to the first try may only be late, and what the board
         // says of the second (that it streams already, say) is no answer to what was asked.
         let id = self.number();
-        for number in 0..self.patience.tries {
-            self.repeated |= number > 0;
+        for _ in 0..self.patience.tries {
             self.send(id, request)?;
             let deadline = Instant::now() + self.patience.wait;
             while Instant::now() < deadline {
@@ -116,31 +109,6 @@ impl Client {
             tries,
         }
         .into())
-    }
-
-    /// Lets answers that nobody waits for go by, so that no frame is cut in two: `arrived` is given
-    /// every byte of them.
-    ///
-    /// # Errors
-    /// [`LinkError::Gone`] if the port went away, or what `arrived` returns.
-    pub fn settle<E: From<LinkError>>(
-        &mut self,
-        mut arrived: impl FnMut(&[u8]) -> Result<(), E>,
-    ) -> Result<(), E> {
-        if !std::mem::take(&mut self.repeated) {
-            return Ok(());
-        }
-        let mut buf = [0; 4096];
-        let begin = Instant::now();
-        let mut quiet_since = begin;
-        while quiet_since.elapsed() < QUIET && begin.elapsed() < 10 * QUIET {
-            let len = self.read(&mut buf)?;
-            if len > 0 {
-                arrived(&buf[..len])?;
-                quiet_since = Instant::now();
-            }
-        }
-        Ok(())
     }
 
     /// Sends a request whose answer the caller finds among what arrives.
@@ -237,77 +205,5 @@ impl Expect for [[u8; REGISTERS]; inm_protocol::AXES] {
 impl Expect for () {
     fn from_answer(_: Answer) -> Option<Self> {
         Some(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use std::collections::VecDeque;
-    use std::io::{Read, Write};
-
-    use super::*;
-
-    /// Answers the second try with what the first and the second are answered with, the last part later.
-    struct Late {
-        sent: u32,
-        answers: VecDeque<Vec<u8>>,
-    }
-
-    impl Read for Late {
-        fn read(&mut self, buf: &mut [u8]) -> io::Result<usize> {
-            let part = if self.sent > 1 {
-                self.answers.pop_front()
-            } else {
-                None
-            };
-            let Some(part) = part else {
-                std::thread::sleep(Duration::from_millis(2));
-                return Err(ErrorKind::TimedOut.into());
-            };
-            buf[..part.len()].copy_from_slice(&part);
-            Ok(part.len())
-        }
-    }
-
-    impl Write for Late {
-        fn write(&mut self, buf: &[u8]) -> io::Result<usize> {
-            self.sent += 1;
-            Ok(buf.len())
-        }
-
-        fn flush(&mut self) -> io::Result<()> {
-            Ok(())
-        }
-    }
-
-    #[test]
-    fn the_answer_to_a_second_try_does_not_reach_what_follows() {
-        let parts = [vec![1], vec![2], vec![3, 4]];
-        let port = Late {
-            sent: 0,
-            answers: parts.into(),
-        };
-        let patience = Patience {
-            wait: Duration::from_millis(20),
-            tries: 2,
-        };
-        let mut client = Client::new(Box::new(port), "late".into(), patience);
-        // The first byte is the awaited answer; the others are of the second.
-        let answer = client.request(Request::Stop, |bytes, id| {
-            let reply = Reply {
-                id,
-                result: Ok(Answer::Done),
-            };
-            Ok::<_, LinkError>((bytes == [1]).then_some(reply))
-        });
-        assert!(matches!(answer, Ok(Answer::Done)));
-        let mut passed = Vec::new();
-        let settled = client.settle(|bytes| -> Result<(), LinkError> {
-            passed.extend_from_slice(bytes);
-            Ok(())
-        });
-        assert!(settled.is_ok());
-        assert_eq!(passed, [2, 3, 4]);
-        assert_eq!(client.read(&mut [0; 8]).expect("the port stays"), 0);
     }
 }

@@ -107,12 +107,6 @@ impl BoardSource {
             .map(|path| Writer::create(path, &header))
             .transpose()?;
         // Only what comes after the start command belongs to the record.
-        Talk {
-            client: &mut client,
-            frames: &mut frames,
-            capture: None,
-        }
-        .settle()?;
         frames = Frames::default();
         let mut talk = Talk {
             client: &mut client,
@@ -248,7 +242,6 @@ impl BoardSource {
         self.ended = true;
         // The board may be gone for good; what was recorded stands either way.
         let stopped: Result<(), SourceError> = self.talk().ask(Request::Stop);
-        let stopped = stopped.and_then(|()| self.talk().settle());
         self.note(Note::End { unix_ms: now_ms() })?;
         self.frames.finish();
         stopped
@@ -347,16 +340,6 @@ impl Talk<'_> {
             (answer, _) => answer,
         }?;
         T::from_answer(answer).ok_or_else(|| client.wrong_answer(request).into())
-    }
-
-    /// Takes what is still on its way while the board is still.
-    fn settle(&mut self) -> Result<(), SourceError> {
-        let Self {
-            client,
-            frames,
-            capture,
-        } = self;
-        client.settle(|bytes| keep(bytes, frames, capture.as_deref_mut()))
     }
 
     fn arrived(&mut self, bytes: &[u8]) -> Result<(), SourceError> {
