@@ -317,11 +317,11 @@ impl AxisState {
 
     /// Share of all of the density that a component of the five terms has.
     pub fn term_share(&self, component: usize, f_hz: f64) -> f64 {
-        self.fit.squared[component] * self.term_density(component, f_hz) / self.density(f_hz)
+        self.fit.squared[component] * self.component_density(component, f_hz) / self.density(f_hz)
     }
 
     /// Density of a component of the five terms whose square is 1.
-    pub fn term_density(&self, component: usize, f_hz: f64) -> f64 {
+    pub fn component_density(&self, component: usize, f_hz: f64) -> f64 {
         self.frame.unit_density(component, f_hz, self.filters(f_hz))
     }
 

@@ -76,3 +76,28 @@ impl Serialize for Place {
         fields.end()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_are_told_in_words_and_as_frequencies() {
+        let said = |place: &Place| serde_json::to_value(place).expect("JSON");
+        let band = Place::Band {
+            ends_hz: [18.0, 27.5],
+            peak_hz: Some(19.0),
+        };
+        assert_eq!(
+            said(&band),
+            serde_json::json!({
+                "where": "18.00000 to 27.50000 Hz, plainest at 19.00000 Hz",
+                "band_hz": [18.0, 27.5],
+            })
+        );
+        assert_eq!(
+            said(&Place::Period(2.0)),
+            serde_json::json!({ "where": "period 2.0000 s", "band_hz": null })
+        );
+    }
+}

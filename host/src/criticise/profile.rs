@@ -90,7 +90,7 @@ impl<'a> Profile<'a> {
         let last = LOW.min(density.len() - 2);
         let low: Vec<usize> = (1..=last).filter(|&k| density[k].is_finite()).collect();
         let shapes = [0, 1].map(|term| -> Vec<f64> {
-            let at = |k: &usize| axis.term_density(term, record.frequency(*k));
+            let at = |k: &usize| axis.component_density(term, record.frequency(*k));
             low.iter().map(at).collect()
         });
         let fitted = [0, 1].map(|term| axis.fit.squared[term]);

@@ -66,7 +66,7 @@ impl Rounds<'_> {
         }
         if found[0].law.effect.name() == "markov" {
             // Jumps seen one by one may be a part of it.
-            if self.drop_switching()? || self.switching_law()? {
+            if self.drop_switching()? || self.switching_with_jumps()? {
                 return Some(true);
             }
         }
@@ -151,8 +151,7 @@ impl Rounds<'_> {
         Some((place, two))
     }
 
-    /// Adds the switching between two levels, where it is what makes the spectrum's low end. Jumps
-    /// that were told one by one are a part of it if they go to and fro by its height.
+    /// Adds the switching between two levels, where it is what makes the spectrum's low end.
     pub(super) fn switching_law(&mut self) -> Option<bool> {
         if self.switching || self.refused.contains(&"telegraph") {
             return Some(false);
@@ -161,8 +160,13 @@ impl Rounds<'_> {
             self.switching = true;
             return self.laws();
         }
+        self.switching_with_jumps()
+    }
+
+    /// The same with the jumps that were told one by one put back, if they go to and fro by its height.
+    fn switching_with_jumps(&mut self) -> Option<bool> {
         let jumps = self.to_and_fro();
-        if jumps.is_empty() {
+        if self.switching || self.refused.contains(&"telegraph") || jumps.is_empty() {
             return Some(false);
         }
         let before = (self.axis.mended.clone(), self.accepted.clone());
