@@ -3,7 +3,7 @@
 use serde::de::DeserializeOwned;
 
 use crate::VERSION;
-use crate::frame::{CRC, CRC_LEN, MAX_FRAME};
+use crate::frame::{CRC, CRC_LEN, FRAME_END, MAX_FRAME};
 
 /// What was wrong with the bytes between two zeros.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -117,7 +117,7 @@ impl<const N: usize> Decoder<N> {
     /// the receiver believes to be in.
     pub fn next<M: DeserializeOwned>(&mut self, input: &mut &[u8]) -> Option<Result<M, Fault>> {
         loop {
-            let end = input.iter().position(|&byte| byte == 0);
+            let end = input.iter().position(|&byte| byte == FRAME_END);
             let taken = &input[..end.unwrap_or(input.len())];
             if let Some(room) = self.frame.get_mut(self.len..self.len + taken.len()) {
                 room.copy_from_slice(taken);

@@ -26,6 +26,9 @@ pub const MAX_PAYLOAD: usize = 33 + BATCH_LEN * AXES * 4 + BATCH_LEN * AXES * 3;
 /// zero included.
 pub const MAX_FRAME: usize = MAX_PAYLOAD + 1 + MAX_PAYLOAD / 254 + 1;
 
+/// The byte that ends a frame, and stands nowhere else on the wire.
+pub const FRAME_END: u8 = 0;
+
 /// Why a message could not be framed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(target_os = "none", derive(defmt::Format))]

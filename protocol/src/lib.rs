@@ -29,7 +29,7 @@ mod settings;
 pub use budget::{Load, link_bytes_per_s, samples_load};
 pub use command::{Answer, Command, Identity, Refusal, Reply, Request, Restart, SelfTestStep};
 pub use decoder::{Counts, Decoder, Fault};
-pub use frame::{EncodeError, MAX_FRAME, MAX_PAYLOAD, encode};
+pub use frame::{EncodeError, FRAME_END, MAX_FRAME, MAX_PAYLOAD, encode};
 pub use health::{AxisCounters, BinsMark, Health, LinkCounters};
 pub use message::{Event, Note, ToBoard, ToHost, Trouble};
 pub use sample::{Batch, Code, Flag, Flags};

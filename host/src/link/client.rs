@@ -4,7 +4,8 @@ use std::io::{self, ErrorKind};
 use std::time::{Duration, Instant};
 
 use inm_protocol::{
-    Answer, Command, Identity, MAX_FRAME, REGISTERS, Reply, Request, Settings, ToBoard, encode,
+    Answer, Command, FRAME_END, Identity, MAX_FRAME, REGISTERS, Reply, Request, Settings, ToBoard,
+    encode,
 };
 
 use super::{LinkError, Port};
@@ -36,6 +37,8 @@ pub struct Client {
     name: String,
     next_id: u16,
     patience: Patience,
+    /// What arrived behind the last reply and was not handed out yet.
+    behind: Vec<u8>,
 }
 
 impl Client {
@@ -46,6 +49,7 @@ impl Client {
             name,
             next_id: 1,
             patience,
+            behind: Vec::new(),
         }
     }
 
@@ -54,6 +58,12 @@ impl Client {
     /// # Errors
     /// [`LinkError::Gone`] if the port went away.
     pub fn read(&mut self, buf: &mut [u8]) -> Result<usize, LinkError> {
+        if !self.behind.is_empty() {
+            let len = self.behind.len().min(buf.len());
+            buf[..len].copy_from_slice(&self.behind[..len]);
+            self.behind.drain(..len);
+            return Ok(len);
+        }
         match self.port.read(buf) {
             Ok(len) => Ok(len),
             Err(error) if is_wait(&error) => Ok(0),
@@ -66,8 +76,10 @@ impl Client {
 
     /// Sends a request and waits for its answer.
     ///
-    /// `arrived` is given every byte that arrives and returns the reply with a given number
-    /// once it has decoded it.
+    /// `arrived` is given every byte that arrives, up to the end of the reply's frame, and returns
+    /// the reply with a given number once it has decoded it. What is behind that frame waits for
+    /// the next read: a record that begins or ends with a reply begins and ends on whole frames,
+    /// however the board's other frames fall into the reads.
     ///
     /// # Errors
     /// [`LinkError::NoReply`], [`LinkError::Refused`], [`LinkError::Gone`], or what `arrived`
@@ -86,15 +98,13 @@ impl Client {
             let deadline = Instant::now() + self.patience.wait;
             while Instant::now() < deadline {
                 let len = self.read(&mut buf)?;
-                if let Some(reply) = arrived(&buf[..len], id)? {
-                    return reply.result.map_err(|refusal| {
-                        LinkError::Refused {
-                            port: self.name.clone(),
-                            request,
-                            refusal,
-                        }
-                        .into()
-                    });
+                let mut handed = 0;
+                for part in buf[..len].split_inclusive(|&byte| byte == FRAME_END) {
+                    handed += part.len();
+                    if let Some(reply) = arrived(part, id)? {
+                        self.behind.splice(..0, buf[handed..len].iter().copied());
+                        return self.answer(request, reply);
+                    }
                 }
             }
         }
@@ -109,6 +119,17 @@ impl Client {
             tries,
         }
         .into())
+    }
+
+    fn answer<E: From<LinkError>>(&self, request: Request, reply: Reply) -> Result<Answer, E> {
+        reply.result.map_err(|refusal| {
+            LinkError::Refused {
+                port: self.name.clone(),
+                request,
+                refusal,
+            }
+            .into()
+        })
     }
 
     /// Sends a request whose answer the caller finds among what arrives.
@@ -205,5 +226,99 @@ impl Expect for [[u8; REGISTERS]; inm_protocol::AXES] {
 impl Expect for () {
     fn from_answer(_: Answer) -> Option<Self> {
         Some(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::{Read, Write};
+
+    use inm_protocol::{Decoder, Fault, Health, ToHost};
+
+    use super::*;
+
+    /// Hands out these reads, one after the other.
+    struct Reads(Vec<Vec<u8>>);
+
+    impl Read for Reads {
+        fn read(&mut self, buf: &mut [u8]) -> io::Result<usize> {
+            if self.0.is_empty() {
+                return Err(ErrorKind::TimedOut.into());
+            }
+            let bytes = self.0.remove(0);
+            buf[..bytes.len()].copy_from_slice(&bytes);
+            Ok(bytes.len())
+        }
+    }
+
+    impl Write for Reads {
+        fn write(&mut self, buf: &[u8]) -> io::Result<usize> {
+            Ok(buf.len())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    fn frame(message: &ToHost) -> Vec<u8> {
+        let mut frame = [0; MAX_FRAME];
+        let len = encode(message, &mut frame).expect("every message has room");
+        frame[..len].to_vec()
+    }
+
+    /// A board at rest sends health records. Where one of them shares its reads with a reply, a
+    /// decoder that begins behind the reply must not begin in the middle of it.
+    #[test]
+    fn what_is_behind_a_reply_waits_for_the_next_read() {
+        let health = frame(&ToHost::Health(Health::default()));
+        let reply = |id| {
+            frame(&ToHost::Reply(Reply {
+                id,
+                result: Ok(Answer::Done),
+            }))
+        };
+        for cut in 1..health.len() {
+            let (early, late) = health.split_at(cut);
+            let reads = vec![
+                [&health, &reply(1)[..], early].concat(),
+                [late, &reply(2), early].concat(),
+                late.to_vec(),
+            ];
+            let mut client = Client::new(
+                Box::new(Reads(reads)),
+                "a board".to_owned(),
+                Patience::default(),
+            );
+            let mut kinds = String::new();
+            for _ in 0..2 {
+                let mut decoder = Decoder::<MAX_FRAME>::new();
+                let answer = client.request(Request::Stop, |mut bytes, id| {
+                    let mut found = None;
+                    while let Some(message) = decoder.next::<ToHost>(&mut bytes) {
+                        match message.expect("nothing is damaged") {
+                            ToHost::Reply(reply) if reply.id == id => found = Some(reply),
+                            _ => kinds.push('h'),
+                        }
+                    }
+                    Ok::<_, LinkError>(found)
+                });
+                assert_eq!(answer.ok(), Some(Answer::Done), "cut at {cut}");
+                assert_eq!(decoder.pending(), 0, "cut at {cut}");
+                kinds.push('r');
+            }
+            let mut rest = Vec::new();
+            let mut buf = [0; 4096];
+            loop {
+                match client.read(&mut buf).expect("the port stays") {
+                    0 => break,
+                    len => rest.extend_from_slice(&buf[..len]),
+                }
+            }
+            let mut decoder = Decoder::<MAX_FRAME>::new();
+            let last: Option<Result<ToHost, Fault>> = decoder.next(&mut &rest[..]);
+            assert!(matches!(last, Some(Ok(ToHost::Health(_)))), "cut at {cut}");
+            assert_eq!(kinds, "hrhr", "cut at {cut}");
+        }
     }
 }
