@@ -1,9 +1,11 @@
-//! What the values themselves say, before any model: repeats, pile-up at an extreme, coarse steps.
+//! What the values themselves say, before any model: repeats (`repeats.rs`), pile-up at an extreme,
+//! coarse steps.
 
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, DefaultHasher};
 
 use super::impulses::middle_spread;
+use super::repeats::{Chance, Stale, stale};
 use super::tail;
 
 /// Distinct values that are counted; with more, the values lie on no coarse grid.
@@ -60,7 +62,11 @@ impl CodeFindings {
         });
         // On a grid that the noise does not span, repeats are no news.
         let spanned = grid.is_none_or(|step| step < SPANNED * noise);
-        let stale = stale(measured, grid, level).filter(|_| spanned);
+        let chance = match grid {
+            Some(grid) => Chance::on_grid(&increments, grid),
+            None => Chance::between(&increments, noise, declared.map(f64::abs)),
+        };
+        let stale = stale(&increments, chance, level).filter(|_| spanned);
         let repeats = || {
             (1..measured.len())
                 .filter(|&n| measured[n] == measured[n - 1])
@@ -87,59 +93,6 @@ impl CodeFindings {
                 .fold(mean.abs(), |most, value| most.max((value + mean).abs())),
         }
     }
-}
-
-/// Samples that repeat the one before.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Stale {
-    /// Repeats beyond chance.
-    pub count: f64,
-    /// Share of all samples.
-    pub share: f64,
-    /// Standard deviation of the share.
-    pub share_sd: f64,
-    /// Probability of as many by chance.
-    pub p_value: f64,
-}
-
-/// Samples that repeat the one before, more often than the increments' law allows.
-///
-/// Chance repeats are read off the increments of one and two grid steps: for normal increments
-/// `ln p(k)` is a parabola in `k`, so `p(0) = p(1) (p(1) / p(2))^(1/3)`. Values of no grid
-/// repeat by chance as good as never.
-pub fn stale(values: &[f64], grid: Option<f64>, level: f64) -> Option<Stale> {
-    let pairs = || {
-        values
-            .windows(2)
-            .filter(|pair| pair[0].is_finite() && pair[1].is_finite())
-    };
-    let total = pairs().count() as f64;
-    let repeats = pairs().filter(|pair| pair[0] == pair[1]).count() as f64;
-    let chance = grid.map_or(0.0, |grid| {
-        let at = |steps: f64| {
-            let near = |pair: &&[f64]| ((pair[1] - pair[0]).abs() / grid - steps).abs() < 0.5;
-            0.5 * pairs().filter(near).count() as f64
-        };
-        let (one, two) = (at(1.0), at(2.0));
-        if one > 0.0 && two > 0.0 {
-            one * (one / two).cbrt()
-        } else {
-            repeats
-        }
-    });
-    // The prediction's own error joins the count's.
-    let sd = (repeats.max(chance) + 1.2 * chance).sqrt().max(1.0);
-    let p_value = if chance < 1.0 {
-        tail::poisson(repeats as u64, chance + 1e-3)
-    } else {
-        0.5 * tail::two_sided(((repeats - chance) / (2.2 * chance).sqrt()).max(0.0))
-    };
-    (p_value < level && repeats > 2.0).then(|| Stale {
-        count: repeats - chance,
-        share: (repeats - chance) / total,
-        share_sd: sd / total,
-        p_value,
-    })
 }
 
 /// Samples piled up at one extreme value.

@@ -24,6 +24,7 @@ pub mod place;
 pub mod profile;
 pub mod ramp;
 pub mod reference;
+pub mod repeats;
 pub mod rounds;
 pub mod samples;
 pub mod slow;

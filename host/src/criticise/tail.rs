@@ -2,7 +2,7 @@
 //! of them.
 
 use statrs::distribution::{
-    ChiSquared, ContinuousCDF, Discrete, DiscreteCDF, Gamma, Normal, Poisson,
+    ChiSquared, ContinuousCDF, Discrete, DiscreteCDF, Gamma, NegativeBinomial, Normal, Poisson,
 };
 
 /// Probability of a standard normal beyond `z` on either side.
@@ -37,6 +37,19 @@ pub fn poisson(count: u64, mean: f64) -> f64 {
         0 => 1.0,
         _ => law.sf(count - 1).max(law.pmf(count)),
     }
+}
+
+/// Probability that a Poisson number reaches `count` whose mean is known by an estimate with some
+/// `variance`: a mean of a gamma law makes it negative binomial.
+pub fn counted(count: u64, mean: f64, variance: f64) -> f64 {
+    if variance <= 0.0 {
+        return poisson(count, mean);
+    }
+    let shape = mean * mean / variance;
+    NegativeBinomial::new(shape, shape / (shape + mean)).map_or(1.0, |law| match count {
+        0 => 1.0,
+        _ => law.sf(count - 1),
+    })
 }
 
 /// Probability that `count` or more of `trials` fall to one of two equal sides.
