@@ -260,11 +260,16 @@ impl AxisState {
         Arc::clone(powers)
     }
 
+    /// Makes what a round looks at, two things at a time. No two of these wait for a third that is made
+    /// once: one that waits may be given the other to do.
+    pub fn prepare(&self, level: f64) {
+        rayon::join(|| self.lines(level), || self.powers());
+    }
+
     /// Lines of the mended record at a family-wise `level`, the same for each of its states.
     pub fn lines(&self, level: f64) -> &[Line] {
         self.lines.get_or_init(|| {
-            let mut record: &[f64] = &self.filled;
-            let Ok(found) = record_lines::search(&mut record, self.rate_hz, level);
+            let Ok(found) = record_lines::search(self.filled.as_slice(), self.rate_hz, level);
             found
         })
     }

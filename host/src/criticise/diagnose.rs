@@ -204,7 +204,11 @@ fn diagnose_axis(
         let mut axis = AxisState::new(Arc::clone(&measured), rate_hz, signal.chain.as_ref())
             .ok_or_else(refusal)?;
         let base_fit = axis.fit.clone();
-        begun.get_or_insert_with(|| (Before::new(&axis), slope(ramp::ramp(&axis))));
+        let begin = || {
+            begun.get_or_insert_with(|| (Before::new(&axis), slope(ramp::ramp(&axis))));
+            axis.powers();
+        };
+        rayon::join(|| axis.lines(options.level()), begin);
         let outcome = rounds::run(&mut axis, options, &values, &refused).ok_or_else(refusal)?;
         let nats = held_out(&axis, &outcome.accepted);
         // What gains nothing on data that it was not fitted to is no effect.

@@ -16,6 +16,7 @@
 
 use std::ops::Range;
 
+use rayon::prelude::*;
 use realfft::num_complex::Complex64;
 
 use super::axis::{AxisState, Seen};
@@ -104,11 +105,12 @@ pub fn unsteady(
     let length = seen.whole.len();
     let mut best: Option<Best> = None;
     let mut trials = 0.0;
-    let mut size = NARROWEST;
-    while size * SHORTEST <= length {
-        let groups = Groups::new(axis, &seen, size, &within, apart);
+    let sizes = std::iter::successors(Some(NARROWEST), |size| Some(size * WIDER));
+    let sizes: Vec<usize> = sizes.take_while(|size| size * SHORTEST <= length).collect();
+    let groups = sizes.into_par_iter();
+    let groups = groups.map(|size| Groups::new(axis, &seen, size, &within, apart));
+    for groups in groups.collect::<Vec<Groups>>() {
         trials += groups.search(&mut best);
-        size *= WIDER;
     }
     let best = best?;
     let p_value = tail::searched(best.tail, FREE_ENDS * trials);

@@ -79,8 +79,8 @@ fn streaming_search_keeps_level_and_reach() {
 fn whole_record_search_keeps_level_and_reach() {
     let (len, count) = (40_000, 200);
     let amplitude = 1.05 * ideal_amplitude(len, 0.05);
-    let (found, alarms) = trials(count, len, amplitude, 1.0 / len as f64, |mut record| {
-        search(&mut record, 1.0, 0.05).unwrap()
+    let (found, alarms) = trials(count, len, amplitude, 1.0 / len as f64, |record| {
+        search(record, 1.0, 0.05).unwrap()
     });
     assert!(found >= 79, "seeds 0..200: {found} found");
     assert!(alarms <= 19, "seeds 0..200: {alarms} false alarms");
@@ -105,7 +105,7 @@ fn amplitude_and_frequency_of_clear_lines() {
             *x = f64::NAN;
         }
     }
-    let whole = search(&mut &record[..], 1.0, 0.01).unwrap();
+    let whole = search(&record[..], 1.0, 0.01).unwrap();
     assert_eq!(whole.len(), tones.len(), "seed 77: {whole:?}");
     for (line, (cycles, amplitude)) in whole.iter().zip(tones) {
         let sigma = line.frequency_sd_hz;
@@ -151,7 +151,7 @@ fn short_and_empty_records_have_no_lines() {
         vec![f64::NAN; 40_000],
         vec![2.0; 40_000],
     ] {
-        assert!(search(&mut &record[..], 1.0, 0.05).unwrap().is_empty());
+        assert!(search(&record[..], 1.0, 0.05).unwrap().is_empty());
         assert!(streaming(&record, 1024, 0.05).is_empty());
     }
     let mut search = LineSearch::new(1024);

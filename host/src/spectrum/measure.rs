@@ -71,7 +71,7 @@ fn speed() {
         lines.buffer_bytes()
     );
     let start = Instant::now();
-    search(&mut &codes[..], 2000.0, 0.05).unwrap();
+    search(&codes[..], 2000.0, 0.05).unwrap();
     report("whole-record lines", start, LEN);
 }
 

@@ -22,12 +22,13 @@ use super::{
     slow_floor::{Blocks, SlowFloor},
 };
 use rustfft::num_complex::Complex64;
-use std::f64::consts::PI;
+use std::{f64::consts::PI, ops::Range};
 
 /// Points of one short transform, at most.
 const POINTS: usize = 1 << 18;
 
-/// Residues that one replay serves: each needs an accumulator of [`POINTS`].
+/// Residues that one replay serves: each needs an accumulator of [`POINTS`], and two replays run beside
+/// one another.
 const RESIDUES: usize = 4;
 
 /// Grid points for each `1 / T`, at least.
@@ -50,22 +51,22 @@ const BLOCKS: usize = 1024;
 
 /// Something that yields the same samples each time: blocks with the absolute index of their
 /// first sample, ascending.
-pub trait Replay {
+pub trait Replay: Sync {
     /// Why a replay failed.
-    type Error;
+    type Error: Send;
 
     /// Hands every block to `visit`.
     ///
     /// # Errors
     /// Whatever keeps the record from being read.
-    fn replay(&mut self, visit: &mut dyn FnMut(u64, &[f64])) -> Result<(), Self::Error>;
+    fn replay(&self, visit: &mut dyn FnMut(u64, &[f64])) -> Result<(), Self::Error>;
 }
 
 /// Samples in memory.
-impl Replay for &[f64] {
+impl Replay for [f64] {
     type Error = std::convert::Infallible;
 
-    fn replay(&mut self, visit: &mut dyn FnMut(u64, &[f64])) -> Result<(), Self::Error> {
+    fn replay(&self, visit: &mut dyn FnMut(u64, &[f64])) -> Result<(), Self::Error> {
         for (index, block) in self.chunks(1 << 14).enumerate() {
             visit((index as u64) << 14, block);
         }
@@ -74,10 +75,10 @@ impl Replay for &[f64] {
 }
 
 /// Codes in memory.
-impl Replay for &[i32] {
+impl Replay for [i32] {
     type Error = std::convert::Infallible;
 
-    fn replay(&mut self, visit: &mut dyn FnMut(u64, &[f64])) -> Result<(), Self::Error> {
+    fn replay(&self, visit: &mut dyn FnMut(u64, &[f64])) -> Result<(), Self::Error> {
         let mut values = Vec::with_capacity(1 << 14);
         for (index, block) in self.chunks(1 << 14).enumerate() {
             values.clear();
@@ -93,7 +94,11 @@ impl Replay for &[i32] {
 ///
 /// # Errors
 /// What a replay fails with.
-pub fn search<R: Replay>(record: &mut R, rate_hz: f64, level: f64) -> Result<Vec<Line>, R::Error> {
+pub fn search<R: Replay + ?Sized>(
+    record: &R,
+    rate_hz: f64,
+    level: f64,
+) -> Result<Vec<Line>, R::Error> {
     let Some(mut survey) = Survey::take(record, rate_hz)? else {
         return Ok(Vec::new());
     };
@@ -137,7 +142,7 @@ struct Survey {
 }
 
 impl Survey {
-    fn take<R: Replay>(record: &mut R, rate_hz: f64) -> Result<Option<Self>, R::Error> {
+    fn take<R: Replay + ?Sized>(record: &R, rate_hz: f64) -> Result<Option<Self>, R::Error> {
         let (mut first, mut end) = (None, 0);
         record.replay(&mut |at, values| {
             first.get_or_insert(at);
@@ -184,7 +189,7 @@ impl Survey {
     }
 
     /// Measures the floor below what segments resolve.
-    fn look_slow<R: Replay>(&mut self, record: &mut R) -> Result<(), R::Error> {
+    fn look_slow<R: Replay + ?Sized>(&mut self, record: &R) -> Result<(), R::Error> {
         let highest = (self.floor.lowest_hz() * self.duration_s()).ceil() as usize;
         let Some(mut blocks) = Blocks::new(self.len as usize, highest) else {
             return Ok(());
@@ -212,9 +217,9 @@ impl Survey {
     }
 
     /// Replays the record without gaps and trend, tapered: index from 0 and values.
-    fn tapered<R: Replay>(
+    fn tapered<R: Replay + ?Sized>(
         &self,
-        record: &mut R,
+        record: &R,
         mut visit: impl FnMut(usize, &[f64]),
     ) -> Result<(), R::Error> {
         let (mut filler, mut at) = (Filler::default(), 0);
@@ -293,25 +298,60 @@ impl Survey {
     }
 
     /// Local peaks of the grid above `ratio`: frequency in cycles per sample and ratio.
-    fn grid<R: Replay>(&self, record: &mut R, ratio: f64) -> Result<Vec<(f64, f64)>, R::Error> {
+    fn grid<R: Replay + ?Sized>(
+        &self,
+        record: &R,
+        ratio: f64,
+    ) -> Result<Vec<(f64, f64)>, R::Error> {
         let wanted = (PADDING * self.len as f64) as usize;
         let points = POINTS.min(wanted.next_power_of_two());
         let folds = wanted.div_ceil(points);
         let total = (points * folds) as f64;
+        // Two at a time, whatever the number of processors: each needs its accumulators.
+        let (low, high) = (0..folds / 4 + 1, folds / 4 + 1..folds / 2 + 1);
+        let part = |residues| self.residues(record, points, folds, residues, ratio);
+        let (low, high) = rayon::join(|| part(low), || part(high));
+        let mut high = [low?, high?].concat();
+        high.sort_by_key(|point| point.0);
+        high.dedup_by_key(|point| point.0);
+        let peak = |index: usize| {
+            let (k, seen) = high[index];
+            let beaten = |other: Option<&(usize, f64)>| {
+                other.is_some_and(|&(l, value)| k.abs_diff(l) <= 2 && value > seen)
+            };
+            !beaten(index.checked_sub(1).and_then(|before| high.get(before)))
+                && !beaten(high.get(index + 1))
+        };
+        Ok((0..high.len())
+            .filter(|&index| peak(index))
+            .map(|index| (high[index].0 as f64 / total, high[index].1))
+            .collect())
+    }
+
+    /// Points of the grid above `ratio` whose numbers leave one of the `residues` over `folds`.
+    fn residues<R: Replay + ?Sized>(
+        &self,
+        record: &R,
+        points: usize,
+        folds: usize,
+        residues: Range<usize>,
+        ratio: f64,
+    ) -> Result<Vec<(usize, f64)>, R::Error> {
+        let total = (points * folds) as f64;
         let fft = crate::fft::forward(points);
         let mut scratch = vec![Complex64::default(); fft.get_inplace_scratch_len()];
-        let mut folded = vec![vec![Complex64::default(); points]; RESIDUES.min(folds / 2 + 1)];
-        let mut high: Vec<(usize, f64)> = Vec::new();
+        let mut folded = vec![vec![Complex64::default(); points]; RESIDUES.min(residues.len())];
+        let mut high = Vec::new();
         let lowest = self.lowest_hz() / self.rate_hz;
-        let mut residue = 0;
-        while residue <= folds / 2 {
+        let Range { start, end } = residues;
+        for first in (start..end).step_by(RESIDUES) {
             for sums in &mut folded {
                 sums.fill(Complex64::default());
             }
             self.tapered(record, |at, values| {
-                fold(at, values, points, folds, residue, &mut folded);
+                fold(at, values, points, folds, first, &mut folded);
             })?;
-            for (sums, r) in folded.iter_mut().zip(residue..=folds / 2) {
+            for (sums, r) in folded.iter_mut().zip(first..end) {
                 let step = -2.0 * PI * r as f64 / total;
                 for (n, z) in sums.iter_mut().enumerate() {
                     *z *= Complex64::from_polar(1.0, step * n as f64);
@@ -330,29 +370,15 @@ impl Survey {
                     }
                 }
             }
-            residue += folded.len();
         }
-        high.sort_by_key(|point| point.0);
-        high.dedup_by_key(|point| point.0);
-        let peak = |index: usize| {
-            let (k, seen) = high[index];
-            let beaten = |other: Option<&(usize, f64)>| {
-                other.is_some_and(|&(l, value)| k.abs_diff(l) <= 2 && value > seen)
-            };
-            !beaten(index.checked_sub(1).and_then(|before| high.get(before)))
-                && !beaten(high.get(index + 1))
-        };
-        Ok((0..high.len())
-            .filter(|&index| peak(index))
-            .map(|index| (high[index].0 as f64 / total, high[index].1))
-            .collect())
+        Ok(high)
     }
 
     /// Evaluates candidates between the grid's points: the record is demodulated into blocks,
     /// whose sum at nearby frequencies follows without another replay.
-    fn refine<R: Replay>(
+    fn refine<R: Replay + ?Sized>(
         &self,
-        record: &mut R,
+        record: &R,
         candidates: &[(f64, f64)],
     ) -> Result<Vec<Line>, R::Error> {
         let block = (self.len as usize).div_ceil(BLOCKS);

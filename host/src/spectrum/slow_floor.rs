@@ -208,7 +208,7 @@ mod tests {
                     level
                 })
                 .collect();
-            let lines = search(&mut record.as_slice(), 1.0, 0.01).unwrap();
+            let lines = search(record.as_slice(), 1.0, 0.01).unwrap();
             assert!(lines.is_empty(), "seed {seed}: {lines:?}");
             // Density 1 / (2 pi f)^2, and 60 nats: A^2 N / (4 S).
             let cycles = (80 + 17 * (seed as usize - 10)) as f64 / LEN as f64;
@@ -219,7 +219,7 @@ mod tests {
                 cycles,
                 1.0,
             );
-            let lines = search(&mut record.as_slice(), 1.0, 0.01).unwrap();
+            let lines = search(record.as_slice(), 1.0, 0.01).unwrap();
             assert_eq!(lines.len(), 1, "seed {seed}: {lines:?}");
             let miss = (lines[0].frequency_hz - cycles) / lines[0].frequency_sd_hz;
             assert!(miss.abs() < 5.0, "seed {seed}: {miss} sigma");

@@ -153,6 +153,7 @@ pub fn run(
         // A level that switches all the time looks like bad samples and bursts until its law is
         // there.
         let first = rounds.switching && rounds.axis.laws.is_empty() && rounds.laws()?;
+        rounds.axis.prepare(rounds.level());
         let groups = super::lines::lines(rounds.axis, rounds.level());
         // Where samples are lost the noise is cut: no bad samples, no burst.
         if !(first

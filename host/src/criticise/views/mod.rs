@@ -114,16 +114,25 @@ impl Views {
         mean: f64,
         with_simulation: bool,
     ) -> Self {
-        let course = Course::new(axis, findings, mean);
-        let amplitudes = Amplitudes {
-            before: before.amplitudes,
-            after: Counts::new(axis),
-        };
         let bursts = bursts(findings, axis.mended.len() as f64 / axis.rate_hz);
         let wave = deterministic(axis);
-        let mut allan = allan::points(axis, models, &wave, &bursts);
-        let mut spectrum = spectrum::Pooled::new(axis, &before.fit, &wave, &bursts);
-        let velocity_error = growth::compare(axis, models, &wave);
+        let ((mut allan, after), (mut spectrum, course, velocity_error)) = rayon::join(
+            || {
+                let allan = allan::points(axis, models, &wave, &bursts);
+                (allan, Counts::new(axis))
+            },
+            || {
+                (
+                    spectrum::Pooled::new(axis, &before.fit, &wave, &bursts),
+                    Course::new(axis, findings, mean),
+                    growth::compare(axis, models, &wave),
+                )
+            },
+        );
+        let amplitudes = Amplitudes {
+            before: before.amplitudes,
+            after,
+        };
         // One record's worth of memory at a time.
         drop(wave);
         let simulated = with_simulation
