@@ -4,6 +4,8 @@ use std::cell::OnceCell;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use super::aside::Aside;
 use super::axis::AxisState;
 use super::codes::CodeFindings;
@@ -98,32 +100,35 @@ impl From<std::io::Error> for Refused {
 pub fn diagnose(
     samples: Samples,
     options: &Options,
+    progress: impl FnMut(usize) + Send,
+) -> Result<Vec<AxisDiagnosis>, Refused> {
+    // All of it among the workers: a thread more would hold memory of its own.
+    rayon::scope(|_| diagnose_axes(samples, options, progress))
+}
+
+fn diagnose_axes(
+    samples: Samples,
+    options: &Options,
     mut progress: impl FnMut(usize),
 ) -> Result<Vec<AxisDiagnosis>, Refused> {
     let (mut axes, mut residuals) = (Vec::new(), Vec::new());
-    let beside = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let is_long = samples.len() > LONG;
-    let at_once = if is_long { 1 } else { beside };
+    let at_once = if is_long {
+        1
+    } else {
+        rayon::current_num_threads()
+    };
     let signal = samples.signal;
     // The first axis does not wait.
     let wait = |(number, samples)| Waiting::new(samples, is_long && number > 0);
     let waiting: Vec<Waiting> = samples.axes.into_iter().enumerate().map(wait).collect();
     let mut waiting = signal.axes.iter().zip(waiting).peekable();
     while waiting.peek().is_some() {
-        let done: Vec<_> = std::thread::scope(|scope| {
-            let some = waiting.by_ref().take(at_once);
-            let workers: Vec<_> = some
-                .map(|(axis, record)| {
-                    let rate_hz = signal.rate_hz;
-                    scope.spawn(move || diagnose_axis(axis, record.back()?, rate_hz, options))
-                })
-                .collect();
-            let joined = workers.into_iter().map(std::thread::ScopedJoinHandle::join);
-            // A panic goes on where it came from.
-            joined
-                .map(|one| one.unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
-                .collect()
-        });
+        let some: Vec<_> = waiting.by_ref().take(at_once).collect();
+        let done: Vec<_> = some
+            .into_par_iter()
+            .map(|(axis, record)| diagnose_axis(axis, record.back()?, signal.rate_hz, options))
+            .collect();
         for one in done {
             let (axis, residual) = one?;
             progress(axes.len());

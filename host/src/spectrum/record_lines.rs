@@ -29,7 +29,7 @@ const POINTS: usize = 1 << 18;
 
 /// Residues that one replay serves: each needs an accumulator of [`POINTS`], and two replays run beside
 /// one another.
-const RESIDUES: usize = 4;
+const RESIDUES: usize = 8;
 
 /// Grid points for each `1 / T`, at least.
 const PADDING: f64 = 1.5;
@@ -340,18 +340,17 @@ impl Survey {
         let total = (points * folds) as f64;
         let fft = crate::fft::forward(points);
         let mut scratch = vec![Complex64::default(); fft.get_inplace_scratch_len()];
-        let mut folded = vec![vec![Complex64::default(); points]; RESIDUES.min(residues.len())];
+        // In one piece, so that it goes back to the system when it is done with.
+        let mut folded = vec![Complex64::default(); points * RESIDUES.min(residues.len())];
         let mut high = Vec::new();
         let lowest = self.lowest_hz() / self.rate_hz;
         let Range { start, end } = residues;
         for first in (start..end).step_by(RESIDUES) {
-            for sums in &mut folded {
-                sums.fill(Complex64::default());
-            }
+            folded.fill(Complex64::default());
             self.tapered(record, |at, values| {
                 fold(at, values, points, folds, first, &mut folded);
             })?;
-            for (sums, r) in folded.iter_mut().zip(first..end) {
+            for (sums, r) in folded.chunks_mut(points).zip(first..end) {
                 let step = -2.0 * PI * r as f64 / total;
                 for (n, z) in sums.iter_mut().enumerate() {
                     *z *= Complex64::from_polar(1.0, step * n as f64);
@@ -459,14 +458,14 @@ fn fold(
     points: usize,
     folds: usize,
     residue: usize,
-    folded: &mut [Vec<Complex64>],
+    folded: &mut [Complex64],
 ) {
     let mut start = 0;
     while start < values.len() {
         let index = at + start;
         let (fold, place) = (index / points, index % points);
         let end = values.len().min(start + points - place);
-        for (offset, sums) in folded.iter_mut().enumerate() {
+        for (offset, sums) in folded.chunks_mut(points).enumerate() {
             // Reduced in integers: the angle keeps its accuracy however long the record.
             let turns = ((residue + offset) * fold % folds) as f64 / folds as f64;
             let phasor = Complex64::from_polar(1.0, -2.0 * PI * turns);
