@@ -241,11 +241,14 @@ impl AxisState {
 
     /// Transform of the record with `outliers` put back, for the noise that it has without them.
     pub fn with(&self, outliers: &[Outlier]) -> Whole {
-        let mut values = self.filled.to_vec();
+        let mut series = self.fast.series(&self.filled);
         for one in outliers {
-            values[one.index] += one.size;
+            // The last few samples may be left over.
+            if let Some(value) = series.get_mut(one.index) {
+                *value += one.size;
+            }
         }
-        let mut whole = self.fast.transform(&values, self.rate_hz);
+        let mut whole = self.fast.transform_in_place(series, self.rate_hz);
         whole.close(&self.whole().density);
         whole
     }

@@ -83,9 +83,18 @@ impl Transformer {
         self.len == 0
     }
 
+    /// A copy of the samples of `values` that are used.
+    pub fn series(&self, values: &[f64]) -> Series {
+        Series::new(&values[..self.len])
+    }
+
     /// Transform of `values`, none of which is missing, less the line through their ends.
     pub fn transform(&self, values: &[f64], rate_hz: f64) -> Whole {
-        let mut bridge = Series::new(&values[..self.len]);
+        self.transform_in_place(self.series(values), rate_hz)
+    }
+
+    /// The same of a series of [`Self::len`] samples, in its own memory.
+    pub fn transform_in_place(&self, mut bridge: Series, rate_hz: f64) -> Whole {
         take_out_line(&mut bridge);
         Whole {
             rate_hz,

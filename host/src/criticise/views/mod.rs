@@ -114,9 +114,10 @@ impl Views {
         mean: f64,
         with_simulation: bool,
     ) -> Self {
+        let course = Course::new(axis, findings, mean);
         let bursts = bursts(findings, axis.mended.len() as f64 / axis.rate_hz);
         let wave = deterministic(axis);
-        let ((mut allan, after), (mut spectrum, course, velocity_error)) = rayon::join(
+        let ((mut allan, after), (mut spectrum, velocity_error)) = rayon::join(
             || {
                 let allan = allan::points(axis, models, &wave, &bursts);
                 (allan, Counts::new(axis))
@@ -124,7 +125,6 @@ impl Views {
             || {
                 (
                     spectrum::Pooled::new(axis, &before.fit, &wave, &bursts),
-                    Course::new(axis, findings, mean),
                     growth::compare(axis, models, &wave),
                 )
             },
