@@ -126,8 +126,8 @@ impl AxisState {
     /// Brings spectrum and fit up to date after the record was mended or a law was added;
     /// `regrid` where other samples are missing than before.
     pub fn refresh(&mut self, regrid: bool) -> Option<()> {
+        self.forget_whole();
         let mut values = self.mended.values();
-        self.seen = OnceLock::new();
         self.powers = OnceLock::new();
         if regrid {
             self.starts = OnceLock::new();
@@ -239,8 +239,14 @@ impl AxisState {
         Arc::clone(seen)
     }
 
-    /// Transform of the record with `outliers` put back, for the noise that it has without them.
-    pub fn with(&self, outliers: &[Outlier]) -> Whole {
+    /// Gives up the transform until it is asked for again.
+    pub fn forget_whole(&mut self) {
+        self.seen = OnceLock::new();
+    }
+
+    /// Transform of the record with `outliers` put back, for noise of the `density` that it has without
+    /// them.
+    pub fn with(&self, outliers: &[Outlier], density: &[f64]) -> Whole {
         let mut series = self.fast.series(&self.filled);
         for one in outliers {
             // The last few samples may be left over.
@@ -249,7 +255,7 @@ impl AxisState {
             }
         }
         let mut whole = self.fast.transform_in_place(series, self.rate_hz);
-        whole.close(&self.whole().density);
+        whole.close(density);
         whole
     }
 

@@ -1,9 +1,9 @@
 //! Single values: repeats, pile-ups, coarse steps, outliers.
 
 use super::super::axis::AxisState;
-use super::super::bursts;
+use super::super::bursts::{self, Powers};
 use super::super::finding::Value;
-use super::super::impulses::{self, Outlier};
+use super::super::impulses::{self, Outlier, Outliers};
 use super::super::levels;
 use super::super::mend::Wave;
 use super::super::whole::Whole;
@@ -71,40 +71,28 @@ impl Rounds<'_> {
             return Some(false);
         }
         let seen = self.axis.whole();
-        let (whole, density) = (&seen.whole, &seen.density);
-        let axis = &*self.axis;
-        let powers = axis.powers();
-        let local = self.restless.then(|| powers.local());
-        let search = |whole: &Whole| {
-            let mut found = impulses::outliers(
-                whole,
-                density,
-                self.level(),
-                |n| axis.usable(n),
-                |n| local.as_ref().map_or(1.0, |local| RESTLESS * local(n)),
-            );
-            if self.switching && !found.found.is_empty() {
-                // A jump is larger as a jump than as a single sample.
-                let jumps = levels::statistic(whole, density);
-                found.found.retain(|one| !levels::is_jump(&jumps, one));
-            }
-            found
-        };
-        let mut found = search(whole);
-        let old = axis.mended.outliers();
+        let len = seen.whole.len();
+        let powers = self.axis.powers();
+        let mut found = self.sought(&seen.whole, &seen.density, &powers);
+        let old = self.axis.mended.outliers().to_vec();
         // What else was taken out since they were found.
         let else_now = self.accepted.len();
         if found.found.is_empty() && (old.is_empty() || self.sought_beside == else_now) {
             return Some(false);
         }
-        if !old.is_empty() {
+        if old.is_empty() {
+            drop(seen);
+        } else {
             // In noise that they themselves had raised, beside lines and jumps that were still there, the
             // first are known less well, in size and in place, than they can be now: all are looked
-            // for again.
-            found = search(&axis.with(old));
+            // for again. What the record is without them makes room meanwhile.
+            let density = seen.density.clone();
+            drop(seen);
+            self.axis.forget_whole();
+            found = self.sought(&self.axis.with(&old, &density), &density, &powers);
             let places =
                 |all: &[Outlier]| -> Vec<usize> { all.iter().map(|one| one.index).collect() };
-            let same = places(&found.found) == places(old);
+            let same = places(&found.found) == places(&old);
             self.sought_beside = else_now;
             if same {
                 return Some(false);
@@ -120,7 +108,7 @@ impl Rounds<'_> {
             .iter()
             .map(|one| one.index..one.index + 1)
             .collect();
-        let together = impulses::together(&found.found, whole.len()) < self.level();
+        let together = impulses::together(&found.found, len) < self.level();
         if together || self.is_of_band(&moments) {
             self.ringing = true;
             return Some(false);
@@ -175,5 +163,23 @@ impl Rounds<'_> {
             );
         }
         Some(true)
+    }
+
+    /// Samples of `whole` that stand out of noise of this `density`, whose strength over time is known.
+    fn sought(&self, whole: &Whole, density: &[f64], powers: &Powers) -> Outliers {
+        let local = self.restless.then(|| powers.local());
+        let mut found = impulses::outliers(
+            whole,
+            density,
+            self.level(),
+            |n| self.axis.usable(n),
+            |n| local.as_ref().map_or(1.0, |local| RESTLESS * local(n)),
+        );
+        if self.switching && !found.found.is_empty() {
+            // A jump is larger as a jump than as a single sample.
+            let jumps = levels::statistic(whole, density);
+            found.found.retain(|one| !levels::is_jump(&jumps, one));
+        }
+        found
     }
 }

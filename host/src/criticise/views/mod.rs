@@ -114,14 +114,13 @@ impl Views {
         mean: f64,
         with_simulation: bool,
     ) -> Self {
+        // One more record's worth of memory at a time.
         let course = Course::new(axis, findings, mean);
+        let after = Counts::new(axis);
         let bursts = bursts(findings, axis.mended.len() as f64 / axis.rate_hz);
         let wave = deterministic(axis);
-        let ((mut allan, after), (mut spectrum, velocity_error)) = rayon::join(
-            || {
-                let allan = allan::points(axis, models, &wave, &bursts);
-                (allan, Counts::new(axis))
-            },
+        let (mut allan, (mut spectrum, velocity_error)) = rayon::join(
+            || allan::points(axis, models, &wave, &bursts),
             || {
                 (
                     spectrum::Pooled::new(axis, &before.fit, &wave, &bursts),
@@ -133,7 +132,6 @@ impl Views {
             before: before.amplitudes,
             after,
         };
-        // One record's worth of memory at a time.
         drop(wave);
         let simulated = with_simulation
             .then(|| simulate(axis, models.whole))
