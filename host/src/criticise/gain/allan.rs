@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use inm_allan::Statistic;
+use rayon::prelude::*;
 use serde::Serialize;
 
 use super::half;
@@ -55,16 +56,24 @@ impl HeldCurve {
     /// where the half has samples.
     pub fn expected(&self, axis: &AxisState, model: &ModelAxis, with: &Snapshot) -> Vec<f64> {
         let law = model.law(axis.rate_hz);
-        let waves = if with.waves.is_empty() {
-            Vec::new()
-        } else {
-            waveform_curve(axis, with, axis.mended.left_out())
+        let sure: Vec<&Point> = self.sure().collect();
+        let noise = || -> Vec<f64> {
+            let variances = sure.par_iter().map(|point| law.allan_variance(point.m));
+            variances.collect()
         };
-        let variance = |point: &Point| {
+        let waves = || {
+            if with.waves.is_empty() {
+                Vec::new()
+            } else {
+                waveform_curve(axis, with, axis.mended.left_out())
+            }
+        };
+        let (noise, waves) = rayon::join(noise, waves);
+        let variance = |(point, noise): (&&Point, f64)| {
             let own = waves.iter().find(|other| other.m == point.m);
-            law.allan_variance(point.m) + own.map_or(0.0, |other| other.variance)
+            noise + own.map_or(0.0, |other| other.variance)
         };
-        self.sure().map(variance).collect()
+        sure.iter().zip(noise).map(variance).collect()
     }
 
     /// Root mean square error of the deviations that belong to the `expected` variances, percent, and

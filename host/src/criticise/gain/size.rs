@@ -1,5 +1,7 @@
 //! How much an effect changes: significance is not size.
 
+use rayon::prelude::*;
+
 use super::allan::{HeldCurve, waveform_curve};
 use crate::bins::point::Point;
 use crate::criticise::axis::AxisState;
@@ -55,11 +57,8 @@ impl<'a> Sizes<'a> {
             return None;
         }
         let (rest, own) = (rest.law(self.axis.rate_hz), curve_of(self.axis, &own));
-        let points = self
-            .held
-            .points
-            .iter()
-            .filter(|point| point.edf >= LEAST_EDF);
+        let points = self.held.points.par_iter();
+        let points = points.filter(|point| point.edf >= LEAST_EDF);
         let changes = points.map(|point| {
             let at = |curve: &[Point]| {
                 let found = curve.iter().find(|other| other.m == point.m);
@@ -70,7 +69,8 @@ impl<'a> Sizes<'a> {
             let without = rest.allan_variance(point.m) + (waves - at(&own)).max(0.0);
             100.0 * ((with / without).sqrt() - 1.0).abs()
         });
-        changes.filter(|change| change.is_finite()).reduce(f64::max)
+        let changes = changes.filter(|change| change.is_finite());
+        changes.reduce_with(f64::max)
     }
 }
 

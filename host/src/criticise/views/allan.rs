@@ -1,5 +1,6 @@
 //! The Allan deviation: measured, expected before and after, simulated.
 
+use rayon::prelude::*;
 use serde::Serialize;
 
 use super::super::axis::AxisState;
@@ -71,7 +72,7 @@ pub(super) fn points(
         }
     };
     let measured = curve(axis.mended.measured(), rate_hz);
-    measured.into_iter().map(point).collect()
+    measured.into_par_iter().map(point).collect()
 }
 
 /// Adds the points of a simulated record.
