@@ -1,5 +1,8 @@
 //! One axis on its way: mended record, spectrum, laws, and what whitens it.
 
+mod density;
+mod whitening;
+
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
@@ -8,21 +11,11 @@ use super::frame::Frame;
 use super::impulses::Outlier;
 use super::laws::{self, Law, search};
 use super::levels::Jump;
-use super::mend::{Mended, block_means, bridge};
+use super::mend::{Mended, bridge};
 use super::whole::{Transformer, Whole};
 use crate::chain::Chain;
 use crate::fit::likelihood::{Data, Fit};
-use crate::model::effect::Part;
 use crate::spectrum::{Line, record_lines};
-
-/// Points of the table of densities.
-const TABLE: usize = 2048;
-
-/// Samples of the slow copy of a record, at most.
-const SLOW: usize = 1 << 18;
-
-/// Samples of its copy for what takes a good part of the record, at most.
-const DRIFT: usize = 1 << 15;
 
 /// Samples on either side of a bridge or a mask that tests of single moments leave out, at least
 /// and at most.
@@ -37,9 +30,6 @@ const FILTERED_GUARD: usize = 2048;
 /// Samples at both ends of the record that they leave out: the ring closes there.
 const SEAM: usize = 1024;
 
-/// Degrees of freedom from which a bin's own ratio to the model counts rather than the model.
-const OWN_RATIO: f64 = 40.0;
-
 /// Samples over which a converter's filter spreads a jump, on either side: those of the ADS1281
 /// settle within 63 conversions.
 const SPREAD: usize = 64;
@@ -47,9 +37,6 @@ const SPREAD: usize = 64;
 /// Power of the chain below which a frequency is shut out: what is left there says nothing of the
 /// sensor, and falls too fast to be whitened.
 const SHUT_OUT: f64 = 1e-3;
-
-/// Least density that whitens, over that in the middle of the band.
-const LEAST_SHARE: f64 = 1e-5;
 
 /// One axis with what is known about it so far.
 pub struct AxisState {
@@ -287,151 +274,5 @@ impl AxisState {
     pub fn starts(&self) -> Option<Arc<search::Starts>> {
         let made = || search::Starts::new(&self.frame).map(Arc::new);
         self.starts.get_or_init(made).clone()
-    }
-
-    /// Two-sided density of the fitted model at `f_hz`, chain and filters included.
-    pub fn density(&self, f_hz: f64) -> f64 {
-        let laws = (0..self.laws.len()).map(|which| self.law_density(which, f_hz));
-        let sum = self.frame.base_density(&self.fit.squared, f_hz) + laws.sum::<f64>();
-        sum * self.filters(f_hz)
-    }
-
-    /// Power that the laws which filter let through.
-    pub fn filters(&self, f_hz: f64) -> f64 {
-        let parts = self.laws.iter().map(|law| law.effect.part(&law.values));
-        let powers = parts.map(|part| match part {
-            Part::Distortion(filter) => filter.power(f_hz, self.rate_hz),
-            Part::Term(_) | Part::Clock(_) | Part::Follows(_) => 1.0,
-        });
-        powers.product()
-    }
-
-    /// Its part that law number `which` adds, filters left aside.
-    pub fn law_density(&self, which: usize, f_hz: f64) -> f64 {
-        self.unit_law_density(which, f_hz).map_or(0.0, |density| {
-            density * self.fit.squared[laws::component_of(&self.frame, &self.laws, which)]
-        })
-    }
-
-    /// The same for a component of square 1; `None` for a law that filters.
-    pub fn unit_law_density(&self, which: usize, f_hz: f64) -> Option<f64> {
-        let law = &self.laws[which];
-        match law.effect.part(&law.values) {
-            Part::Term(term) => {
-                Some(self.frame.term_density(&*term, f_hz) * self.frame.chain_power(f_hz))
-            }
-            Part::Distortion(_) | Part::Clock(_) | Part::Follows(_) => None,
-        }
-    }
-
-    /// Share of all of the density that law number `which` adds.
-    pub fn law_share(&self, which: usize, f_hz: f64) -> f64 {
-        self.law_density(which, f_hz) * self.filters(f_hz) / self.density(f_hz)
-    }
-
-    /// Share of all of the density that a component of the five terms has.
-    pub fn term_share(&self, component: usize, f_hz: f64) -> f64 {
-        self.fit.squared[component] * self.component_density(component, f_hz) / self.density(f_hz)
-    }
-
-    /// Density of a component of the five terms whose square is 1.
-    pub fn component_density(&self, component: usize, f_hz: f64) -> f64 {
-        self.frame.unit_density(component, f_hz, self.filters(f_hz))
-    }
-
-    /// Measured over expected power of the bins, drawn towards 1 where it rests on little.
-    fn ratio(&self, f_hz: f64) -> f64 {
-        let place = self.data.f_hz.partition_point(|&f| f < f_hz);
-        let at = |bin: usize| {
-            let dof = self.frame.dof()[bin];
-            let own = dof / (dof + OWN_RATIO);
-            own * (self.data.psd[bin] / self.fit.expected[bin]).ln()
-        };
-        let last = self.data.len() - 1;
-        let log = match place {
-            0 => at(0),
-            _ if place > last => at(last),
-            _ => {
-                let (low, high) = (self.data.f_hz[place - 1].ln(), self.data.f_hz[place].ln());
-                let share = (f_hz.ln() - low) / (high - low);
-                at(place - 1) * (1.0 - share) + at(place) * share
-            }
-        };
-        log.exp()
-    }
-
-    /// Densities that whiten `whole`: the model's, drawn to the measured bins where these are sure,
-    /// so that a test of moments does not suffer from a model that is still wrong in frequency.
-    /// What a converter's filter shuts out does not count.
-    fn whitening(&self, whole: &Whole) -> Vec<f64> {
-        self.tabulate(whole, |f_hz| self.density(f_hz) * self.ratio(f_hz))
-    }
-
-    fn tabulate(&self, whole: &Whole, density: impl Fn(f64) -> f64) -> Vec<f64> {
-        let count = whole.ordinates().len();
-        let (low, high) = (whole.frequency(1).ln(), whole.frequency(count - 1).ln());
-        let table: Vec<f64> = (0..=TABLE)
-            .map(|step| {
-                let log = low + (high - low) * step as f64 / TABLE as f64;
-                density(log.exp()).max(f64::MIN_POSITIVE).ln()
-            })
-            .collect();
-        // What lies further below the middle of the band is hidden by the ends' own leakage.
-        let floor = LEAST_SHARE * density(0.2 * whole.frequency(count - 1));
-        (0..count)
-            .map(|k| {
-                let f_hz = whole.frequency(k.max(1));
-                if self.apart.iter().any(|band| band.contains(&f_hz)) {
-                    return f64::INFINITY;
-                }
-                let log = f_hz.ln();
-                let place = ((log - low) / (high - low) * TABLE as f64).clamp(0.0, TABLE as f64);
-                let step = (place as usize).min(TABLE - 1);
-                let share = place - step as f64;
-                (table[step] * (1.0 - share) + table[step + 1] * share)
-                    .exp()
-                    .max(floor)
-            })
-            .collect()
-    }
-
-    /// Samples that one sample of the slow copy stands for.
-    pub fn slow_factor(&self) -> usize {
-        self.mended.len().div_ceil(SLOW).max(1)
-    }
-
-    /// Samples that one sample of a copy stands for that holds nothing but drift.
-    pub fn drift_factor(&self) -> usize {
-        self.mended.len().div_ceil(DRIFT).max(1)
-    }
-
-    /// `values` in means over `factor` samples: their transform, and what whitens it.
-    pub fn slow(&self, values: &[f64], factor: usize) -> (Whole, Vec<f64>) {
-        let means = block_means(values, factor);
-        let rate_hz = self.rate_hz / factor as f64;
-        let mut whole = Transformer::new(means.len()).transform(&means, rate_hz);
-        let density = self.tabulate(&whole, |f_hz| {
-            // What folds back, through the mean's own response.
-            (0..factor.div_ceil(2).min(8))
-                .flat_map(|fold| {
-                    let above = fold as f64 * rate_hz + f_hz;
-                    let below = (fold + 1) as f64 * rate_hz - f_hz;
-                    [above, below]
-                })
-                .filter(|&at| at < 0.5 * self.rate_hz * (1.0 + 1e-9))
-                .map(|at| {
-                    let x = std::f64::consts::PI * at / self.rate_hz;
-                    let response = if x == 0.0 || factor == 1 {
-                        1.0
-                    } else {
-                        ((factor as f64 * x).sin() / (factor as f64 * x.sin())).powi(2)
-                    };
-                    let at = at.min(0.5 * self.rate_hz * (1.0 - 1e-9));
-                    response * self.density(at) * self.ratio(at)
-                })
-                .sum()
-        });
-        whole.close(&density);
-        (whole, density)
     }
 }
