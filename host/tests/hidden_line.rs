@@ -43,7 +43,9 @@ fn a_line_inflates_the_published_q_and_the_diagnosis_gives_it_back() {
         covariate: None,
         simulate: false,
     };
-    let axes = diagnose(samples, &options, |_| {}).expect("long enough");
+    let axes = diagnose(samples, &options, |_| {})
+        .expect("long enough")
+        .axes;
     let axis = &axes[0];
     let names: Vec<&str> = axis
         .findings

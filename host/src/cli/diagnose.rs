@@ -6,12 +6,13 @@ use std::process::ExitCode;
 use clap::Args;
 use indicatif::ProgressBar;
 
+use super::column;
 use super::input::InputOptions;
 use super::output::write_to;
 use super::results::ResultOptions;
 use crate::bins::record::Account;
-use crate::criticise::diagnose::diagnose;
-use crate::criticise::finding::{AxisDiagnosis, Diagnosis};
+use crate::criticise::diagnose::{Diagnosed, diagnose};
+use crate::criticise::finding::Diagnosis;
 use crate::criticise::reference::clock;
 use crate::criticise::rounds::Options;
 use crate::criticise::samples::Samples;
@@ -75,7 +76,11 @@ impl DiagnoseCommand {
             self.temperature_scale
         );
         let covariate = match &self.temperature {
-            Some(column) => Some(self.read_column(column)?),
+            Some(column) => {
+                let input = self.input.clone().into();
+                let scale = self.temperature_scale;
+                Some(column::read(&self.file, input, column, scale)?)
+            }
             None => None,
         };
         let reference = match &self.reference {
@@ -111,13 +116,13 @@ impl DiagnoseCommand {
         let bar = ProgressBar::new(samples.axes.len() as u64).with_message("axes");
         bar.tick();
         let signal = samples.signal.clone();
-        let mut axes = diagnose(samples, &options, |axis| bar.set_position(axis as u64 + 1))
+        let mut diagnosed = diagnose(samples, &options, |axis| bar.set_position(axis as u64 + 1))
             .map_err(|refused| anyhow::anyhow!("{}: {refused}", self.file))?;
         bar.finish_and_clear();
         for (number, finding) in clock {
-            axes[number].findings.push(finding);
+            diagnosed.axes[number].findings.push(finding);
         }
-        let diagnosis = result(&signal, &account, self.level, axes);
+        let diagnosis = result(&signal, &account, self.level, diagnosed);
         if let Some(path) = &self.model {
             write_to(path, |mut output| {
                 report::json::write(&diagnosis.model(), &mut output)
@@ -134,27 +139,6 @@ impl DiagnoseCommand {
             ExitCode::SUCCESS
         })
     }
-
-    /// The covariate, one value a sample; missing ones take the one before.
-    fn read_column(&self, column: &Selector) -> anyhow::Result<Vec<f64>> {
-        let mut options: crate::source::options::ArrayOptions = self.input.clone().into();
-        options.columns = vec![column.clone()];
-        options.unit = Some(crate::signal::Unit::Counts);
-        options.scales = Vec::new();
-        let mut source = open(&self.file, &options)?;
-        let (mut samples, _) = Samples::read(&mut *source, |_| {})?;
-        let (mut values, mean) = samples.axes.swap_remove(0).centred(1.0);
-        let mut last = 0.0;
-        for value in &mut values {
-            if value.is_finite() {
-                last = *value;
-            } else {
-                *value = last;
-            }
-            *value = self.temperature_scale * (*value + mean);
-        }
-        Ok(values)
-    }
 }
 
 /// The result for the axes of a record.
@@ -162,12 +146,13 @@ pub(super) fn result(
     signal: &Signal,
     account: &Account,
     family_level: f64,
-    axes: Vec<AxisDiagnosis>,
+    diagnosed: Diagnosed,
 ) -> Diagnosis {
     Diagnosis {
         schema: crate::analyse::SCHEMA,
         source: crate::analyse::summary(signal, account),
         family_level,
-        axes,
+        axes: diagnosed.axes,
+        correlation: diagnosed.correlation,
     }
 }

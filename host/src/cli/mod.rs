@@ -4,6 +4,7 @@
 
 pub mod analyze;
 pub mod board;
+pub mod column;
 pub mod demo;
 pub mod diagnose;
 pub mod export;

@@ -5,6 +5,7 @@ use std::path::Path;
 use anyhow::Context;
 use clap::Args;
 
+use super::column;
 use super::output::write_to;
 use crate::chain::Chain;
 use crate::model::published::DURATION_S;
@@ -12,6 +13,7 @@ use crate::model::whole::Model;
 use crate::simulate::capture::write_capture;
 use crate::simulate::file::{write_csv, write_npy};
 use crate::simulate::source::Simulation;
+use crate::source::options::{ArrayOptions, Selector};
 
 /// Ending of a capture's name.
 const CAPTURE: &str = ".inmcap";
@@ -48,6 +50,18 @@ pub struct Simulate {
         allow_negative_numbers = true
     )]
     correlation: Option<Vec<f64>>,
+    /// Array file with the temperature, one value a sample, for axes that follow it. It becomes
+    /// the last column of the output, which is no capture then.
+    #[arg(long, value_name = "FILE")]
+    temperature: Option<String>,
+    /// Its column, by number from 0 or by name.
+    #[arg(
+        long,
+        value_name = "COLUMN",
+        requires = "temperature",
+        default_value = "0"
+    )]
+    temperature_column: Selector,
 }
 
 impl Simulate {
@@ -78,7 +92,19 @@ impl Simulate {
             self.duration,
             model.rate_hz
         );
-        let mut simulation = Simulation::new(&model, length as u64, self.seed)
+        let (samples, seed) = (length as u64, self.seed);
+        let simulation = match &self.temperature {
+            Some(file) => {
+                let options = ArrayOptions {
+                    rate_hz: Some(model.rate_hz),
+                    ..ArrayOptions::default()
+                };
+                let column = column::read(file, options, &self.temperature_column, 1.0)?;
+                Simulation::at_temperature(&model, samples, seed, column)
+            }
+            None => Simulation::new(&model, samples, seed),
+        };
+        let mut simulation = simulation
             .map_err(anyhow::Error::msg)
             .with_context(|| format!("--model {}", self.model))?;
         let ending = |end| self.output.to_ascii_lowercase().ends_with(end);

@@ -15,6 +15,16 @@ const PER_OCTAVE: f64 = 2.0;
 /// Samples handed over at a time.
 const BLOCK: usize = 1 << 16;
 
+/// What axes share.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Shared {
+    /// Axes that share something with the first one.
+    pub axes: Vec<Common>,
+    /// Correlation of all axes, one row each, 0 where nothing is shared; `None` where nothing is at all.
+    /// Over the whole band, so that it is that of the white noise.
+    pub correlation: Option<Vec<Vec<f64>>>,
+}
+
 /// What one axis has in common with the first.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Common {
@@ -28,12 +38,12 @@ pub struct Common {
     pub p_value: f64,
 }
 
-/// Axes that share something with the first one at a family-wise `level`; `residuals` are what is
-/// left of each, NaN where missing.
-pub fn common(residuals: &[Vec<f32>], rate_hz: f64, level: f64) -> Vec<Common> {
+/// What axes share with the first one at a family-wise `level`; `residuals` are what is left of
+/// each, NaN where missing.
+pub fn shared(residuals: &[Vec<f32>], rate_hz: f64, level: f64) -> Shared {
     let count = residuals.len();
     if count < 2 {
-        return Vec::new();
+        return Shared::default();
     }
     let mut cascade = CrossCascade::new(count);
     let length = residuals.iter().map(Vec::len).min().unwrap_or(0);
@@ -45,12 +55,12 @@ pub fn common(residuals: &[Vec<f32>], rate_hz: f64, level: f64) -> Vec<Common> {
             .collect();
         let columns: Vec<&[f64]> = blocks.iter().map(Vec::as_slice).collect();
         if cascade.push(first as u64, &columns).is_err() {
-            return Vec::new();
+            return Shared::default();
         }
     }
     let pair = |a: usize, b: usize| cascade.cross(a, b, rate_hz, PER_OCTAVE);
     let pairs = (count * (count - 1) / 2) as f64;
-    (1..count)
+    let axes: Vec<Common> = (1..count)
         .filter_map(|axis| {
             let bins = pair(0, axis);
             let p_value = tail::searched(chance(&bins), pairs);
@@ -83,7 +93,33 @@ pub fn common(residuals: &[Vec<f32>], rate_hz: f64, level: f64) -> Vec<Common> {
                 p_value,
             })
         })
-        .collect()
+        .collect();
+    let shares = |axis: usize| axis == 0 || axes.iter().any(|one| one.axis == axis);
+    let correlation = |a: usize, b: usize| match (a == b, shares(a) && shares(b)) {
+        (true, _) => 1.0,
+        (_, true) => correlation(&pair(a, b)),
+        _ => 0.0,
+    };
+    let row = |a: usize| (0..count).map(|b| correlation(a, b)).collect();
+    Shared {
+        correlation: (!axes.is_empty()).then(|| (0..count).map(row).collect()),
+        axes,
+    }
+}
+
+/// Correlation over all bins: their normalised cross-spectra, weighed by the averages.
+fn correlation(bins: &[CrossBin]) -> f64 {
+    let (mut sum, mut averages) = (0.0, 0.0);
+    for bin in bins {
+        sum += bin.averages * normalised(bin);
+        averages += bin.averages;
+    }
+    sum / averages
+}
+
+/// Real part of the cross-spectrum over the root of the axes' own.
+fn normalised(bin: &CrossBin) -> f64 {
+    bin.density.re / bin.density.norm() * bin.coherence.sqrt()
 }
 
 /// Probability of as much in common by chance: in one band, or over all together.
@@ -94,8 +130,7 @@ fn chance(bins: &[CrossBin]) -> f64 {
         .fold(1.0, f64::min);
     let (mut sum, mut variance) = (0.0, 0.0);
     for bin in enough() {
-        let real = bin.density.re / bin.density.norm() * bin.coherence.sqrt();
-        sum += bin.averages * real;
+        sum += bin.averages * normalised(bin);
         variance += 0.5 * bin.averages;
     }
     let together = tail::two_sided(sum / variance.sqrt());

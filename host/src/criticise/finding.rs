@@ -22,6 +22,9 @@ pub struct Diagnosis {
     pub family_level: f64,
     /// The axes.
     pub axes: Vec<AxisDiagnosis>,
+    /// Correlation of the axes' noise, one row each, where they share any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub correlation: Option<Vec<Vec<f64>>>,
 }
 
 impl Diagnosis {
@@ -35,7 +38,7 @@ impl Diagnosis {
                 .iter()
                 .map(|axis| axis.last.model.clone())
                 .collect(),
-            correlation: None,
+            correlation: self.correlation.clone(),
         }
     }
 }

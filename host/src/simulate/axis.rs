@@ -1,8 +1,11 @@
 //! One simulated axis: terms, signal chain, distortions.
 
+use std::sync::Arc;
+
 use super::Generator;
 use super::shaping::{Shape, Shaper};
 use crate::model::effect::{Distorter, Part};
+use crate::model::follows::{Follower, Leader};
 use crate::model::whole::ModelAxis;
 use crate::model::{Coefficient, Seed, Term};
 
@@ -21,7 +24,11 @@ const EFFECTS_PER_AXIS: u64 = 1 << 16;
 pub struct AxisSimulation {
     generators: Vec<Box<dyn Generator>>,
     distorters: Vec<Box<dyn Distorter>>,
+    followers: Vec<Follower>,
+    temperature: Arc<[f64]>,
     mean: f64,
+    /// Samples made so far.
+    made: usize,
     ready: Vec<f64>,
 }
 
@@ -67,9 +74,27 @@ impl AxisSimulation {
         Self {
             generators: parts.generators(),
             distorters,
+            followers: Vec::new(),
+            temperature: Arc::default(),
             mean: axis.mean,
+            made: 0,
             ready: Vec::new(),
         }
+    }
+
+    /// Makes what follows the temperature in `axis` follow this one, a value a sample: about its mean,
+    /// at which the axis has its own.
+    pub fn follow(&mut self, axis: &ModelAxis, rate_hz: f64, temperature: &Arc<[f64]>) {
+        let mean = temperature.iter().sum::<f64>() / temperature.len().max(1) as f64;
+        let follower = |part: Part| match part {
+            Part::Follows(follows) if follows.leader == Leader::Temperature => {
+                Some(follows.follower(rate_hz, mean))
+            }
+            _ => None,
+        };
+        let parts = axis.effects.iter().map(|effect| effect.part());
+        self.followers = parts.filter_map(follower).collect();
+        self.temperature = Arc::clone(temperature);
     }
 
     /// The next `count` samples.
@@ -79,6 +104,11 @@ impl AxisSimulation {
             for generator in &mut self.generators {
                 generator.add_to(&mut block);
             }
+            let left = &self.temperature[self.made.min(self.temperature.len())..];
+            for follower in &mut self.followers {
+                follower.add_to(left, &mut block);
+            }
+            self.made += BLOCK;
             for distorter in &mut self.distorters {
                 distorter.apply(&mut block);
             }

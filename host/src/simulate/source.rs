@@ -1,9 +1,12 @@
 //! A simulation as a [`Source`].
 
+use std::sync::Arc;
+
 use super::axis::AxisSimulation;
 use crate::model::effect::Part;
+use crate::model::follows::Leader;
 use crate::model::whole::{Model, ModelAxis};
-use crate::signal::{Axis, Signal};
+use crate::signal::{Axis, Signal, Unit};
 use crate::source::{Block, Chunk, Column, Source, SourceError, Values};
 
 /// Samples an axis in one chunk.
@@ -13,6 +16,8 @@ const CHUNK: usize = 8192;
 pub struct Simulation {
     signal: Signal,
     axes: Vec<AxisSimulation>,
+    /// The column beside the axes, where there is one.
+    temperature: Option<Arc<[f64]>>,
     length: u64,
     next: u64,
 }
@@ -27,14 +32,52 @@ impl Simulation {
     /// correlation; effects are independent.
     ///
     /// # Errors
-    /// As [`Model::check`], and if an axis follows something that is not in the model.
+    /// As [`Model::check`], and if an axis follows the temperature, or shares what no `correlation` tells.
     pub fn new(model: &Model, length: u64, seed: u64) -> Result<Self, String> {
+        Self::beside(model, length, seed, None)
+    }
+
+    /// The same beside a record of the temperature, one value a sample, which axes follow about its mean.
+    /// It becomes one more column behind the axes.
+    ///
+    /// # Errors
+    /// As [`Self::new`], and if it is shorter than the simulation.
+    pub fn at_temperature(
+        model: &Model,
+        length: u64,
+        seed: u64,
+        temperature: Vec<f64>,
+    ) -> Result<Self, String> {
+        let there = temperature.len() as u64;
+        if there < length {
+            return Err(format!(
+                "the temperature has {there} values, one a sample; {length} samples were asked for"
+            ));
+        }
+        Self::beside(model, length, seed, Some(temperature.into()))
+    }
+
+    fn beside(
+        model: &Model,
+        length: u64,
+        seed: u64,
+        temperature: Option<Arc<[f64]>>,
+    ) -> Result<Self, String> {
         model.check()?;
-        model.axes.iter().try_for_each(alone)?;
+        let has_leader = |leader: Leader| match leader {
+            Leader::Temperature => temperature.is_some(),
+            Leader::Shared => model.correlation.is_some(),
+        };
+        let mut axes = model.axes.iter();
+        axes.try_for_each(|axis| led(axis, has_leader))?;
         let mixing = model.mixing()?;
         let axis = |(index, axis)| {
             let weights: Vec<f64> = mixing.row(index).iter().copied().collect();
-            AxisSimulation::new(axis, index as u64, &weights, model.rate_hz, seed)
+            let mut made = AxisSimulation::new(axis, index as u64, &weights, model.rate_hz, seed);
+            if let Some(temperature) = &temperature {
+                made.follow(axis, model.rate_hz, temperature);
+            }
+            made
         };
         let described = model.axes.iter().map(|axis| Axis {
             name: axis.name.clone(),
@@ -43,14 +86,22 @@ impl Simulation {
             zero: 0.0,
             chain: axis.chain.clone(),
         });
+        let beside = temperature.iter().map(|_| Axis {
+            name: "temperature".to_owned(),
+            unit: Unit::Counts,
+            scale: 1.0,
+            zero: 0.0,
+            chain: None,
+        });
         Ok(Self {
             signal: Signal {
                 name: format!("simulation, seed {seed}"),
                 rate_hz: model.rate_hz,
-                axes: described.collect(),
+                axes: described.chain(beside).collect(),
                 start: None,
             },
             axes: model.axes.iter().enumerate().map(axis).collect(),
+            temperature: temperature.clone(),
             length,
             next: 0,
         })
@@ -58,22 +109,30 @@ impl Simulation {
 
     /// The next samples of every axis, at most `most`; empty at the end.
     pub fn next_columns(&mut self, most: usize) -> Vec<Vec<f64>> {
-        let count = (self.length - self.next).min(most as u64);
-        self.next += count;
-        self.axes
-            .iter_mut()
-            .map(|axis| axis.next(count as usize))
+        let count = (self.length - self.next).min(most as u64) as usize;
+        let from = self.next as usize;
+        self.next += count as u64;
+        let axes = self.axes.iter_mut().map(|axis| axis.next(count));
+        let beside = self.temperature.iter();
+        axes.chain(beside.map(|column| column[from..from + count].to_vec()))
             .collect()
     }
 }
 
-/// Whether all that is in an axis can be made without a record.
-fn alone(axis: &ModelAxis) -> Result<(), String> {
+/// Whether there is all that an axis follows.
+fn led(axis: &ModelAxis, has_leader: impl Fn(Leader) -> bool) -> Result<(), String> {
     for effect in &axis.effects {
-        if let Part::Follows(follows) = effect.part() {
+        let Part::Follows(follows) = effect.part() else {
+            continue;
+        };
+        if !has_leader(follows.leader) {
+            let wanted = match follows.leader {
+                Leader::Temperature => "give its record with --temperature",
+                Leader::Shared => "give the model its `correlation`",
+            };
             return Err(format!(
-                "axis {}: effect {} follows {}, which is not in the model; take it out to \
-                 simulate the rest",
+                "axis {}: effect {} follows {}, which is not in the model; {wanted}, or take the \
+                 effect out to simulate the rest",
                 axis.name,
                 effect.kind().name(),
                 follows.leader.name()
@@ -110,17 +169,56 @@ impl Source for Simulation {
 mod tests {
     use super::*;
 
+    fn model(effect: &str) -> Model {
+        let text = format!(
+            r#"{{ "schema": 1, "rate_hz": 100, "axes": [ {{ "name": "X", "mean": 9.8,
+                "effects": [ {effect} ] }} ] }}"#
+        );
+        Model::from_json(&text).expect("a model")
+    }
+
+    const THERMAL: &str = r#"{ "effect": "thermal", "parameters": { "gain": 1e-3, "lag_s": 0 } }"#;
+
+    fn refusal(simulation: Result<Simulation, String>) -> String {
+        simulation.err().expect("a reason")
+    }
+
     #[test]
-    fn what_follows_a_leader_is_refused() {
-        let text = r#"{ "schema": 1, "rate_hz": 100, "axes": [ { "name": "X", "effects": [
-            { "effect": "thermal", "parameters": { "gain": 1e-3, "lag_s": 0 } } ] } ] }"#;
-        let model = Model::from_json(text).expect("a model");
-        let error = Simulation::new(&model, 10, 1)
-            .err()
-            .expect("no thermometer");
+    fn what_follows_a_leader_is_refused_without_one() {
+        let error = refusal(Simulation::new(&model(THERMAL), 10, 1));
         assert!(
             error.contains("axis X: effect thermal follows the temperature"),
             "{error}"
         );
+        let common = r#"{ "effect": "common_mode", "parameters": { "gain": 1 } }"#;
+        let error = refusal(Simulation::new(&model(common), 10, 1));
+        assert!(error.contains("`correlation`"), "{error}");
+    }
+
+    #[test]
+    fn the_temperature_is_followed_about_its_mean_and_stands_beside() {
+        let temperature: Vec<f64> = (0..10_000).map(|n| 20.0 + f64::from(n % 1000)).collect();
+        let mean = temperature.iter().sum::<f64>() / 10_000.0;
+        let beside = |length| {
+            let temperature = temperature.clone();
+            Simulation::at_temperature(&model(THERMAL), length, 1, temperature)
+        };
+        let mut simulation = beside(10_000).expect("long enough");
+        assert_eq!(simulation.signal().axes[1].name, "temperature");
+        let mut rows = 0;
+        // Blocks of a length that is no part of the generators' own.
+        while let [axis, column] = &simulation.next_columns(777)[..]
+            && !axis.is_empty()
+        {
+            for (value, degrees) in axis.iter().zip(column) {
+                assert_eq!(*degrees, temperature[rows], "row {rows}");
+                let expected = 9.8 + 1e-3 * (degrees - mean);
+                assert!((value - expected).abs() < 1e-12, "row {rows}: {value}");
+                rows += 1;
+            }
+        }
+        assert_eq!(rows, 10_000);
+        let error = refusal(beside(10_001));
+        assert!(error.contains("10000 values"), "{error}");
     }
 }

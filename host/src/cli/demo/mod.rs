@@ -128,9 +128,9 @@ fn diagnosed(capture: &str) -> anyhow::Result<Diagnosis> {
         simulate: true,
     };
     let signal = samples.signal.clone();
-    let axes = diagnose(samples, &options, |_| {})
+    let diagnosed = diagnose(samples, &options, |_| {})
         .map_err(|refused| anyhow::anyhow!("{capture}: {refused}; give a longer --duration"))?;
-    Ok(result(&signal, &account, FAMILY_LEVEL, axes))
+    Ok(result(&signal, &account, FAMILY_LEVEL, diagnosed))
 }
 
 /// Removes what an earlier demo left.

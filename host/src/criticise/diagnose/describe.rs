@@ -68,8 +68,7 @@ pub(super) fn describe(
         whole: &whole,
     };
     let held_out = judge.held.beside(&base.expected, &last.expected);
-    let simulate = options.simulate;
-    let views = Views::new(&axis, before, models, held_out, &findings, mean, simulate);
+    let views = Views::new(&axis, before, models, held_out, &findings, mean, options);
     let passed = passed(&axis);
     let residual = residual(&axis.into_mended(), passed);
     let diagnosis = AxisDiagnosis {

@@ -72,6 +72,15 @@ impl From<std::io::Error> for Refused {
     }
 }
 
+/// Axes that are diagnosed.
+#[derive(Debug, Clone)]
+pub struct Diagnosed {
+    /// In the order of the record.
+    pub axes: Vec<AxisDiagnosis>,
+    /// Correlation of their noise, where they share any.
+    pub correlation: Option<Vec<Vec<f64>>>,
+}
+
 /// Diagnoses all axes, and what they have in common. `progress` is told each axis that is done. What
 /// is needed no more is given up on the way: a long record leaves no room for it.
 ///
@@ -81,7 +90,7 @@ pub fn diagnose(
     samples: Samples,
     options: &Options,
     progress: impl FnMut(usize) + Send,
-) -> Result<Vec<AxisDiagnosis>, Refused> {
+) -> Result<Diagnosed, Refused> {
     // All of it among the workers: a thread more would hold memory of its own.
     rayon::scope(|_| diagnose_axes(samples, options, progress))
 }
@@ -90,7 +99,7 @@ fn diagnose_axes(
     samples: Samples,
     options: &Options,
     mut progress: impl FnMut(usize),
-) -> Result<Vec<AxisDiagnosis>, Refused> {
+) -> Result<Diagnosed, Refused> {
     let (mut axes, mut residuals) = (Vec::new(), Vec::new());
     let is_long = samples.len() > LONG;
     let at_once = if is_long {
@@ -120,10 +129,14 @@ fn diagnose_axes(
         .into_iter()
         .map(Aside::back)
         .collect::<Result<_, _>>()?;
-    for common in coherence::common(&residuals, signal.rate_hz, options.level()) {
-        axes[common.axis].findings.push(common_finding(&common));
+    let shared = coherence::shared(&residuals, signal.rate_hz, options.level());
+    for common in &shared.axes {
+        axes[common.axis].findings.push(common_finding(common));
     }
-    Ok(axes)
+    Ok(Diagnosed {
+        axes,
+        correlation: shared.correlation,
+    })
 }
 
 /// Diagnoses one axis; also hands over what is left of it.

@@ -17,8 +17,8 @@ use serde::Serialize;
 use super::axis::AxisState;
 use super::finding::Finding;
 use super::gain::allan::HeldPoint;
+use super::rounds::Options;
 use crate::fit::likelihood::Fit;
-use crate::model::effect::Part;
 use crate::model::whole::{Model, ModelAxis, SCHEMA};
 use crate::simulate::source::Simulation;
 use allan::AllanPoint;
@@ -103,8 +103,8 @@ impl Burst {
 }
 
 impl Views {
-    /// Of an axis that is done; `with_simulation` beside a simulated record, which costs as much as some
-    /// of the tests.
+    /// Of an axis that is done; where `options` say so beside a simulated record, which costs as much as
+    /// some of the tests.
     pub fn new(
         axis: &AxisState,
         before: Before,
@@ -112,7 +112,7 @@ impl Views {
         held_out: Vec<HeldPoint>,
         findings: &[Finding],
         mean: f64,
-        with_simulation: bool,
+        options: &Options,
     ) -> Self {
         // One more record's worth of memory at a time.
         let course = Course::new(axis, findings, mean);
@@ -133,8 +133,9 @@ impl Views {
             after,
         };
         drop(wave);
-        let simulated = with_simulation
-            .then(|| simulate(axis, models.whole))
+        let simulated = options
+            .simulate
+            .then(|| simulate(axis, models.whole, options.covariate.as_deref()))
             .flatten();
         if let Some(simulated) = &simulated {
             allan::add_simulated(&mut allan, simulated, axis.rate_hz);
@@ -179,21 +180,22 @@ fn bursts(findings: &[Finding], record_s: f64) -> Vec<Burst> {
     bursts.filter_map(burst).collect()
 }
 
-/// A record of `model` as long as that of `axis`, with the same samples missing, about its mean;
-/// without what follows a leader. `None` where the model is none.
-fn simulate(axis: &AxisState, model: &ModelAxis) -> Option<Vec<f64>> {
-    let mut alone = model.clone();
-    let alone_too = |part: Part| !matches!(part, Part::Follows(_));
-    alone.effects.retain(|effect| alone_too(effect.part()));
-    let mean = alone.mean;
+/// A record of `model` as long as that of `axis`, with the same samples missing, about its mean, at
+/// the same `temperature`. `None` where the model is none.
+fn simulate(axis: &AxisState, model: &ModelAxis, temperature: Option<&[f64]>) -> Option<Vec<f64>> {
+    let mean = model.mean;
     let model = Model {
         schema: SCHEMA,
         rate_hz: axis.rate_hz,
-        axes: vec![alone],
+        axes: vec![model.clone()],
         correlation: None,
     };
     let length = axis.mended.len();
-    let mut simulation = Simulation::new(&model, length as u64, SEED).ok()?;
+    let simulation = match temperature {
+        Some(column) => Simulation::at_temperature(&model, length as u64, SEED, column.to_vec()),
+        None => Simulation::new(&model, length as u64, SEED),
+    };
+    let mut simulation = simulation.ok()?;
     let mut values = Vec::with_capacity(length);
     while values.len() < length {
         values.append(&mut simulation.next_columns(BLOCK).remove(0));
