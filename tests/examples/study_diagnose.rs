@@ -12,9 +12,10 @@ use clap::{Parser, ValueEnum};
 use inm_tests::hidden::case::{Case, Plan};
 use inm_tests::hidden::effect::{self, Kind};
 use inm_tests::hidden::judge::allan_table;
+use inm_tests::hidden::judge::closure;
 use inm_tests::hidden::judge::program::Program;
 use inm_tests::hidden::judge::tally;
-use inm_tests::hidden::judge::trial::{Task, Trial, run_all};
+use inm_tests::hidden::judge::trial::{self, Task, Trial, run_all};
 use inm_tests::hidden::scene::SAMPLES;
 use inm_tests::hidden::strength::Strength;
 use inm_tests::hidden::{outside, pairs};
@@ -66,6 +67,8 @@ enum Part {
     Outside,
     /// One effect at strengths from 0.3 to 10.
     Strength,
+    /// One effect at 2 to 10 times: data of the model found, diagnosed in turn.
+    Closure,
 }
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -103,6 +106,10 @@ fn run(part: Part, arguments: &Arguments) -> Result<(), Box<dyn std::error::Erro
     // A line a case, so that a study that is stopped early has still said what it found.
     let progress = |trial: &Trial| eprintln!("{}", verdict(trial));
     let program = Program(arguments.inm.clone());
+    if part == Part::Closure {
+        print_closure(&tasks, &program, arguments.at_once);
+        return Ok(());
+    }
     let trials = run_all(&tasks, &program, arguments.at_once, &progress);
     let (first, last) = (
         arguments.first_seed,
@@ -122,6 +129,21 @@ fn run(part: Part, arguments: &Arguments) -> Result<(), Box<dyn std::error::Erro
         println!("{}", allan_table::table(&trials));
     }
     Ok(())
+}
+
+/// Runs all tasks to their model and back.
+fn print_closure(tasks: &[Task], program: &Program, at_once: usize) {
+    let closed = trial::each(tasks, at_once, &|task| {
+        let closed = closure::close(task, program);
+        let case = format!("{} seed {}", task.plan.name(), task.seed);
+        match &closed {
+            Ok(closed) if closed.is_same() => eprintln!("{case}: the same"),
+            Ok(closed) => eprintln!("{case}: OTHERWISE, {closed:?}"),
+            Err(failure) => eprintln!("{case}: FAILED, {failure}"),
+        }
+        closed
+    });
+    println!("{}", closure::table(tasks, &closed));
 }
 
 fn verdict(trial: &Trial) -> String {
@@ -161,6 +183,7 @@ fn tasks(part: Part, arguments: &Arguments) -> Vec<Task> {
         Part::Single | Part::Strength => (singles(effect::KINDS), (1.0, 10.0)),
         Part::Pairs => (pairs::all(), (2.0, 10.0)),
         Part::Outside => (singles(outside::KINDS), (2.0, 10.0)),
+        Part::Closure => (singles(effect::KINDS), (2.0, 10.0)),
     };
     let strengths: Vec<Strength> = match (arguments.strength, part) {
         (Some(strength), _) => vec![Strength::At(strength)],

@@ -3,6 +3,7 @@
 pub mod allan;
 pub mod allan_table;
 pub mod answer;
+pub mod closure;
 pub mod place;
 pub mod program;
 pub mod score;

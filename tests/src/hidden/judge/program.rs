@@ -1,5 +1,6 @@
 //! The program under test, as a process.
 
+use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
@@ -31,14 +32,38 @@ pub struct Program(pub PathBuf);
 
 impl Diagnose for Program {
     fn diagnose(&self, files: &Files) -> Result<Outcome, Failure> {
+        self.diagnose_to(files, None)
+    }
+}
+
+impl Program {
+    /// What it says of a record; its last model goes to the file `model`, where one is wanted.
+    ///
+    /// # Errors
+    /// As [`Diagnose::diagnose`].
+    pub fn diagnose_to(&self, files: &Files, model: Option<&Path>) -> Result<Outcome, Failure> {
         let json = files.record.with_extension("json");
+        let mut arguments = vec!["diagnose".into(), files.record.clone().into_os_string()];
+        arguments.extend(files.arguments.iter().map(OsString::from));
+        arguments.extend(["--json".into(), json.clone().into_os_string()]);
+        if let Some(model) = model {
+            arguments.extend(["--model".into(), model.as_os_str().to_owned()]);
+        }
+        let time = self.run(arguments)?;
+        Ok(Outcome {
+            answer: read(&json)?,
+            time,
+        })
+    }
+
+    /// Runs it to its end; how long that took.
+    ///
+    /// # Errors
+    /// If it does not start, or ends with another status than 0 or 1.
+    pub fn run(&self, arguments: Vec<OsString>) -> Result<Duration, Failure> {
         let start = Instant::now();
         let output = Command::new(&self.0)
-            .arg("diagnose")
-            .arg(&files.record)
-            .args(&files.arguments)
-            .arg("--json")
-            .arg(&json)
+            .args(arguments)
             .stdin(Stdio::null())
             .output()
             .map_err(|source| Failure::Start {
@@ -52,10 +77,7 @@ impl Diagnose for Program {
             let said = said.unwrap_or_default();
             return Err(Failure::Status(output.status.to_string(), said.to_owned()));
         }
-        Ok(Outcome {
-            answer: read(&json)?,
-            time,
-        })
+        Ok(time)
     }
 }
 

@@ -60,6 +60,15 @@ pub fn run_all(
     at_once: usize,
     progress: &(dyn Fn(&Trial) + Sync),
 ) -> Vec<Trial> {
+    each(tasks, at_once, &|task| {
+        let trial = run_one(task, program);
+        progress(&trial);
+        trial
+    })
+}
+
+/// What `run` makes of each task, `at_once` at a time, in the order of the tasks.
+pub fn each<T: Send>(tasks: &[Task], at_once: usize, run: &(dyn Fn(&Task) -> T + Sync)) -> Vec<T> {
     let next = AtomicUsize::new(0);
     let done = Mutex::new(Vec::new());
     thread::scope(|scope| {
@@ -68,16 +77,15 @@ pub fn run_all(
                 loop {
                     let index = next.fetch_add(1, Ordering::Relaxed);
                     let Some(task) = tasks.get(index) else { break };
-                    let trial = run_one(task, program);
-                    progress(&trial);
+                    let made = run(task);
                     if let Ok(mut done) = done.lock() {
-                        done.push((index, trial));
+                        done.push((index, made));
                     }
                 }
             });
         }
     });
-    let mut done = done.into_inner().unwrap_or_default();
+    let mut done: Vec<(usize, T)> = done.into_inner().unwrap_or_default();
     done.sort_by_key(|(index, _)| *index);
-    done.into_iter().map(|(_, trial)| trial).collect()
+    done.into_iter().map(|(_, made)| made).collect()
 }
