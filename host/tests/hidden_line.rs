@@ -43,7 +43,7 @@ fn a_line_inflates_the_published_q_and_the_diagnosis_gives_it_back() {
         covariate: None,
         simulate: false,
     };
-    let axes = diagnose(samples, &options, |_| {})
+    let axes = diagnose(samples, &options, &|_, _| {})
         .expect("long enough")
         .axes;
     let axis = &axes[0];

@@ -2,16 +2,17 @@
 //! is gained by mending it.
 
 use std::process::ExitCode;
+use std::time::Duration;
 
 use clap::Args;
-use indicatif::ProgressBar;
+use indicatif::{ProgressBar, ProgressStyle};
 
 use super::column;
 use super::input::InputOptions;
 use super::output::write_to;
 use super::results::ResultOptions;
 use crate::bins::record::Account;
-use crate::criticise::diagnose::{Diagnosed, diagnose};
+use crate::criticise::diagnose::{Diagnosed, Step, diagnose};
 use crate::criticise::finding::Diagnosis;
 use crate::criticise::reference::clock;
 use crate::criticise::rounds::Options;
@@ -23,6 +24,9 @@ use crate::source::options::Selector;
 
 /// Probability of any finding where nothing is hidden, unless told otherwise.
 pub(super) const FAMILY_LEVEL: f64 = 0.005;
+
+/// Between two looks of the progress bar.
+const TICK: Duration = Duration::from_millis(100);
 
 /// Exit status where something is left unexplained.
 const UNEXPLAINED: u8 = 1;
@@ -91,6 +95,8 @@ impl DiagnoseCommand {
             None => None,
         };
         let mut source = open(&self.file, &self.input.into())?;
+        let bar = progress(source.signal().axes.len());
+        bar.set_message("reading");
         let (mut samples, account) = Samples::read(&mut *source, |_| {})?;
         let options = Options {
             family_level: self.level,
@@ -112,12 +118,13 @@ impl DiagnoseCommand {
                 axis.chain = axis.chain.as_ref().map(|chain| chain.at_clock(ratio.value));
             }
         }
-        // On a terminal only, and gone when the text comes.
-        let bar = ProgressBar::new(samples.axes.len() as u64).with_message("axes");
-        bar.tick();
         let signal = samples.signal.clone();
-        let mut diagnosed = diagnose(samples, &options, |axis| bar.set_position(axis as u64 + 1))
-            .map_err(|refused| anyhow::anyhow!("{}: {refused}", self.file))?;
+        let mut diagnosed = diagnose(samples, &options, &|axis, step| match step {
+            Step::Begun => bar.set_message(format!("axis {axis}")),
+            Step::Found(effect) => bar.set_message(format!("axis {axis}: {effect}")),
+            Step::Done => bar.inc(1),
+        })
+        .map_err(|refused| anyhow::anyhow!("{}: {refused}", self.file))?;
         bar.finish_and_clear();
         for (number, finding) in clock {
             diagnosed.axes[number].findings.push(finding);
@@ -139,6 +146,15 @@ impl DiagnoseCommand {
             ExitCode::SUCCESS
         })
     }
+}
+
+/// Shown on a terminal only, and gone when the text comes.
+fn progress(axes: usize) -> ProgressBar {
+    let style = ProgressStyle::with_template("{spinner} {bar:24} {pos} of {len} axes  {msg}");
+    let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
+    let bar = ProgressBar::new(axes as u64).with_style(style);
+    bar.enable_steady_tick(TICK);
+    bar
 }
 
 /// The result for the axes of a record.

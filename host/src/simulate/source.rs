@@ -54,14 +54,14 @@ impl Simulation {
                 "the temperature has {there} values, one a sample; {length} samples were asked for"
             ));
         }
-        Self::beside(model, length, seed, Some(temperature.into()))
+        Self::beside(model, length, seed, Some(&temperature.into()))
     }
 
     fn beside(
         model: &Model,
         length: u64,
         seed: u64,
-        temperature: Option<Arc<[f64]>>,
+        temperature: Option<&Arc<[f64]>>,
     ) -> Result<Self, String> {
         model.check()?;
         let has_leader = |leader: Leader| match leader {
@@ -74,7 +74,7 @@ impl Simulation {
         let axis = |(index, axis)| {
             let weights: Vec<f64> = mixing.row(index).iter().copied().collect();
             let mut made = AxisSimulation::new(axis, index as u64, &weights, model.rate_hz, seed);
-            if let Some(temperature) = &temperature {
+            if let Some(temperature) = temperature {
                 made.follow(axis, model.rate_hz, temperature);
             }
             made
@@ -101,7 +101,7 @@ impl Simulation {
                 start: None,
             },
             axes: model.axes.iter().enumerate().map(axis).collect(),
-            temperature: temperature.clone(),
+            temperature: temperature.cloned(),
             length,
             next: 0,
         })

@@ -128,7 +128,7 @@ fn diagnosed(capture: &str) -> anyhow::Result<Diagnosis> {
         simulate: true,
     };
     let signal = samples.signal.clone();
-    let diagnosed = diagnose(samples, &options, |_| {})
+    let diagnosed = diagnose(samples, &options, &|_, _| {})
         .map_err(|refused| anyhow::anyhow!("{capture}: {refused}; give a longer --duration"))?;
     Ok(result(&signal, &account, FAMILY_LEVEL, diagnosed))
 }

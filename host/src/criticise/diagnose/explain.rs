@@ -11,7 +11,7 @@ use super::super::ramp;
 use super::super::rounds::{self, Accepted, Options, Outcome};
 use super::super::samples::AxisSamples;
 use super::super::views::Before;
-use super::{LEAST, Refused};
+use super::{LEAST, Progress, Refused, Step};
 use crate::fit::likelihood::Fit;
 use crate::fit::likelihood::ramp::Ramp;
 use crate::signal::Axis;
@@ -47,6 +47,7 @@ pub(super) fn explain(
     record: AxisSamples,
     rate_hz: f64,
     options: &Options,
+    progress: &Progress<'_>,
 ) -> Result<Explained, Refused> {
     let declared = matches!(record.raw(), Values::Codes(_)).then_some(signal.scale);
     let (measured, mean) = record.centred(signal.scale);
@@ -61,6 +62,7 @@ pub(super) fn explain(
     let measured = Arc::new(measured);
     let refusal = || refusal(signal, &measured);
     let values = CodeFindings::new(declared, options.level(), &measured, mean);
+    let found = |effect| progress(&signal.name, Step::Found(effect));
     let mut refused: Vec<&'static str> = Vec::new();
     let mut begun: Option<(Before, f64)> = None;
     loop {
@@ -74,7 +76,8 @@ pub(super) fn explain(
             begun
         };
         let (_, (before, base_slope)) = rayon::join(|| axis.lines(options.level()), begin);
-        let outcome = rounds::run(&mut axis, options, &values, &refused).ok_or_else(refusal)?;
+        let outcome =
+            rounds::run(&mut axis, options, &values, &refused, &found).ok_or_else(refusal)?;
         let nats = held_out(&axis, &outcome.accepted);
         // What gains nothing on data that it was not fitted to is no effect.
         let losers = outcome.accepted.iter().zip(&nats);

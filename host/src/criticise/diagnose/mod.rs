@@ -12,10 +12,9 @@ use super::aside::Aside;
 use super::coherence::{self, Common};
 use super::finding::{AxisDiagnosis, Finding, Gain, Value};
 use super::rounds::Options;
-use super::samples::{AxisSamples, Samples, Waiting};
+use super::samples::{Samples, Waiting};
 use crate::model::PerCoefficient;
 use crate::model::catalogue;
-use crate::signal::Axis;
 
 /// Samples below which no spectrum is worth the name.
 const LEAST: usize = 1 << 13;
@@ -72,6 +71,20 @@ impl From<std::io::Error> for Refused {
     }
 }
 
+/// What has come of an axis meanwhile.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Step {
+    /// It is begun with.
+    Begun,
+    /// An effect was found in it, which may be given back later.
+    Found(&'static str),
+    /// It is done.
+    Done,
+}
+
+/// Is told the name of an axis and what has come of it, by several threads.
+pub type Progress<'a> = dyn Fn(&str, Step) + Sync + 'a;
+
 /// Axes that are diagnosed.
 #[derive(Debug, Clone)]
 pub struct Diagnosed {
@@ -81,15 +94,15 @@ pub struct Diagnosed {
     pub correlation: Option<Vec<Vec<f64>>>,
 }
 
-/// Diagnoses all axes, and what they have in common. `progress` is told each axis that is done. What
-/// is needed no more is given up on the way: a long record leaves no room for it.
+/// Diagnoses all axes, and what they have in common. What is needed no more is given up on
+/// the way: a long record leaves no room for it.
 ///
 /// # Errors
 /// [`Refused`] where an axis holds too little.
 pub fn diagnose(
     samples: Samples,
     options: &Options,
-    progress: impl FnMut(usize) + Send,
+    progress: &Progress<'_>,
 ) -> Result<Diagnosed, Refused> {
     // All of it among the workers: a thread more would hold memory of its own.
     rayon::scope(|_| diagnose_axes(samples, options, progress))
@@ -98,7 +111,7 @@ pub fn diagnose(
 fn diagnose_axes(
     samples: Samples,
     options: &Options,
-    mut progress: impl FnMut(usize),
+    progress: &Progress<'_>,
 ) -> Result<Diagnosed, Refused> {
     let (mut axes, mut residuals) = (Vec::new(), Vec::new());
     let is_long = samples.len() > LONG;
@@ -116,11 +129,17 @@ fn diagnose_axes(
         let some: Vec<_> = waiting.by_ref().take(at_once).collect();
         let done: Vec<_> = some
             .into_par_iter()
-            .map(|(axis, record)| diagnose_axis(axis, record.back()?, signal.rate_hz, options))
+            .map(|(axis, record)| {
+                progress(&axis.name, Step::Begun);
+                let explained =
+                    explain::explain(axis, record.back()?, signal.rate_hz, options, progress)?;
+                let done = describe::describe(axis, explained, options);
+                progress(&axis.name, Step::Done);
+                Ok::<_, Refused>(done)
+            })
             .collect();
         for one in done {
             let (axis, residual) = one?;
-            progress(axes.len());
             axes.push(axis);
             residuals.push(Aside::new(residual, is_long));
         }
@@ -137,17 +156,6 @@ fn diagnose_axes(
         axes,
         correlation: shared.correlation,
     })
-}
-
-/// Diagnoses one axis; also hands over what is left of it.
-fn diagnose_axis(
-    signal: &Axis,
-    record: AxisSamples,
-    rate_hz: f64,
-    options: &Options,
-) -> Result<(AxisDiagnosis, Vec<f32>), Refused> {
-    let explained = explain::explain(signal, record, rate_hz, options)?;
-    Ok(describe::describe(signal, explained, options))
 }
 
 fn common_finding(common: &Common) -> Finding {

@@ -127,17 +127,19 @@ pub struct Outcome {
 }
 
 /// Runs the loop on an axis, without the effects `refused`; `values` is what its values themselves
-/// say. `None` where a fit fails.
+/// say, and `found` is told each effect as it is. `None` where a fit fails.
 pub fn run(
     axis: &mut AxisState,
     options: &Options,
     values: &CodeFindings,
     refused: &[&'static str],
+    found: &dyn Fn(&'static str),
 ) -> Option<Outcome> {
     let mut rounds = Rounds {
         axis,
         options,
         refused,
+        found,
         accepted: Vec::new(),
         discrepancies: Vec::new(),
         switching: false,
@@ -188,6 +190,7 @@ struct Rounds<'a> {
     axis: &'a mut AxisState,
     options: &'a Options,
     refused: &'a [&'static str],
+    found: &'a dyn Fn(&'static str),
     accepted: Vec<Accepted>,
     discrepancies: Vec<Remark>,
     /// Whether the level switches to and fro: no business of single steps.
@@ -226,6 +229,7 @@ impl Rounds<'_> {
         if self.refused.contains(&effect) {
             return Some(false);
         }
+        (self.found)(effect);
         let (before, without) = (self.axis.fit.clone(), Snapshot::of(self.axis));
         change(self.axis)?;
         self.accepted.push(Accepted {
