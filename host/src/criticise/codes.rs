@@ -23,6 +23,10 @@ const LOOK: usize = 1 << 20;
 /// steps in the noise its law, which a correlation of neighbours or a dither changes, decides.
 const SPANNED: f64 = 0.25;
 
+/// Step of a grid over the short-term noise, itself included, from which the noise looks stronger where
+/// the level lies between two steps than where it lies on one.
+const DECIDES: f64 = 2.0;
+
 /// What the values themselves say.
 #[derive(Debug, Clone, Default)]
 pub struct CodeFindings {
@@ -30,10 +34,20 @@ pub struct CodeFindings {
     pub stale: Option<(Stale, Vec<usize>)>,
     /// Pile-ups, and where they are.
     pub clipping: Vec<(Clipping, Vec<usize>)>,
-    /// Step of the values that is coarser than declared, beside the short-term noise.
-    pub coarse: Option<f64>,
+    /// Grid of the values that is coarser than declared, beside the short-term noise.
+    pub coarse: Option<Coarse>,
     /// Largest size of a value: what its rounding is a share of.
     pub largest: f64,
+}
+
+/// A coarse grid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coarse {
+    /// Its step.
+    pub step: f64,
+    /// Whether the noise lies on so few steps that where the level is between two of them decides how
+    /// strong it looks.
+    pub decides: bool,
 }
 
 impl CodeFindings {
@@ -47,34 +61,35 @@ impl CodeFindings {
             .filter(|step| step.is_finite())
             .collect();
         // From the spread of increments, so that wander does not count.
-        let noise = middle_spread(&increments).max(
-            increments
-                .iter()
-                .map(|step| step * step)
-                .sum::<f64>()
-                .sqrt()
-                / (increments.len() as f64).sqrt()
-                * 0.5,
-        ) / std::f64::consts::SQRT_2;
+        let squares: f64 = increments.iter().map(|step| step * step).sum();
+        let rms = (0.5 * squares / increments.len() as f64).sqrt();
+        let middle = middle_spread(&increments) / std::f64::consts::SQRT_2;
+        let noise = middle.max(0.5 * rms);
         let coarse = grid.filter(|&step| {
             let coarser = declared.is_none_or(|declared| step > 1.5 * declared.abs());
             coarser && step > 0.25 * noise
         });
+        let coarse = coarse.map(|step| Coarse {
+            step,
+            decides: step > DECIDES * rms,
+        });
+        let clipping = clipping(measured, grid, level);
         // On a grid that the noise does not span, repeats are no news.
         let spanned = grid.is_none_or(|step| step < SPANNED * noise);
         let chance = match grid {
             Some(grid) => Chance::on_grid(&increments, grid),
             None => Chance::between(&increments, noise, declared.map(f64::abs)),
         };
-        let stale = stale(&increments, chance, level).filter(|_| spanned);
-        let repeats = || {
-            (1..measured.len())
-                .filter(|&n| measured[n] == measured[n - 1])
-                .collect()
-        };
+        let repeats: Vec<usize> = (1..measured.len())
+            .filter(|&n| measured[n] == measured[n - 1])
+            // Samples at a limit are all the same for another reason.
+            .filter(|&n| clipping.iter().all(|one| measured[n] != one.level))
+            .collect();
+        let pairs = increments.len();
+        let stale = stale(repeats.len(), pairs, chance, level).filter(|_| spanned);
         Self {
-            stale: stale.map(|stale| (stale, repeats())),
-            clipping: clipping(measured, grid, level)
+            stale: stale.map(|stale| (stale, repeats)),
+            clipping: clipping
                 .into_iter()
                 .map(|one| {
                     let reached = |value: f64| one.side * value >= one.side * one.level;

@@ -120,11 +120,10 @@ fn common_step(sizes: &[f64]) -> Option<f64> {
     parts.into_iter().find(fits)
 }
 
-/// Repeats among `increments`, all that there are, if they are more than `chance` has at the `level` of
+/// So many `repeats` among `pairs` of neighbours, if they are more than `chance` has at the `level` of
 /// one test.
-pub fn stale(increments: &[f64], chance: Chance, level: f64) -> Option<Stale> {
-    let total = increments.len() as f64;
-    let repeats = increments.iter().filter(|step| **step == 0.0).count() as f64;
+pub fn stale(repeats: usize, pairs: usize, chance: Chance, level: f64) -> Option<Stale> {
+    let (repeats, total) = (repeats as f64, pairs as f64);
     let sd = (repeats.max(chance.count) + chance.variance)
         .sqrt()
         .max(1.0);
@@ -160,6 +159,11 @@ mod tests {
         values.windows(2).map(|pair| pair[1] - pair[0]).collect()
     }
 
+    fn found(increments: &[f64], chance: Chance, level: f64) -> Option<Stale> {
+        let repeats = increments.iter().filter(|step| **step == 0.0).count();
+        stale(repeats, increments.len(), chance, level)
+    }
+
     fn spread(increments: &[f64]) -> f64 {
         let squares: f64 = increments.iter().map(|step| step * step).sum();
         (0.5 * squares / increments.len() as f64).sqrt()
@@ -183,7 +187,7 @@ mod tests {
                         (0.4..1.65).contains(&ratio) || is_none,
                         "sd {sd}, seed {seed}: {chance:?}, {expected} expected"
                     );
-                    if stale(&steps, chance, 0.005).is_some() {
+                    if found(&steps, chance, 0.005).is_some() {
                         alarms.push(seed);
                     }
                 }
@@ -212,7 +216,7 @@ mod tests {
         for declared in [Some(0.5), None] {
             let steps = increments(1, 2e4, 0.5, 4096);
             let chance = Chance::between(&steps, spread(&steps), declared);
-            let found = stale(&steps, chance, 2e-4).expect("64 repeats where 3.7 are chance");
+            let found = found(&steps, chance, 2e-4).expect("64 repeats where 3.7 are chance");
             let share = 1.0 / 4096.0;
             let error = (found.share - share).abs() / found.share_sd;
             assert!(error < 4.0, "{found:?}");

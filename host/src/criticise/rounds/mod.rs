@@ -145,6 +145,7 @@ pub fn run(
         switching: false,
         ringing: false,
         restless: false,
+        grid_decides: false,
         sought_beside: 0,
         unsteady: Vec::new(),
         kept: Vec::new(),
@@ -199,6 +200,8 @@ struct Rounds<'a> {
     ringing: bool,
     /// Whether the strength of the noise moves all the time: no business of bursts.
     restless: bool,
+    /// Whether the grid of the values decides how strong the noise looks: no business of bursts.
+    grid_decides: bool,
     /// Effects there were when outliers were last sought among them.
     sought_beside: usize,
     /// Lines that were seen to lose no samples.

@@ -2,6 +2,7 @@
 
 use super::super::axis::AxisState;
 use super::super::bursts::{self, Powers};
+use super::super::codes::Coarse;
 use super::super::finding::Value;
 use super::super::impulses::{self, Outlier, Outliers};
 use super::super::levels;
@@ -49,7 +50,8 @@ impl Rounds<'_> {
                 },
             )?;
         }
-        if let Some(step) = values.coarse {
+        if let Some(Coarse { step, decides }) = values.coarse {
+            self.grid_decides = decides;
             // A difference of two values, each known to its rounding. Thousands of values on a grid
             // that nobody laid have a probability below what a number can hold.
             let step = Value::normal(step, 4.0 * f64::EPSILON * values.largest);

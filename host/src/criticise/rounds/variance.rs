@@ -20,7 +20,7 @@ impl Rounds<'_> {
     /// The stretch that departs most from the rest, if it is a burst: not most of the record, not of a
     /// band alone, and no rest on a coarse grid.
     pub(super) fn even_burst(&self) -> Option<Burst> {
-        if self.restless {
+        if self.restless || self.grid_decides {
             return None;
         }
         let burst = bursts::burst(&self.axis.powers(), self.level())?;
