@@ -109,7 +109,8 @@ pub fn place(filter: &Match, jump: Jump, reach: usize) -> Jump {
             along(a).total_cmp(&along(b))
         })
         .unwrap_or(jump.index);
-    let index_sd = spread(filter, index).max(0.5);
+    // Among larger ones that are still there a jump may show less than where it was found.
+    let index_sd = spread(filter, index).clamp(0.5, jump.index_sd.max(reach as f64));
     Jump {
         index,
         index_sd,
