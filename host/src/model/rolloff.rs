@@ -29,7 +29,9 @@ const REACH: usize = 128;
 /// phases, which no spectrum shows.
 struct Filter {
     taps: Vec<f64>,
+    /// Samples that windows to come begin with.
     past: Vec<f64>,
+    begun: bool,
 }
 
 impl Filter {
@@ -60,23 +62,24 @@ impl Filter {
         Self {
             taps: taps.iter().map(|tap| tap / total).collect(),
             past: Vec::new(),
+            begun: false,
         }
     }
 }
 
 impl Distorter for Filter {
     fn apply(&mut self, samples: &mut Vec<f64>) {
-        if samples.is_empty() {
-            return;
-        }
-        if self.past.is_empty() {
+        self.past.append(samples);
+        if !self.begun {
+            if self.past.len() <= REACH {
+                return;
+            }
             // Before the record its mirror image: at the same level, and as loud.
-            let last = samples.len() - 1;
-            let mirror = (1..=REACH).rev().map(|lag| samples[lag.min(last)]);
-            self.past = mirror.collect();
+            let mirror: Vec<f64> = self.past[1..=REACH].iter().rev().copied().collect();
+            self.past.splice(..0, mirror);
+            self.begun = true;
         }
         let mut line = std::mem::take(&mut self.past);
-        line.append(samples);
         // Each sample in the middle of its window: the last ones wait for the next block.
         samples.extend(line.windows(self.taps.len()).map(|window| {
             let products = window.iter().zip(&self.taps);
@@ -172,7 +175,7 @@ mod tests {
     #[test]
     fn blocks_make_no_difference() {
         let whole = filtered(3, 3000, 4096);
-        for block in [129, 700, 1000] {
+        for block in [1, 129, 700, 1000] {
             assert_eq!(filtered(3, 3000, block), whole, "blocks of {block}");
         }
     }
