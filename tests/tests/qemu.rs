@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use inm_emulator::channel::{Channel, published};
 use inm_emulator::{Conversion, Registers};
-use inm_host::link::{Client, Connect, LinkError};
+use inm_host::link::{Client, Connect, LinkError, Patience};
 use inm_host::source::assemble::Losses;
 use inm_host::source::audit::State;
 use inm_host::source::board::{BoardSource, Plan, Stop};
@@ -159,13 +159,30 @@ struct Talk {
 }
 
 impl Talk {
+    fn new(qemu: &Qemu, patience: Patience) -> Self {
+        let port = qemu.connect().open().expect("its port opens");
+        Self {
+            client: Client::new(port, "QEMU".to_owned(), patience),
+            decoder: Decoder::new(),
+            samples: 0,
+        }
+    }
+
     fn ask(&mut self, request: Request) -> Result<Answer, Refusal> {
+        match self.try_ask(request) {
+            Ok(answer) => Ok(answer),
+            Err(LinkError::Refused { refusal, .. }) => Err(refusal),
+            Err(error) => panic!("{error}"),
+        }
+    }
+
+    fn try_ask(&mut self, request: Request) -> Result<Answer, LinkError> {
         let Self {
             client,
             decoder,
             samples,
         } = self;
-        let answer = client.request(request, |mut bytes, id| {
+        client.request(request, |mut bytes, id| {
             let mut found: Option<Reply> = None;
             while let Some(message) = decoder.next::<ToHost>(&mut bytes) {
                 match message.expect("a pty damages nothing") {
@@ -174,13 +191,8 @@ impl Talk {
                     _ => {}
                 }
             }
-            Ok::<_, LinkError>(found)
-        });
-        match answer {
-            Ok(answer) => Ok(answer),
-            Err(LinkError::Refused { refusal, .. }) => Err(refusal),
-            Err(error) => panic!("{error}"),
-        }
+            Ok(found)
+        })
     }
 
     fn identify(&mut self) -> Identity {
@@ -193,15 +205,9 @@ impl Talk {
 
 #[test]
 #[ignore = "needs the image for QEMU: cargo xtask test"]
-fn commands_are_answered_refused_and_survive_a_restart() {
+fn commands_are_answered_and_refused() {
     let qemu = Qemu::start().expect("QEMU runs the image");
-    let port = qemu.connect().open().expect("its port opens");
-    let client = Client::new(port, "QEMU".to_owned(), PATIENCE);
-    let mut board = Talk {
-        client,
-        decoder: Decoder::new(),
-        samples: 0,
-    };
+    let mut board = Talk::new(&qemu, PATIENCE);
 
     let identity = board.identify();
     assert_eq!(identity.platform, "qemu");
@@ -252,17 +258,44 @@ fn commands_are_answered_refused_and_survive_a_restart() {
         }
         assert_eq!(board.samples, after, "round {round}: none after the stop");
     }
+}
 
-    assert_eq!(board.ask(Request::Reset), Ok(Answer::Done));
-    let identity = board.identify();
-    assert_eq!(
-        identity.restart,
-        Restart::Command,
-        "the reason survives the restart"
-    );
-    assert_eq!(
-        board.ask(Request::Start),
-        Ok(Answer::Settings(Settings::default()))
-    );
+/// Machines that are restarted, at most. QEMU 7.2 loses all interrupts at about one reset by software
+/// in twenty: the NVIC shows them enabled and pending, and none is taken while the program runs on
+/// without them. So one machine may fall silent, but not three.
+const MACHINES: usize = 3;
+
+#[test]
+#[ignore = "needs the image for QEMU: cargo xtask test"]
+fn a_restart_by_command_is_told() {
+    let silent = (0..MACHINES).take_while(|_| !restarts()).count();
+    println!("{silent} machines fell silent at their reset");
+    assert!(silent < MACHINES, "no machine answered after its reset");
+}
+
+/// Whether a machine answers after a restart by command, which it then must say.
+fn restarts() -> bool {
+    let patience = Patience {
+        tries: 8,
+        ..PATIENCE
+    };
+    let qemu = Qemu::start().expect("QEMU runs the image");
+    let mut board = Talk::new(&qemu, patience);
+    let started = Ok(Answer::Settings(Settings::default()));
+    assert_eq!(board.identify().restart, Restart::Power);
+    assert_eq!(board.ask(Request::Start), started);
     assert_eq!(board.ask(Request::Stop), Ok(Answer::Done));
+    assert_eq!(board.ask(Request::Reset), Ok(Answer::Done));
+    match board.try_ask(Request::Identify) {
+        Err(LinkError::NoReply { .. }) => return false,
+        Ok(Answer::Identity(identity)) => assert_eq!(
+            identity.restart,
+            Restart::Command,
+            "the reason survives the restart"
+        ),
+        other => panic!("not an identity: {other:?}"),
+    }
+    assert_eq!(board.ask(Request::Start), started);
+    assert_eq!(board.ask(Request::Stop), Ok(Answer::Done));
+    true
 }
