@@ -99,7 +99,20 @@ impl Simulate {
                     rate_hz: Some(model.rate_hz),
                     ..ArrayOptions::default()
                 };
+                anyhow::ensure!(
+                    !self.output.to_ascii_lowercase().ends_with(CAPTURE),
+                    "{}: a capture has no room for the temperature; write .npy or .csv instead",
+                    self.output
+                );
                 let column = column::read(file, options, &self.temperature_column, 1.0)?;
+                anyhow::ensure!(
+                    column.len() as u64 >= samples,
+                    "{file}: column {} has {} values, one a sample; {samples} samples were asked \
+                     for: give a longer record, or --duration {}",
+                    self.temperature_column,
+                    column.len(),
+                    column.len() as f64 / model.rate_hz
+                );
                 Simulation::at_temperature(&model, samples, seed, column)
             }
             None => Simulation::new(&model, samples, seed),

@@ -197,3 +197,39 @@ pub fn grid(values: &[f64]) -> Option<f64> {
     let repeated = values.len().min(LOOK) as f64 > 1.5 * used;
     (repeated && step.is_finite()).then_some(step)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::Seed;
+    use crate::simulate::Gaussian;
+
+    /// What is made of normal numbers, one after the other.
+    fn found(seed: u64, mut make: impl FnMut(f64) -> f64) -> CodeFindings {
+        let mut noise = Gaussian::new(Seed { seed, stream: 0 }, 1.0);
+        let values: Vec<f64> = (0..1 << 15).map(|_| make(noise.draw())).collect();
+        CodeFindings::new(None, 2e-4, &values, 0.0)
+    }
+
+    #[test]
+    fn samples_at_a_limit_do_not_repeat_for_another_reason() {
+        // A walk stays at its limit for many samples.
+        let mut level = 0.0;
+        let found = found(1, |step| {
+            level += step;
+            f64::min(level, 20.0)
+        });
+        assert_eq!(found.clipping.len(), 1, "seed 1");
+        assert!(found.clipping[0].1.len() > 100, "seed 1");
+        assert!(found.stale.is_none(), "seed 1: {:?}", found.stale);
+    }
+
+    #[test]
+    fn a_grid_decides_from_some_two_deviations_on() {
+        for (step, decides) in [(1.0, false), (4.0, true)] {
+            let found = found(2, |z| step * (z / step).round());
+            let coarse = found.coarse.expect("a grid that nobody declared");
+            assert_eq!(coarse, Coarse { step, decides }, "seed 2");
+        }
+    }
+}
