@@ -2,8 +2,11 @@
 
 use std::f64::consts::{PI, TAU};
 
+use realfft::num_complex::Complex64;
+
 use super::axis::AxisState;
 use super::mend::Wave;
+use crate::fft::phasor::Phasor;
 use crate::spectrum::lines::Line;
 
 /// Share of the record over which each end is tapered where a line is measured.
@@ -122,20 +125,19 @@ fn measure(axis: &AxisState, line: &Line) -> Measured {
     let length = axis.filled.len();
     let cycles = line.frequency_hz / axis.rate_hz;
     let end = ((TAPER * length as f64) as usize).max(1);
-    let (mut cosine, mut sine, mut weights) = (0.0, 0.0, 0.0);
-    for (index, value) in axis.filled.iter().enumerate() {
+    let (mut sum, mut weights) = (Complex64::ZERO, 0.0);
+    let values = axis.filled.iter().enumerate();
+    Phasor::new(-cycles).zip(0, values, 2.0.into(), |(index, value), phasor| {
         let edge = index.min(length - 1 - index);
         let weight = if edge < end {
             (0.5 * PI * (edge as f64 + 0.5) / end as f64).sin().powi(2)
         } else {
             1.0
         };
-        let (s, c) = (TAU * (index as f64 * cycles).fract()).sin_cos();
-        cosine += weight * value * c;
-        sine += weight * value * s;
+        sum += phasor * (weight * value);
         weights += weight;
-    }
-    let (cosine, sine) = (2.0 * cosine / weights, 2.0 * sine / weights);
+    });
+    let (cosine, sine) = (sum.re / weights, -sum.im / weights);
     // var A = 4 S / T for a two-sided density S.
     let density = axis.density(line.frequency_hz);
     let amplitude_sd = (4.0 * density * axis.rate_hz / weights).sqrt();

@@ -3,12 +3,14 @@
 //! Waveforms are subtracted, single bad samples bridged, stretches that follow another law masked.
 //! What the measured record and the mended one differ by is the model's deterministic part.
 
-use std::f64::consts::TAU;
 use std::ops::Range;
 use std::sync::Arc;
 
+use realfft::num_complex::Complex64;
+
 use super::impulses::Outlier;
 use super::levels::Jump;
+use crate::fft::phasor::Phasor;
 
 /// A waveform in the record.
 #[derive(Debug, Clone, PartialEq)]
@@ -79,13 +81,12 @@ impl Wave {
                 lost,
             } => {
                 let (after, samples) = lost.unwrap_or((values.len(), 0));
-                for (index, value) in values.iter_mut().enumerate() {
-                    let moment = index + if index < after { 0 } else { samples as usize };
-                    // The fraction of a cycle, so that long records lose no digits.
-                    let turn = TAU * (moment as f64 * cycles).fract();
-                    let (s, c) = turn.sin_cos();
-                    *value -= cosine * c + sine * s;
-                }
+                let (before, later) = values.split_at_mut(after.min(values.len()));
+                let phasor = Phasor::new(*cycles);
+                let amplitude = Complex64::new(*cosine, -sine);
+                let out = |value: &mut f64, line: Complex64| *value -= line.re;
+                phasor.zip(0, before, amplitude, out);
+                phasor.zip(after + samples as usize, later, amplitude, out);
             }
             Self::Follows { gain, column } => {
                 for (value, column) in values.iter_mut().zip(column.iter()) {
@@ -308,7 +309,10 @@ mod tests {
         line(None).take_out(&mut whole);
         line(Some((120, 7))).take_out(&mut shorter);
         whole.drain(120..127);
-        assert_eq!(whole, shorter);
+        for (n, (one, other)) in whole.iter().zip(&shorter).enumerate() {
+            assert!((one - other).abs() < 1e-12, "{n}: {one} {other}");
+        }
+        assert_eq!(whole.len(), shorter.len());
     }
 
     #[test]

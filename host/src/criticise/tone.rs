@@ -6,12 +6,13 @@
 //! chi-squared with 2 (8 - 1) - 1 degrees of freedom once a turn of the phase in proportion to time is
 //! taken out, which is the frequency's own error.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use realfft::num_complex::Complex64;
 
 use super::axis::AxisState;
 use super::tail;
+use crate::fft::phasor::Phasor;
 
 /// Parts of the record.
 const PARTS: usize = 8;
@@ -78,18 +79,17 @@ struct Part {
 fn phasor(axis: &AxisState, cycles: f64, from: usize, length: usize) -> Option<(Complex64, f64)> {
     let (mut sum, mut weights, mut squares) = (Complex64::ZERO, 0.0, 0.0);
     let mut counted = 0;
-    for offset in 0..length {
-        let index = from + offset;
-        if !axis.usable(index) {
-            continue;
+    let values = axis.filled[from..from + length].iter().enumerate();
+    Phasor::new(-cycles).zip(from, values, 2.0.into(), |(offset, value), phasor| {
+        if !axis.usable(from + offset) {
+            return;
         }
         let window = 0.5 - 0.5 * (TAU * (offset as f64 + 0.5) / length as f64).cos();
-        let turn = -2.0 * PI * (index as f64 * cycles).fract();
-        sum += 2.0 * window * axis.filled[index] * Complex64::cis(turn);
+        sum += window * value * phasor;
         weights += window;
         squares += window * window;
         counted += 1;
-    }
+    });
     (4 * counted > 3 * length).then(|| (sum / weights, squares / (weights * weights)))
 }
 

@@ -3,6 +3,7 @@
 //! Those of whole records are made from short ones: [`long`], [`ring`].
 
 pub mod long;
+pub mod phasor;
 pub mod ring;
 pub mod turns;
 

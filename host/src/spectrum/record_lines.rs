@@ -21,6 +21,7 @@ use super::{
     lines::{Floor, Line, LineSearch, SEGMENT},
     slow_floor::{Blocks, SlowFloor},
 };
+use crate::fft::phasor::Phasor;
 use rustfft::num_complex::Complex64;
 use std::{f64::consts::PI, ops::Range};
 
@@ -226,6 +227,8 @@ impl Survey {
         let mut values = Vec::new();
         let centre = 0.5 * (self.len - 1) as f64;
         let edge = TAPER * self.len as f64;
+        // Half a turn of a cosine over each end.
+        let rise = Phasor::new(0.5 / edge);
         record.replay(&mut |first, block| {
             filler.push(first, block, u64::MAX, &mut |piece| match piece {
                 Piece::Break(index) => at = (index - self.first) as usize,
@@ -235,13 +238,7 @@ impl Survey {
                         let place = (at + n) as f64;
                         x - self.middle - self.slope * (place - centre)
                     }));
-                    let end = self.len as usize - at;
-                    for (n, value) in values.iter_mut().enumerate() {
-                        let distance = ((at + n).min(end - 1 - n) as f64 + 0.5) / edge;
-                        if distance < 1.0 {
-                            *value *= 0.5 - 0.5 * (PI * distance).cos();
-                        }
-                    }
+                    taper(at, self.len as usize, edge, &rise, &mut values);
                     visit(at, &values);
                     at += piece.len();
                 }
@@ -351,10 +348,8 @@ impl Survey {
                 fold(at, values, points, folds, first, &mut folded);
             })?;
             for (sums, r) in folded.chunks_mut(points).zip(first..end) {
-                let step = -2.0 * PI * r as f64 / total;
-                for (n, z) in sums.iter_mut().enumerate() {
-                    *z *= Complex64::from_polar(1.0, step * n as f64);
-                }
+                let phasor = Phasor::new(-(r as f64) / total);
+                phasor.zip(0, sums.iter_mut(), 1.0.into(), |z, turn| *z *= turn);
                 fft.process_with_scratch(sums, &mut scratch);
                 for (q, z) in sums.iter().enumerate() {
                     let k = folds * q + r;
@@ -449,6 +444,22 @@ impl Survey {
             false_alarm: false_alarm.min(1.0),
         }
     }
+}
+
+/// Tapers `values` from index `at` of `len` on, by `rise` over `edge` samples of each end.
+fn taper(at: usize, len: usize, edge: f64, rise: &Phasor, values: &mut [f64]) {
+    let half = Complex64::cis(0.5 * PI / edge);
+    let last = at + values.len();
+    let within = (edge - 0.5).ceil() as usize;
+    let start = values.len().min(within.saturating_sub(at));
+    rise.zip(at, &mut values[..start], half, |value, turn| {
+        *value *= 0.5 - 0.5 * turn.re;
+    });
+    let end = values.len() - values.len().min(last.saturating_sub(len - within));
+    let from_end = values[end..].iter_mut().rev();
+    rise.zip(len - last, from_end, half, |value, turn| {
+        *value *= 0.5 - 0.5 * turn.re;
+    });
 }
 
 /// Adds values from index `at` on to the folded record of each residue from `residue` on.

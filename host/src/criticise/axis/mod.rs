@@ -215,8 +215,7 @@ impl AxisState {
             let mut whole = self.fast.transform(&self.filled, self.rate_hz);
             let density = self.whitening(&whole);
             whole.close(&density);
-            let shut_out = |k: &usize| self.frame.chain_power(whole.frequency(*k)) < SHUT_OUT;
-            let top = (1..density.len()).find(shut_out).unwrap_or(density.len());
+            let top = self.shut_out(&whole);
             Arc::new(Seen {
                 whole,
                 density,
@@ -224,6 +223,22 @@ impl AxisState {
             })
         });
         Arc::clone(seen)
+    }
+
+    /// The first ordinate that the chain shuts out, or how many there are.
+    fn shut_out(&self, whole: &Whole) -> usize {
+        /// Steps over the band in which its response is followed.
+        const STEPS: usize = 4096;
+        let count = whole.ordinates().len();
+        let passes = |k: usize| self.frame.chain_power(whole.frequency(k)) >= SHUT_OUT;
+        let stride = count.div_ceil(STEPS);
+        let steps = (1..count).step_by(stride);
+        let Some(beyond) = steps.into_iter().find(|&k| !passes(k)) else {
+            return count;
+        };
+        (beyond.saturating_sub(stride).max(1)..=beyond)
+            .find(|&k| !passes(k))
+            .unwrap_or(beyond)
     }
 
     /// Gives up the transform until it is asked for again.
