@@ -65,16 +65,24 @@ mod tests {
 
     #[test]
     fn a_phasor_is_a_cosine_and_a_sine() {
+        const FIRST: u32 = 10_000_019;
+        const COUNT: u32 = 3 * BLOCK as u32 + 7;
         let cycles = -0.013_37;
-        let (first, mut index) = (10_000_019, 10_000_019);
-        let values = vec![(); 3 * BLOCK + 7];
-        Phasor::new(cycles).zip(first, values, Complex64::new(2.0, 0.0), |(), phasor| {
-            let angle = TAU * (f64::from(index) * cycles).fract();
-            let error = phasor - 2.0 * Complex64::cis(angle);
-            // Ten million times a frequency is known to half a unit of 1e5 cycles in the last place.
-            assert!(error.norm() < 1e-10, "{index}: {error}");
-            index += 1;
-        });
-        assert_eq!(index as usize, first as usize + 3 * BLOCK + 7);
+        let indices = FIRST..FIRST + COUNT;
+        let mut seen = Vec::new();
+        Phasor::new(cycles).zip(
+            FIRST as usize,
+            indices.clone(),
+            2.0.into(),
+            |index, phasor| {
+                let turns = (f64::from(index) * cycles).fract();
+                let error = phasor - 2.0 * Complex64::cis(TAU * turns);
+                // Both round a product of some 2^17 cycles, by 2^-36 at most.
+                let bound = 2.0 * 2.0 * TAU * 2_f64.powi(-36);
+                assert!(error.norm() < bound, "{index}: {error}");
+                seen.push(index);
+            },
+        );
+        assert!(seen.into_iter().eq(indices));
     }
 }
