@@ -9,6 +9,7 @@ pub mod codes;
 pub mod coefficients;
 pub mod coherence;
 pub mod constancy;
+pub mod curve;
 pub mod demodulate;
 pub mod diagnose;
 pub mod finding;

@@ -61,21 +61,24 @@ pub(super) fn explain(
     let mean = mean - signal.zero * signal.scale;
     let measured = Arc::new(measured);
     let refusal = || refusal(signal, &measured);
-    let values = CodeFindings::new(declared, options.level(), &measured, mean);
+    let begin = || AxisState::new(Arc::clone(&measured), rate_hz, signal.chain.as_ref());
+    let (values, mut first) = rayon::join(
+        || CodeFindings::new(declared, options.level(), &measured, mean),
+        begin,
+    );
     let found = |effect| progress(&signal.name, Step::Found(effect));
     let mut refused: Vec<&'static str> = Vec::new();
     let mut begun: Option<(Before, f64)> = None;
     loop {
-        let mut axis = AxisState::new(Arc::clone(&measured), rate_hz, signal.chain.as_ref())
-            .ok_or_else(refusal)?;
+        let mut axis = first.take().or_else(begin).ok_or_else(refusal)?;
         let base_fit = axis.fit.clone();
-        let begin = || {
+        let look = || {
             let begun = begun.take();
             let begun = begun.unwrap_or_else(|| (Before::new(&axis), slope(ramp::ramp(&axis))));
             axis.powers();
             begun
         };
-        let (_, (before, base_slope)) = rayon::join(|| axis.lines(options.level()), begin);
+        let (_, (before, base_slope)) = rayon::join(|| axis.lines(options.level()), look);
         let outcome =
             rounds::run(&mut axis, options, &values, &refused, &found).ok_or_else(refusal)?;
         let nats = held_out(&axis, &outcome.accepted);

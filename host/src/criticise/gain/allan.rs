@@ -1,15 +1,15 @@
 //! A model's Allan deviation beside that of the held-out half of the record.
 
-use std::ops::Range;
+use std::sync::{Arc, Mutex, PoisonError};
 
-use inm_allan::Statistic;
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::half;
-use crate::bins::point::{self, Point};
-use crate::bins::strided::Strided;
+use crate::bins::point::Point;
 use crate::criticise::axis::AxisState;
+use crate::criticise::curve;
+use crate::criticise::mend::Wave;
 use crate::criticise::rounds::Snapshot;
 use crate::model::whole::ModelAxis;
 
@@ -36,6 +36,23 @@ pub struct HeldPoint {
 /// The measured Allan curve of the held-out half, without the stretches that are masked.
 pub struct HeldCurve {
     pub(super) points: Vec<Point>,
+    waveforms: Mutex<Vec<Waveform>>,
+}
+
+/// The curve of some waveforms in the held-out half.
+struct Waveform {
+    waves: Vec<Wave>,
+    at_jumps: AtJumps,
+    points: Arc<Vec<Point>>,
+}
+
+/// Whether the curve of a waveform has the samples over which a converter's filter spreads a jump.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum AtJumps {
+    /// No more than what is measured there: they are left out of tests.
+    LeftOut,
+    /// As the jump is there.
+    Kept,
 }
 
 impl HeldCurve {
@@ -43,7 +60,8 @@ impl HeldCurve {
     pub fn new(axis: &AxisState) -> Self {
         let record = axis.mended.bare();
         Self {
-            points: curve(half(&record.values(), 1), axis.rate_hz),
+            points: curve::of_parts(half(&record.values(), 1), axis.rate_hz),
+            waveforms: Mutex::default(),
         }
     }
 
@@ -61,19 +79,46 @@ impl HeldCurve {
             let variances = sure.par_iter().map(|point| law.allan_variance(point.m));
             variances.collect()
         };
-        let waves = || {
-            if with.waves.is_empty() {
-                Vec::new()
-            } else {
-                waveform_curve(axis, with, axis.mended.left_out())
-            }
-        };
+        let waves = || self.waveform(axis, &with.waves, AtJumps::LeftOut);
         let (noise, waves) = rayon::join(noise, waves);
         let variance = |(point, noise): (&&Point, f64)| {
             let own = waves.iter().find(|other| other.m == point.m);
             noise + own.map_or(0.0, |other| other.variance)
         };
         sure.iter().zip(noise).map(variance).collect()
+    }
+
+    /// The curve of `waves` in this half; made once for findings that share them.
+    pub(super) fn waveform(
+        &self,
+        axis: &AxisState,
+        waves: &[Wave],
+        at_jumps: AtJumps,
+    ) -> Arc<Vec<Point>> {
+        if waves.is_empty() {
+            return Arc::default();
+        }
+        let at_jumps = if axis.mended.spread.is_empty() {
+            AtJumps::Kept
+        } else {
+            at_jumps
+        };
+        let made = || {
+            self.waveforms
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+        };
+        let same = |one: &&Waveform| one.at_jumps == at_jumps && one.waves == waves;
+        if let Some(one) = made().iter().find(same) {
+            return Arc::clone(&one.points);
+        }
+        let points = Arc::new(waveform(axis, waves, at_jumps));
+        made().push(Waveform {
+            waves: waves.to_vec(),
+            at_jumps,
+            points: Arc::clone(&points),
+        });
+        points
     }
 
     /// Root mean square error of the deviations that belong to the `expected` variances, percent, and
@@ -109,16 +154,11 @@ impl HeldCurve {
     }
 }
 
-/// Allan curve of the waveforms of a snapshot, where the held-out half has samples that are not left
-/// out.
-pub(super) fn waveform_curve<'a>(
-    axis: &AxisState,
-    with: &Snapshot,
-    left_out: impl Iterator<Item = &'a Range<usize>>,
-) -> Vec<Point> {
+/// Allan curve of waveforms, where the held-out half has samples that are not left out.
+fn waveform(axis: &AxisState, waves: &[Wave], at_jumps: AtJumps) -> Vec<Point> {
     // Its sign is no matter.
     let mut waveform = vec![0.0; axis.mended.len()];
-    for wave in &with.waves {
+    for wave in waves {
         wave.take_out(&mut waveform);
     }
     for (value, measured) in waveform.iter_mut().zip(axis.mended.measured()) {
@@ -126,31 +166,13 @@ pub(super) fn waveform_curve<'a>(
             *value = f64::NAN;
         }
     }
-    for mask in left_out {
+    let spread: &[_] = match at_jumps {
+        AtJumps::LeftOut => &axis.mended.spread,
+        AtJumps::Kept => &[],
+    };
+    let mended = &axis.mended;
+    for mask in mended.masked.iter().chain(&mended.lost).chain(spread) {
         waveform[mask.clone()].fill(f64::NAN);
     }
-    curve(half(&waveform, 1), axis.rate_hz)
-}
-
-fn curve<'a>(parts: impl Iterator<Item = (usize, &'a [f64])>, rate_hz: f64) -> Vec<Point> {
-    let mut bins = Strided::default();
-    let mut next = 0;
-    for (first, values) in parts {
-        let same = |a: &f64, b: &f64| a.is_finite() == b.is_finite();
-        bins.skip((first - next) as u64);
-        for run in values.chunk_by(same) {
-            if run[0].is_finite() {
-                bins.push_floats(run);
-            } else {
-                bins.skip(run.len() as u64);
-            }
-        }
-        next = first + values.len();
-    }
-    point::points(
-        Statistic::Allan,
-        &bins.estimates(Statistic::Allan),
-        rate_hz,
-        1.0,
-    )
+    curve::of_parts(half(&waveform, 1), axis.rate_hz)
 }

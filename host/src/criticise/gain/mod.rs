@@ -41,7 +41,7 @@ pub struct Halves {
 
 /// Every other block of a record, with its first index: those fitted to for `parity` 0, those held
 /// out for 1.
-fn half(values: &[f64], parity: usize) -> impl Iterator<Item = (usize, &[f64])> {
+fn half(values: &[f64], parity: usize) -> impl Iterator<Item = (usize, &[f64])> + Clone {
     let block = values.len().div_ceil(BLOCKS).max(1);
     let parts = values.chunks(block).enumerate();
     let parts = parts.map(move |(number, part)| (number * block, part));

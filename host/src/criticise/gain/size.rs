@@ -1,8 +1,10 @@
 //! How much an effect changes: significance is not size.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
-use super::allan::{HeldCurve, waveform_curve};
+use super::allan::{AtJumps, HeldCurve};
 use crate::bins::point::Point;
 use crate::criticise::axis::AxisState;
 use crate::criticise::rounds::{Accepted, Snapshot};
@@ -17,7 +19,7 @@ pub struct Sizes<'a> {
     held: &'a HeldCurve,
     noise: &'a ModelAxis,
     /// Of all waveforms.
-    waves: Vec<Point>,
+    waves: Arc<Vec<Point>>,
 }
 
 impl<'a> Sizes<'a> {
@@ -29,7 +31,8 @@ impl<'a> Sizes<'a> {
         last: &Snapshot,
     ) -> Self {
         Self {
-            waves: curve_of(axis, last),
+            // What a filter makes of a jump is left out of tests, but the jump is there.
+            waves: held.waveform(axis, &last.waves, AtJumps::Kept),
             axis,
             held,
             noise,
@@ -42,21 +45,19 @@ impl<'a> Sizes<'a> {
     pub fn change_percent(&self, one: &Accepted) -> Option<f64> {
         let law = self.noise.law(self.axis.rate_hz);
         let mut rest = self.noise.clone();
-        let mut own = Snapshot {
-            waves: one.with.waves.clone(),
-            laws: Vec::new(),
-        };
+        let mut own = one.with.waves.clone();
         match one.law {
             Some(which) if which < rest.effects.len() => {
                 rest.effects.remove(which);
-                own.waves.clear();
+                own.clear();
             }
-            _ => own.waves.retain(|wave| !one.without.waves.contains(wave)),
+            _ => own.retain(|wave| !one.without.waves.contains(wave)),
         }
-        if one.law.is_none() && own.waves.is_empty() {
+        if one.law.is_none() && own.is_empty() {
             return None;
         }
-        let (rest, own) = (rest.law(self.axis.rate_hz), curve_of(self.axis, &own));
+        let rest = rest.law(self.axis.rate_hz);
+        let own = self.held.waveform(self.axis, &own, AtJumps::Kept);
         let points = self.held.points.par_iter();
         let points = points.filter(|point| point.edf >= LEAST_EDF);
         let changes = points.map(|point| {
@@ -71,15 +72,5 @@ impl<'a> Sizes<'a> {
         });
         let changes = changes.filter(|change| change.is_finite());
         changes.reduce_with(f64::max)
-    }
-}
-
-fn curve_of(axis: &AxisState, snapshot: &Snapshot) -> Vec<Point> {
-    if snapshot.waves.is_empty() {
-        Vec::new()
-    } else {
-        // What a filter makes of a jump is left out of tests, but the jump is there.
-        let mended = &axis.mended;
-        waveform_curve(axis, snapshot, mended.masked.iter().chain(&mended.lost))
     }
 }

@@ -4,11 +4,10 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::super::axis::AxisState;
-use super::{Burst, Models, runs};
-use crate::bins::point::{self, Point};
-use crate::bins::strided::Strided;
+use super::super::curve;
+use super::{Burst, Models};
+use crate::bins::point::Point;
 use crate::model::kernel::{self, Kernel};
-use inm_allan::Statistic;
 
 /// One averaging time. All deviations are in the unit of the signal.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -47,7 +46,10 @@ pub(super) fn points(
 ) -> Vec<AllanPoint> {
     let rate_hz = axis.rate_hz;
     let (before, after) = (models.base.law(rate_hz), models.noise.law(rate_hz));
-    let waves = curve(wave, rate_hz);
+    let (measured, waves) = rayon::join(
+        || curve::allan(axis.mended.measured(), rate_hz),
+        || curve::allan(wave, rate_hz),
+    );
     let point = |one: Point| {
         let of_waves = waves.iter().find(|wave| wave.m == one.m);
         let of_bursts: f64 = bursts
@@ -71,28 +73,14 @@ pub(super) fn points(
             simulated: None,
         }
     };
-    let measured = curve(axis.mended.measured(), rate_hz);
     measured.into_par_iter().map(point).collect()
 }
 
 /// Adds the points of a simulated record.
 pub(super) fn add_simulated(points: &mut [AllanPoint], simulated: &[f64], rate_hz: f64) {
-    for one in curve(simulated, rate_hz) {
+    for one in curve::allan(simulated, rate_hz) {
         if let Some(point) = points.iter_mut().find(|point| point.m == one.m) {
             point.simulated = Some(one.deviation());
         }
     }
-}
-
-fn curve(values: &[f64], rate_hz: f64) -> Vec<Point> {
-    let mut bins = Strided::default();
-    for (there, run) in runs(values) {
-        if there {
-            bins.push_floats(&values[run]);
-        } else {
-            bins.skip(run.len() as u64);
-        }
-    }
-    let estimates = bins.estimates(Statistic::Allan);
-    point::points(Statistic::Allan, &estimates, rate_hz, 1.0)
 }

@@ -1,6 +1,8 @@
 //! The record in time, in columns: extremes and mean of the samples, and of the model's
 //! deterministic part, with the moments that findings are about.
 
+use rayon::prelude::*;
+
 use super::super::axis::AxisState;
 use super::super::finding::Finding;
 use super::super::mend::Wave;
@@ -83,7 +85,7 @@ impl Course {
         let measured = axis.mended.measured();
         let modelled = modelled(axis);
         let column = measured.len().div_ceil(COLUMNS).max(1);
-        let columns = measured.chunks(column).zip(modelled.chunks(column));
+        let columns = measured.par_chunks(column).zip(modelled.par_chunks(column));
         Self {
             column_s: column as f64 / axis.rate_hz,
             columns: columns

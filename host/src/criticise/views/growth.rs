@@ -6,6 +6,7 @@
 //! deterministic part of the extended model does in the same windows is added to the prediction in
 //! squares.
 
+use rayon::prelude::*;
 use serde::Serialize;
 
 use super::super::axis::AxisState;
@@ -52,29 +53,30 @@ pub(super) fn compare(axis: &AxisState, models: Models<'_>, wave: &[f64]) -> Vec
     let rate_hz = axis.rate_hz;
     let block = axis.mended.len().div_ceil(BLOCKS).max(1);
     let alignment_s = ALIGNMENT_S.min(ALIGNED * block as f64 / rate_hz);
-    let mut found = Vec::new();
-    for t_s in TIMES_S {
-        let window = Window {
-            aligned: (alignment_s * rate_hz).round() as usize,
-            integrated: (t_s * rate_hz).round() as usize,
-            rate_hz,
-        };
-        let Some((square, disjoint)) = window.mean_square(axis.mended.measured(), block) else {
-            continue;
-        };
+    let windows = TIMES_S.map(|t_s| Window {
+        aligned: (alignment_s * rate_hz).round() as usize,
+        integrated: (t_s * rate_hz).round() as usize,
+        rate_hz,
+    });
+    let observed = mean_squares(&windows, axis.mended.measured(), block);
+    let of_wave = mean_squares(&windows, wave, block);
+    let errors = observed.into_par_iter().zip(of_wave);
+    let all = TIMES_S.par_iter().zip(&windows).zip(errors);
+    let compared = all.filter_map(|((&t_s, window), (observed, of_wave))| {
+        let (square, disjoint) = observed?;
         let (lo, hi) = point::interval(square, disjoint as f64);
-        let of_wave = window.mean_square(wave, block).map_or(0.0, |found| found.0);
-        found.push(VelocityError {
+        let of_wave = of_wave.map_or(0.0, |(square, _)| square);
+        Some(VelocityError {
             t_s,
             alignment_s,
             observed: square.sqrt(),
             lo,
             hi,
-            before: predict(models.base, &window),
-            after: predict(models.noise, &window).hypot(of_wave.sqrt()),
-        });
-    }
-    found
+            before: predict(models.base, window),
+            after: predict(models.noise, window).hypot(of_wave.sqrt()),
+        })
+    });
+    compared.collect()
 }
 
 /// One standard deviation of the error under a model, the intervals of its coefficients left out.
@@ -110,31 +112,55 @@ impl Window {
         self.aligned + self.integrated
     }
 
-    /// Mean square of the error over all windows without a missing sample in every other block of
-    /// `block` samples, and how many of them do not overlap.
-    fn mean_square(&self, values: &[f64], block: usize) -> Option<(f64, usize)> {
-        let (mut sum, mut count, mut disjoint) = (0.0, 0.0, 0);
-        let step = (self.len() / STEP).max(1);
-        for part in values.chunks(block).skip(1).step_by(2) {
-            let mut free = 0;
-            for (start, error) in self.errors(part, step) {
-                sum += error * error;
-                count += 1.0;
-                if start >= free {
-                    disjoint += 1;
-                    free = start + self.len();
-                }
+    /// What its windows in a block see.
+    fn seen(&self, block: &Sums) -> Seen {
+        let mut seen = Seen::default();
+        let Some(last) = block.len().checked_sub(self.len()) else {
+            return seen;
+        };
+        if self.aligned == 0 {
+            return seen;
+        }
+        let mut free = 0;
+        for start in (0..=last).step_by((self.len() / STEP).max(1)) {
+            let (middle, end) = (start + self.aligned, start + self.len());
+            if block.missing[start] != block.missing[end] {
+                continue;
+            }
+            let bias = block.between(start, middle) / self.aligned as f64;
+            let change = block.between(middle, end) - bias * self.integrated as f64;
+            seen.squares += (change / self.rate_hz).powi(2);
+            seen.count += 1;
+            if start >= free {
+                seen.disjoint += 1;
+                free = end;
             }
         }
-        (disjoint >= LEAST).then(|| (sum / count, disjoint))
+        seen
     }
+}
 
-    /// Begin of each window and the error that it ends with.
-    fn errors(&self, values: &[f64], step: usize) -> Vec<(usize, f64)> {
-        if self.len() > values.len() || self.aligned == 0 {
-            return Vec::new();
-        }
-        // Sums from the start, over what is there, and how many are not.
+/// Errors that windows end with.
+#[derive(Debug, Clone, Copy, Default)]
+struct Seen {
+    /// Sum of their squares.
+    squares: f64,
+    /// Windows without a missing sample.
+    count: usize,
+    /// Those of them that do not overlap.
+    disjoint: usize,
+}
+
+/// Sums of a block from its start.
+struct Sums {
+    /// Over what is there.
+    sums: Vec<f64>,
+    /// Samples that are not.
+    missing: Vec<u32>,
+}
+
+impl Sums {
+    fn new(values: &[f64]) -> Self {
         let (mut sums, mut missing) = (vec![0.0], vec![0_u32]);
         let (mut sum, mut bad) = (0.0, 0);
         for &value in values {
@@ -146,17 +172,40 @@ impl Window {
             sums.push(sum);
             missing.push(bad);
         }
-        (0..=values.len() - self.len())
-            .step_by(step)
-            .filter(|&start| missing[start] == missing[start + self.len()])
-            .map(|start| {
-                let (middle, end) = (start + self.aligned, start + self.len());
-                let bias = (sums[middle] - sums[start]) / self.aligned as f64;
-                let change = sums[end] - sums[middle] - bias * self.integrated as f64;
-                (start, change / self.rate_hz)
-            })
-            .collect()
+        Self { sums, missing }
     }
+
+    /// Samples, missing ones included.
+    fn len(&self) -> usize {
+        self.sums.len() - 1
+    }
+
+    fn between(&self, from: usize, to: usize) -> f64 {
+        self.sums[to] - self.sums[from]
+    }
+}
+
+/// For each of `windows` the mean square of the error over all of them without a missing sample in every
+/// other block of `block` samples, and how many of these do not overlap; `None` for too few.
+fn mean_squares(windows: &[Window], values: &[f64], block: usize) -> Vec<Option<(f64, usize)>> {
+    let parts: Vec<&[f64]> = values.chunks(block).skip(1).step_by(2).collect();
+    let seen: Vec<Vec<Seen>> = parts
+        .into_par_iter()
+        .map(|part| {
+            let sums = Sums::new(part);
+            windows.iter().map(|window| window.seen(&sums)).collect()
+        })
+        .collect();
+    let over = |number: usize| {
+        let all = seen.iter().map(|block| block[number]);
+        let sum = all.fold(Seen::default(), |sum, one| Seen {
+            squares: sum.squares + one.squares,
+            count: sum.count + one.count,
+            disjoint: sum.disjoint + one.disjoint,
+        });
+        (sum.disjoint >= LEAST).then(|| (sum.squares / sum.count as f64, sum.disjoint))
+    };
+    (0..windows.len()).map(over).collect()
 }
 
 #[cfg(test)]
@@ -172,7 +221,7 @@ mod tests {
         };
         let slope = 0.02;
         let ramp: Vec<f64> = (0..32_000).map(|n| slope * f64::from(n) / 10.0).collect();
-        let (square, disjoint) = window.mean_square(&ramp, 2000).expect("windows");
+        let (square, disjoint) = mean_squares(&[window], &ramp, 2000)[0].expect("windows");
         // R t (t + c) / 2, docs/model.md.
         let expected = slope * 30.0 * (30.0 + 10.0) / 2.0;
         assert!((square.sqrt() / expected - 1.0).abs() < 1e-9, "{square}");
@@ -191,7 +240,7 @@ mod tests {
             .iter_mut()
             .step_by(15)
             .for_each(|value| *value = f64::NAN);
-        let (_, disjoint) = window.mean_square(&values, 100).expect("windows");
+        let (_, disjoint) = mean_squares(&[window], &values, 100)[0].expect("windows");
         assert_eq!(disjoint, 7 * 5);
     }
 }

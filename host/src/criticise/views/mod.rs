@@ -10,8 +10,6 @@ pub mod course;
 pub mod growth;
 pub mod spectrum;
 
-use std::ops::Range;
-
 use serde::Serialize;
 
 use super::axis::AxisState;
@@ -205,18 +203,4 @@ fn simulate(axis: &AxisState, model: &ModelAxis, temperature: Option<&[f64]>) ->
         *value += 0.0 * measured - mean;
     }
     Some(values)
-}
-
-/// Runs of samples that are there and that are missing, by turns.
-fn runs(values: &[f64]) -> impl Iterator<Item = (bool, Range<usize>)> + '_ {
-    let mut from = 0;
-    std::iter::from_fn(move || {
-        let there = values.get(from)?.is_finite();
-        let length = values[from..]
-            .iter()
-            .position(|value| value.is_finite() != there);
-        let run = from..length.map_or(values.len(), |length| from + length);
-        from = run.end;
-        Some((there, run))
-    })
 }
