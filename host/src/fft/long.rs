@@ -5,11 +5,13 @@
 //! transforms of length `R` down the columns of `R` rows, a turn of each number, transforms of length
 //! `s R` along the rows. The result stands in the order of its digits read backwards; as the first
 //! and the last digit have one radix, that is put right by exchanging pairs. Tables and scratch are of
-//! the order of a row.
+//! the order of a row. Columns and rows are shared between two threads; whatever one of them does, the
+//! result is the same.
 
 use std::sync::Arc;
 
 use num_complex::Complex64;
+use rayon::prelude::*;
 use rustfft::Fft;
 
 use super::turns::Turns;
@@ -70,47 +72,72 @@ impl Long {
         &self,
         data: &mut [Complex64],
         plans: &Plans,
-        turn: impl Fn(Complex64) -> Complex64,
+        turn: impl Fn(Complex64) -> Complex64 + Sync,
     ) {
         let (outer, width) = (self.outer, self.inner * self.outer);
+        // Whole groups of columns on either side.
+        let middle = (width / 2).next_multiple_of(TOGETHER).min(width);
+        let rows = data.chunks_exact_mut(width);
+        let (left, right): (Vec<_>, Vec<_>) = rows.map(|row| row.split_at_mut(middle)).unzip();
+        rayon::join(
+            || self.columns(left, 0, &*plans.column, &turn),
+            || self.columns(right, middle, &*plans.column, &turn),
+        );
+        data.par_chunks_exact_mut(width).for_each_init(
+            || {
+                let scratch = plans.row.get_inplace_scratch_len();
+                let new = |len| vec![Complex64::ZERO; len];
+                (new(scratch), new(width))
+            },
+            |(scratch, turned), row| {
+                plans.row.process_with_scratch(row, scratch);
+                // The two digits of a row backwards.
+                turned.copy_from_slice(row);
+                for (place, row) in row.chunks_exact_mut(outer).enumerate() {
+                    let digits = turned.iter().skip(place).step_by(self.inner);
+                    row.iter_mut()
+                        .zip(digits)
+                        .for_each(|(to, from)| *to = *from);
+                }
+            },
+        );
+        for middle in 0..self.inner {
+            exchange(data, outer, middle * outer, width);
+        }
+    }
+
+    /// Transforms the columns that the `rows` hold, of which the first has the number `from`, and turns
+    /// each number.
+    fn columns(
+        &self,
+        mut rows: Vec<&mut [Complex64]>,
+        from: usize,
+        plan: &dyn Fft<f64>,
+        turn: impl Fn(Complex64) -> Complex64,
+    ) {
+        let outer = self.outer;
+        let width = rows.first().map_or(0, |row| row.len());
         let mut some = vec![Complex64::ZERO; TOGETHER * outer];
-        let scratch = plans.column.get_inplace_scratch_len();
-        let scratch = scratch.max(plans.row.get_inplace_scratch_len());
-        let mut scratch = vec![Complex64::ZERO; scratch];
+        let mut scratch = vec![Complex64::ZERO; plan.get_inplace_scratch_len()];
         for first in (0..width).step_by(TOGETHER) {
             let count = TOGETHER.min(width - first);
             let some = &mut some[..count * outer];
-            for (row, data) in data.chunks_exact(width).enumerate() {
-                for (column, value) in data[first..first + count].iter().enumerate() {
-                    some[column * outer + row] = *value;
+            for (number, row) in rows.iter().enumerate() {
+                for (column, value) in row[first..first + count].iter().enumerate() {
+                    some[column * outer + number] = *value;
                 }
             }
-            plans.column.process_with_scratch(some, &mut scratch);
+            plan.process_with_scratch(some, &mut scratch);
             for (column, some) in some.chunks_exact_mut(outer).enumerate() {
                 for (k, value) in some.iter_mut().enumerate() {
-                    *value *= turn(self.turns.at(k * (first + column)));
+                    *value *= turn(self.turns.at(k * (from + first + column)));
                 }
             }
-            for (row, data) in data.chunks_exact_mut(width).enumerate() {
-                for (column, value) in data[first..first + count].iter_mut().enumerate() {
-                    *value = some[column * outer + row];
+            for (number, row) in rows.iter_mut().enumerate() {
+                for (column, value) in row[first..first + count].iter_mut().enumerate() {
+                    *value = some[column * outer + number];
                 }
             }
-        }
-        let mut turned = vec![Complex64::ZERO; width];
-        for row in data.chunks_exact_mut(width) {
-            plans.row.process_with_scratch(row, &mut scratch);
-            // The two digits of a row backwards.
-            turned.copy_from_slice(row);
-            for (place, row) in row.chunks_exact_mut(outer).enumerate() {
-                let digits = turned.iter().skip(place).step_by(self.inner);
-                row.iter_mut()
-                    .zip(digits)
-                    .for_each(|(to, from)| *to = *from);
-            }
-        }
-        for middle in 0..self.inner {
-            exchange(data, outer, middle * outer, width);
         }
     }
 }
