@@ -13,6 +13,7 @@
 use realfft::num_complex::Complex64;
 
 use super::axis::AxisState;
+use super::sums::sums;
 use super::tail;
 
 /// Argument of the sine.
@@ -33,22 +34,19 @@ pub fn lopsided(axis: &AxisState) -> Lopsided {
     let white = seen
         .whole
         .filtered(|k| Complex64::new(seen.density[k].sqrt().recip(), 0.0));
-    let counted = || {
-        (0..white.len())
-            .filter(|&n| axis.usable(n))
-            .map(|n| white[n])
-    };
-    let count = counted().count() as f64;
-    let deviation = (counted().map(|z| z * z).sum::<f64>() / count.max(1.0)).sqrt();
+    let white = &*white;
+    let counted = |n: usize| axis.usable(n).then(|| white[n]);
+    let [count, square] = sums(0..white.len(), |n| {
+        counted(n).map_or([0.0; 2], |z| [1.0, z * z])
+    });
+    let deviation = (square / count.max(1.0)).sqrt();
     let square = T * T;
     let linear = T * (-0.5 * square).exp();
     let score = |z: f64| (T * z).sin() - linear * z;
-    let (mut sum, mut squares) = (0.0, 0.0);
-    for z in counted() {
-        let score = score(z / deviation);
-        sum += score;
-        squares += score * score;
-    }
+    let [sum, squares] = sums(0..white.len(), |n| {
+        let score = counted(n).map_or(0.0, |z| score(z / deviation));
+        [score, score * score]
+    });
     let mean = sum / count.max(1.0);
     Lopsided {
         // To first order in the skewness the mean of sin(t z) is -t^3 e^(-t^2 / 2) skewness / 6.

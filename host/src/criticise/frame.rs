@@ -96,6 +96,11 @@ impl Frame {
         })
     }
 
+    /// Spectrum of the record that the frame was made for, bin by bin.
+    pub fn first(&self) -> Data {
+        self.data.clone()
+    }
+
     /// Spectrum of a record with the same missing samples, bin by bin.
     pub fn measure(&self, values: &[f64]) -> Data {
         self.measure_parts([(0, values)])

@@ -37,7 +37,7 @@ pub struct Outlier {
 }
 
 /// The outliers of a record, ascending, and the p-value of the largest.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Outliers {
     /// All beyond the threshold.
     pub found: Vec<Outlier>,

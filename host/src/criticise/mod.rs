@@ -30,6 +30,7 @@ pub mod rounds;
 pub mod samples;
 pub mod slow;
 pub mod steadiness;
+pub mod sums;
 pub mod tail;
 pub mod telegraph;
 pub mod timebase;

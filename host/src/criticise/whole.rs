@@ -25,8 +25,10 @@
 
 use std::sync::Arc;
 
+use rayon::prelude::*;
 use realfft::num_complex::Complex64;
 
+use super::sums::sums;
 use crate::fft::ring::{Ring, Series};
 
 /// Samples at each end that the line is laid through, at most.
@@ -173,24 +175,25 @@ impl Whole {
         let ring = Arc::clone(&self.ring);
         let step = |k: usize| Step.at(ring.turn(k));
         // Normal equations of both, over half of the ring.
-        let (mut right, mut gram) = ([0.0; 2], [0.0; 3]);
-        for (k, (ordinate, density)) in self.ordinates.iter().zip(density).enumerate().skip(1) {
-            let step = step(k);
-            right[0] += ordinate.re / density;
-            right[1] += (ordinate * step.conj()).re / density;
-            gram[0] += 1.0 / density;
-            gram[1] += step.re / density;
-            gram[2] += step.norm_sqr() / density;
-        }
-        let determinant = gram[0] * gram[2] - gram[1] * gram[1];
-        let sample = (right[0] * gram[2] - right[1] * gram[1]) / determinant;
-        let height = (right[1] * gram[0] - right[0] * gram[1]) / determinant;
+        let [right, right_of_step, one, of_step, square] = sums(1..self.ordinates.len(), |k| {
+            let (ordinate, weight, step) = (self.ordinates[k], density[k].recip(), step(k));
+            [
+                ordinate.re,
+                (ordinate * step.conj()).re,
+                1.0,
+                step.re,
+                step.norm_sqr(),
+            ]
+            .map(|term| term * weight)
+        });
+        let determinant = one * square - of_step * of_step;
+        let sample = (right * square - right_of_step * of_step) / determinant;
+        let height = (right_of_step * one - right * of_step) / determinant;
         if !(sample.is_finite() && height.is_finite()) {
             return;
         }
-        for (k, ordinate) in self.ordinates.iter_mut().enumerate().skip(1) {
-            *ordinate -= sample + height * step(k);
-        }
+        let ordinates = self.ordinates.par_iter_mut().enumerate().skip(1);
+        ordinates.for_each(|(k, ordinate)| *ordinate -= sample + height * step(k));
     }
 
     /// Adds Gaussian noise of the two-sided density `density(k)`, made of standard `normal`
@@ -214,19 +217,19 @@ impl Whole {
 
     /// The record through the filter whose response at ordinate `k` is `response(k)`, which is
     /// asked above zero frequency; the mean is left out.
-    pub fn filtered(&self, mut response: impl FnMut(usize) -> Complex64) -> Series {
+    pub fn filtered(&self, response: impl Fn(usize) -> Complex64 + Sync) -> Series {
         self.back(|k| self.ordinates[k] * response(k))
     }
 
     /// What the filter of that response makes of a single sample of size one at moment zero.
-    pub fn answer(&self, response: impl Fn(usize) -> f64) -> Series {
+    pub fn answer(&self, response: impl Fn(usize) -> f64 + Sync) -> Series {
         self.back(|k| response(k).into())
     }
 
     /// Samples of a ring whose ordinates above zero frequency are `ordinate(k)`, its mean zero.
-    fn back(&self, mut ordinate: impl FnMut(usize) -> Complex64) -> Series {
+    fn back(&self, ordinate: impl Fn(usize) -> Complex64 + Sync) -> Series {
         let norm = (self.len as f64).recip();
-        let ordinates = (0..self.ordinates.len()).map(|k| match k {
+        let ordinates = (0..self.ordinates.len()).into_par_iter().map(|k| match k {
             0 => Complex64::ZERO,
             _ => ordinate(k) * norm,
         });
@@ -309,30 +312,29 @@ impl Half {
 
 /// The statistic of `waveform` at every moment, for noise of the two-sided densities `density`
 /// at the ordinates.
-pub fn matched(whole: &Whole, density: &[f64], waveform: &impl Waveform, half: Half) -> Match {
-    let (mut information, mut curvature) = (0.0, 0.0);
-    let mut z = whole.filtered(|k| {
-        if !half.has(k) {
-            return Complex64::ZERO;
-        }
-        let noise = density[k] * whole.rate_hz;
-        let response = waveform.at(whole.ring.turn(k)).conj() / noise;
+pub fn matched(
+    whole: &Whole,
+    density: &[f64],
+    waveform: &(impl Waveform + Sync),
+    half: Half,
+) -> Match {
+    let noise = |k: usize| density[k] * whole.rate_hz;
+    let response = |k: usize| waveform.at(whole.ring.turn(k)).conj() / noise(k);
+    let count = whole.ordinates.len();
+    let [information, curvature] = sums(1..count, |k| {
         // A density without end leaves an ordinate out.
-        if noise.is_finite() {
-            let both = if 2 * k == whole.len { 1.0 } else { 2.0 };
-            let share = both * response.norm_sqr() * noise;
-            let turn = std::f64::consts::TAU * k as f64 / whole.len as f64;
-            information += share;
-            curvature += share * turn.powi(2);
+        if !(half.has(k) && noise(k).is_finite()) {
+            return [0.0; 2];
         }
-        response
+        let both = if 2 * k == whole.len { 1.0 } else { 2.0 };
+        let share = both * response(k).norm_sqr() * noise(k) / whole.len as f64;
+        let turn = std::f64::consts::TAU * k as f64 / whole.len as f64;
+        [share, share * turn.powi(2)]
     });
-    information /= whole.len as f64;
-    curvature /= whole.len as f64;
     let size_sd = information.sqrt().recip();
-    z.iter_mut().for_each(|value| *value *= size_sd);
+    let seen = |k: usize| if half.has(k) { size_sd } else { 0.0 };
     Match {
-        z,
+        z: whole.filtered(|k| response(k) * seen(k)),
         size_sd,
         crossings: (curvature / information).sqrt() / std::f64::consts::TAU,
     }
@@ -350,14 +352,13 @@ pub struct Projection {
 impl Projection {
     /// Of `record` on `wave`, both transforms of the same length.
     pub fn new(record: &Whole, density: &[f64], wave: &Whole, half: Half) -> Self {
-        let (mut product, mut power) = (0.0, 0.0);
-        let pairs = record.ordinates.iter().zip(&wave.ordinates);
-        for (k, ((x, g), density)) in pairs.zip(density).enumerate().skip(1) {
-            if half.has(k) {
-                product += (x * g.conj()).re / density;
-                power += g.norm_sqr() / density;
+        let [product, power] = sums(1..record.ordinates.len(), |k| {
+            if !half.has(k) {
+                return [0.0; 2];
             }
-        }
+            let (x, g) = (record.ordinates[k], wave.ordinates[k]);
+            [(x * g.conj()).re, g.norm_sqr()].map(|term| term / density[k])
+        });
         // The sums run over half of the ring.
         let norm = 0.5 * record.len as f64 * record.rate_hz;
         Self {

@@ -60,6 +60,8 @@ pub struct AxisState {
     pub filled: Arc<Vec<f64>>,
     /// Ranges that tests of single moments leave out, ascending and disjoint.
     unusable: Vec<Range<usize>>,
+    /// What the bins are made for: ranges that are left out of the record.
+    left_out: Vec<Range<usize>>,
     fast: Transformer,
     seen: OnceLock<Arc<Seen>>,
     powers: OnceLock<Arc<Powers>>,
@@ -82,12 +84,12 @@ impl AxisState {
     pub fn new(measured: Arc<Vec<f64>>, rate_hz: f64, chain: Option<&Chain>) -> Option<Self> {
         let frame = Frame::new(&measured, rate_hz, chain)?;
         let fast = Transformer::new(measured.len());
-        let data = frame.measure(&measured);
+        let data = frame.first();
         let fit = laws::fit(&frame, &data, &[])?;
         let mut state = Self {
             rate_hz,
             chain: chain.cloned(),
-            mended: Mended::new(measured),
+            mended: Mended::new(Arc::clone(&measured)),
             frame,
             apart: Vec::new(),
             laws: Vec::new(),
@@ -95,13 +97,14 @@ impl AxisState {
             fit,
             filled: Arc::default(),
             unusable: Vec::new(),
+            left_out: Vec::new(),
             fast,
             seen: OnceLock::new(),
             powers: OnceLock::new(),
             starts: OnceLock::new(),
             lines: OnceLock::new(),
         };
-        state.refresh(false)?;
+        state.settle(measured);
         Some(state)
     }
 
@@ -110,19 +113,29 @@ impl AxisState {
         self.mended
     }
 
-    /// Brings spectrum and fit up to date after the record was mended or a law was added;
-    /// `regrid` where other samples are missing than before.
-    pub fn refresh(&mut self, regrid: bool) -> Option<()> {
+    /// Brings spectrum and fit up to date after the record was mended or a law was added.
+    pub fn refresh(&mut self) -> Option<()> {
         self.forget_whole();
-        let mut values = self.mended.values();
+        let values = self.mended.values();
         self.powers = OnceLock::new();
-        if regrid {
+        let left_out: Vec<Range<usize>> = self.mended.left_out().cloned().collect();
+        if self.left_out == left_out {
+            self.frame.leave_out(&self.apart);
+            self.data = self.frame.measure(&values);
+        } else {
             self.starts = OnceLock::new();
             self.frame = Frame::new(&values, self.rate_hz, self.chain.as_ref())?;
+            self.frame.leave_out(&self.apart);
+            self.data = self.frame.first();
+            self.left_out = left_out;
         }
-        self.frame.leave_out(&self.apart);
-        self.data = self.frame.measure(&values);
         self.fit = search::polish(&self.frame, &self.data, &mut self.laws, 0, 0.05)?;
+        self.settle(values);
+        Some(())
+    }
+
+    /// Takes over what is left of the record, bridged where it is missing.
+    fn settle(&mut self, mut values: Arc<Vec<f64>>) {
         let mut gaps = if values.iter().all(|value| value.is_finite()) {
             Vec::new()
         } else {
@@ -144,7 +157,6 @@ impl AxisState {
             self.filled = values;
             self.lines = OnceLock::new();
         }
-        Some(())
     }
 
     /// Keeps tests of single moments off what a converter's filter makes of a jump, until all is
@@ -166,11 +178,10 @@ impl AxisState {
 
     /// Leaves out what a converter's filter makes of the jumps, and brings all up to date.
     pub fn refresh_jumps(&mut self) -> Option<()> {
-        let filtered = self.is_filtered();
-        if filtered {
+        if self.is_filtered() {
             self.mended.spread = self.mended.about_jumps(SPREAD).collect();
         }
-        self.refresh(filtered)
+        self.refresh()
     }
 
     /// Samples that what whitens the record remembers a cut for. Noise whose density rises with the

@@ -1,5 +1,7 @@
 //! What whitens an axis's record, and slow copies of it.
 
+use rayon::prelude::*;
+
 use super::super::mend::block_means;
 use super::super::whole::{Transformer, Whole};
 use super::AxisState;
@@ -60,6 +62,7 @@ impl AxisState {
         // What lies further below the middle of the band is hidden by the ends' own leakage.
         let floor = LEAST_SHARE * density(0.2 * whole.frequency(count - 1));
         (0..count)
+            .into_par_iter()
             .map(|k| {
                 let f_hz = whole.frequency(k.max(1));
                 if self.apart.iter().any(|band| band.contains(&f_hz)) {

@@ -9,6 +9,7 @@ pub mod wander;
 
 use std::ops::Range;
 
+use rayon::prelude::*;
 use realfft::num_complex::Complex64;
 
 use super::impulses::middle_spread;
@@ -50,15 +51,14 @@ pub struct Burst {
 }
 
 /// Whitens `whole` by `density` and sums squares over blocks; `usable` tells samples that count.
-pub fn powers(whole: &Whole, density: &[f64], usable: impl Fn(usize) -> bool) -> Powers {
+pub fn powers(whole: &Whole, density: &[f64], usable: impl Fn(usize) -> bool + Sync) -> Powers {
     // What is left out of the band leaves that many degrees of freedom less.
     let seen = density.iter().filter(|density| density.is_finite()).count();
     let share = seen as f64 / density.len() as f64;
     // Of whatever variance: what counts is how it changes.
     let white = whole.filtered(|k| Complex64::new(density[k].sqrt().recip(), 0.0));
-    let mut powers = Vec::with_capacity(white.len() / BLOCK + 1);
-    let mut counts = Vec::with_capacity(powers.capacity());
-    for (block, values) in white.chunks_exact(BLOCK).enumerate() {
+    let blocks = white.par_chunks_exact(BLOCK).enumerate();
+    let both = blocks.map(|(block, values)| {
         let (mut sum, mut count) = (0.0, 0.0);
         for (offset, value) in values.iter().enumerate() {
             if usable(block * BLOCK + offset) {
@@ -66,9 +66,10 @@ pub fn powers(whole: &Whole, density: &[f64], usable: impl Fn(usize) -> bool) ->
                 count += 1.0;
             }
         }
-        powers.push(if count > 0.0 { sum / count } else { 0.0 });
-        counts.push(count * share);
-    }
+        let power = if count > 0.0 { sum / count } else { 0.0 };
+        (power, count * share)
+    });
+    let (mut powers, mut counts): (Vec<f64>, Vec<f64>) = both.unzip();
     let total: f64 = counts.iter().sum();
     let mean = powers.iter().zip(&counts).map(|(p, n)| p * n).sum::<f64>() / total.max(1.0);
     powers.iter_mut().for_each(|power| *power /= mean);

@@ -90,7 +90,7 @@ impl Rounds<'_> {
             let before = |law: usize| given_back.iter().filter(|&&gone| gone < law).count();
             one.law = one.law.map(|law| law - before(law));
         }
-        self.axis.refresh(false)
+        self.axis.refresh()
     }
 
     /// Whether a resonance is what is left beside a band that was left out.
@@ -120,7 +120,7 @@ impl Rounds<'_> {
                 let f_hz = one.parameters.get("f_hz").map_or(0.0, |f_hz| f_hz.value);
                 one.effect != "sinusoid" || !is_top(f_hz)
             });
-            self.axis.refresh(false)?;
+            self.axis.refresh()?;
         }
         Some(())
     }
@@ -192,7 +192,7 @@ impl Rounds<'_> {
         let side = found.skewness.signum();
         // Its tail passes for them.
         if self.withdraw("outliers") {
-            self.axis.refresh(false)?;
+            self.axis.refresh()?;
         }
         Some(Some(Remark {
             test: "amplitude".into(),

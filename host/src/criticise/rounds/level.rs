@@ -64,7 +64,7 @@ impl Rounds<'_> {
                 Some(change.nats),
                 |axis| {
                     axis.mended.waves.push(change.wave);
-                    axis.refresh(false)
+                    axis.refresh()
                 },
             );
         }
@@ -74,7 +74,7 @@ impl Rounds<'_> {
             };
             if self.is_settling_lag(samples / self.axis.rate_hz) {
                 self.axis.mended.waves.push(change.wave);
-                self.axis.refresh(false)?;
+                self.axis.refresh()?;
                 return Some(true);
             }
             let parameters = named([
@@ -92,7 +92,7 @@ impl Rounds<'_> {
                 Some(change.nats),
                 |axis| {
                     axis.mended.waves.push(change.wave);
-                    axis.refresh(false)
+                    axis.refresh()
                 },
             );
         }
@@ -205,7 +205,7 @@ impl Rounds<'_> {
             if let Some(found) = found {
                 self.accepted.remove(found);
             }
-            self.axis.refresh(false)?;
+            self.axis.refresh()?;
             return Some(true);
         }
         let (effect, parameters) = if switching {
@@ -214,7 +214,7 @@ impl Rounds<'_> {
             ("steps", self.step_parameters(&jumps))
         };
         if self.refused.contains(&effect) {
-            self.axis.refresh(false)?;
+            self.axis.refresh()?;
             return Some(false);
         }
         let freedom = 2.0 * jumps.len() as f64;
@@ -233,7 +233,7 @@ impl Rounds<'_> {
             )?;
             // What was slower may have been found for the jumps: it is looked for again.
             if accepted && (self.withdraw("warmup") | self.withdraw("thermal")) {
-                self.axis.refresh(false)?;
+                self.axis.refresh()?;
             }
             return Some(accepted);
         };

@@ -81,7 +81,7 @@ impl Rounds<'_> {
             ),
         });
         self.axis.apart.push(f_hz - width_hz..f_hz + width_hz);
-        self.axis.refresh(false)?;
+        self.axis.refresh()?;
         Some(true)
     }
 
@@ -115,7 +115,7 @@ impl Rounds<'_> {
         let p_value = one.line.false_alarm;
         self.accept("sinusoid", parameters, p_value, 3.0, None, |axis| {
             axis.mended.waves.push(one.wave);
-            axis.refresh(false)
+            axis.refresh()
         })
     }
 
@@ -150,7 +150,7 @@ impl Rounds<'_> {
             axis.mended
                 .waves
                 .extend(lines.into_iter().map(|(_, one)| one.wave));
-            axis.refresh(false)
+            axis.refresh()
         };
         if self.find("hum").is_some() {
             change(self.axis)?;

@@ -98,7 +98,7 @@ impl Rounds<'_> {
             Some(loss.held_nats),
             |axis| {
                 axis.mended.lost.push(from..to);
-                axis.refresh(true)
+                axis.refresh()
             },
         )
     }

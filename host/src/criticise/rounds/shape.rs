@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use rayon::prelude::*;
+
 use super::super::finding::{Rival, Value};
 use super::super::laws::spread::Spread;
 use super::super::laws::{self, Law, search};
@@ -32,9 +34,10 @@ impl Rounds<'_> {
         let level = self.level() * if self.restless { RESTLESS } else { 1.0 };
         let axis = &*self.axis;
         let starts = axis.starts()?;
+        let refused = self.refused;
         let mut found: Vec<search::Found> = CATALOGUE
-            .iter()
-            .filter(|effect| !self.refused.contains(&effect.name()))
+            .par_iter()
+            .filter(|effect| !refused.contains(&effect.name()))
             .filter_map(|&effect| {
                 search::search(
                     &axis.frame,

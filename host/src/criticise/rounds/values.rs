@@ -25,7 +25,7 @@ impl Rounds<'_> {
             let p_value = stale.p_value;
             self.accept("stale", parameters, p_value, 1.0, None, |axis| {
                 axis.mended.waves.push(Wave::Replaced(replaced));
-                axis.refresh(false)
+                axis.refresh()
             })?;
         }
         for (clipping, places) in &values.clipping {
@@ -46,7 +46,7 @@ impl Rounds<'_> {
                 None,
                 |axis| {
                     axis.mended.waves.push(Wave::Replaced(replaced));
-                    axis.refresh(false)
+                    axis.refresh()
                 },
             )?;
         }
@@ -75,12 +75,15 @@ impl Rounds<'_> {
         let seen = self.axis.whole();
         let len = seen.whole.len();
         let powers = self.axis.powers();
-        let mut found = self.sought(&seen.whole, &seen.density, &powers);
         let old = self.axis.mended.outliers().to_vec();
         // What else was taken out since they were found.
         let else_now = self.accepted.len();
-        if found.found.is_empty() && (old.is_empty() || self.sought_beside == else_now) {
-            return Some(false);
+        let mut found = Outliers::default();
+        if old.is_empty() || self.sought_beside == else_now {
+            found = self.sought(&seen.whole, &seen.density, &powers);
+            if found.found.is_empty() {
+                return Some(false);
+            }
         }
         if old.is_empty() {
             drop(seen);
@@ -101,7 +104,7 @@ impl Rounds<'_> {
             }
             if found.found.is_empty() {
                 self.withdraw("outliers");
-                self.axis.refresh(false)?;
+                self.axis.refresh()?;
                 return Some(true);
             }
         }
@@ -144,7 +147,7 @@ impl Rounds<'_> {
                 .waves
                 .retain(|wave| !matches!(wave, Wave::Outliers(_)));
             axis.mended.waves.push(Wave::Outliers(found.found));
-            axis.refresh(false)
+            axis.refresh()
         };
         if self.find("outliers").is_some() {
             change(self.axis)?;

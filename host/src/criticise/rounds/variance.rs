@@ -95,7 +95,7 @@ impl Rounds<'_> {
                 let from = (range.start as f64 - wide).max(0.0) as usize;
                 let to = ((range.end as f64 + wide) as usize).min(axis.mended.len());
                 axis.mended.masked.push(from..to);
-                axis.refresh(true)
+                axis.refresh()
             },
         )
     }
@@ -147,7 +147,7 @@ impl Rounds<'_> {
         one.parameters = parameters;
         one.nats = nats.or(one.nats);
         self.axis.mended.masked.push(range.clone());
-        self.axis.refresh(true)?;
+        self.axis.refresh()?;
         Some(true)
     }
 
@@ -178,7 +178,7 @@ impl Rounds<'_> {
         let mut any = self.withdraw("burst");
         any |= self.withdraw("outliers");
         if any {
-            self.axis.refresh(true)?;
+            self.axis.refresh()?;
         }
         Some(any)
     }
