@@ -66,8 +66,13 @@ pub struct Unsteady {
 /// Strength of the whitened record in the band of the ordinates, at `ordinates.len()` moments, in
 /// units of its density.
 pub fn strengths(seen: &Seen, ordinates: Range<usize>) -> Vec<f64> {
-    let white = ordinates.map(|k| seen.whole.ordinates()[k] / seen.density[k].sqrt());
-    over_time(seen, white.collect())
+    over_time(seen, whitened(seen, ordinates).collect())
+}
+
+fn whitened(seen: &Seen, ordinates: Range<usize>) -> impl Iterator<Item = Complex64> {
+    let pairs = seen.whole.ordinates()[ordinates.clone()].iter();
+    let pairs = pairs.zip(&seen.density[ordinates]);
+    pairs.map(|(ordinate, density)| ordinate / density.sqrt())
 }
 
 fn over_time(seen: &Seen, mut band: Vec<Complex64>) -> Vec<f64> {
@@ -153,6 +158,11 @@ impl Groups {
         apart: &[Range<f64>],
     ) -> Self {
         let counts = counting(axis, seen.whole.len(), size);
+        let plan = fft::inverse(size);
+        let mut scratch = vec![Complex64::ZERO; plan.get_inplace_scratch_len()];
+        let mut band = Vec::with_capacity(size);
+        let mut strengths = Vec::with_capacity(size);
+        let unit = (size as f64 * seen.whole.power()).recip();
         let mut groups = Self {
             size,
             starts: Vec::new(),
@@ -169,7 +179,11 @@ impl Groups {
             );
             let is_apart = apart.iter().any(|one| one.start < high && low < one.end);
             if !is_apart {
-                let strengths = strengths(seen, start..start + size);
+                band.clear();
+                band.extend(whitened(seen, start..start + size));
+                plan.process_with_scratch(&mut band, &mut scratch);
+                strengths.clear();
+                strengths.extend(band.iter().map(|value| value.norm_sqr() * unit));
                 let (score, tiles) = score(&strengths, &counts);
                 groups.starts.push(start);
                 groups

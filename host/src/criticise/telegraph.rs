@@ -7,6 +7,7 @@
 
 use rand_distr::{Distribution, Exp1};
 use rand_pcg::Pcg64;
+use rayon::prelude::*;
 use realfft::num_complex::Complex64;
 
 use super::axis::AxisState;
@@ -64,6 +65,7 @@ pub fn log_odds(
     let dwell = 2.0 * time_s * rate_hz;
     let simulate = |two_levels: bool| -> (f64, f64) {
         let excesses: Vec<f64> = (0..RECORDS as u64)
+            .into_par_iter()
             .map(|number| {
                 let mut random = Random::new(number);
                 let levels = if two_levels {

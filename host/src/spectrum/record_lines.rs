@@ -375,6 +375,9 @@ impl Survey {
         record: &R,
         candidates: &[(f64, f64)],
     ) -> Result<Vec<Line>, R::Error> {
+        if candidates.is_empty() {
+            return Ok(Vec::new());
+        }
         let block = (self.len as usize).div_ceil(BLOCKS);
         let mut sums = vec![vec![Complex64::default(); BLOCKS]; candidates.len()];
         self.tapered(record, |at, values| {

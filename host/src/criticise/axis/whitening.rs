@@ -18,6 +18,10 @@ const DRIFT: usize = 1 << 15;
 /// Degrees of freedom from which a bin's own ratio to the model counts rather than the model.
 const OWN_RATIO: f64 = 40.0;
 
+/// Ordinates whose densities lie on a straight line, from the second number on.
+const RUN: usize = 64;
+const ONE_BY_ONE: usize = 1 << 16;
+
 /// Least density that whitens, over that in the middle of the band.
 const LEAST_SHARE: f64 = 1e-5;
 
@@ -61,22 +65,35 @@ impl AxisState {
             .collect();
         // What lies further below the middle of the band is hidden by the ends' own leakage.
         let floor = LEAST_SHARE * density(0.2 * whole.frequency(count - 1));
-        (0..count)
-            .into_par_iter()
-            .map(|k| {
-                let f_hz = whole.frequency(k.max(1));
-                if self.apart.iter().any(|band| band.contains(&f_hz)) {
-                    return f64::INFINITY;
-                }
-                let log = f_hz.ln();
-                let place = ((log - low) / (high - low) * TABLE as f64).clamp(0.0, TABLE as f64);
-                let step = (place as usize).min(TABLE - 1);
-                let share = place - step as f64;
-                (table[step] * (1.0 - share) + table[step + 1] * share)
-                    .exp()
-                    .max(floor)
-            })
-            .collect()
+        let at = |k: usize| {
+            let log = whole.frequency(k).ln();
+            let place = ((log - low) / (high - low) * TABLE as f64).clamp(0.0, TABLE as f64);
+            let step = (place as usize).min(TABLE - 1);
+            let share = place - step as f64;
+            let log = table[step] * (1.0 - share) + table[step + 1] * share;
+            log.exp().max(floor)
+        };
+        let mut densities = vec![0.0; count];
+        let runs = densities.par_chunks_mut(RUN).enumerate();
+        runs.for_each(|(run, densities)| {
+            let first = run * RUN;
+            if first < ONE_BY_ONE {
+                let each = (first..).zip(densities);
+                each.for_each(|(k, density)| *density = at(k.max(1)));
+                return;
+            }
+            // So far up a run is a small part of an octave: straight from its begin to its end.
+            let (begin, end) = (at(first), at(first + RUN));
+            let slope = (end - begin) / RUN as f64;
+            let each = densities.iter_mut().enumerate();
+            each.for_each(|(n, density)| *density = begin + slope * n as f64);
+        });
+        for band in &self.apart {
+            let of = |f_hz: f64| (f_hz / whole.frequency(1)).ceil().max(0.0) as usize;
+            let (start, end) = (of(band.start).min(count), of(band.end).min(count));
+            densities[start..end.max(start)].fill(f64::INFINITY);
+        }
+        densities
     }
 
     /// Samples that one sample of the slow copy stands for.
