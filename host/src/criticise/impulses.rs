@@ -10,7 +10,7 @@ use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 
 use self::pursuit::Pursuit;
 use super::tail;
-use super::whole::{Half, Impulse, Whole, matched};
+use super::whole::{Impulse, Whole, matched};
 
 /// Largest number of outliers that are looked for; beyond it is another kind of record.
 const MOST: usize = 1 << 14;
@@ -62,7 +62,7 @@ pub fn outliers(
     usable: impl Fn(usize) -> bool,
     local: impl Fn(usize) -> f64,
 ) -> Outliers {
-    let filter = matched(whole, density, &Impulse, Half::Both);
+    let filter = matched(whole, density, &Impulse);
     let middle = middle_spread(&filter.z).max(1.0);
     let spread = |index: usize| middle * local(index);
     let threshold = tail::threshold(level, whole.len(), f64::INFINITY);
@@ -87,7 +87,7 @@ pub fn outliers(
         };
     }
     let answer = answer(whole, density);
-    let filter = matched(whole, density, &Impulse, Half::Both);
+    let filter = matched(whole, density, &Impulse);
     let mut pursuit = Pursuit::new(filter.z, answer);
     // Largest first; each takes its own tails out of its neighbours.
     for index in candidates.into_iter().take(4 * MOST) {
@@ -111,18 +111,12 @@ pub fn outliers(
     let nats = if found.is_empty() {
         0.0
     } else {
-        let half = |half: Half| -> (Vec<f64>, f64) {
-            let filter = matched(whole, density, &Impulse, half);
-            let z = found.iter().map(|one| filter.z[one.index]);
-            (z.collect(), filter.size_sd)
+        let filter = matched(whole, density, &Impulse);
+        let gain = |one: &Outlier| {
+            let [even, odd] = filter.halves(one.index);
+            odd.gain(even.size())
         };
-        let ((seen, seen_sd), (held, held_sd)) = (half(Half::Even), half(Half::Odd));
-        let gain = |(seen, held): (&f64, &f64)| {
-            // Sizes in the held half's own standard deviations.
-            let size = seen * seen_sd / held_sd;
-            size * held - 0.5 * size * size
-        };
-        seen.iter().zip(&held).map(gain).sum()
+        found.iter().map(gain).sum()
     };
     Outliers {
         p_value: tail::highest(highest, whole.len(), f64::INFINITY),
@@ -218,7 +212,7 @@ pub fn sizes_at(whole: &Whole, density: &[f64], indices: &[usize]) -> Vec<Outlie
     const NEIGHBOURS: usize = 512;
     let mut answer = answer(whole, density);
     answer.truncate(NEIGHBOURS);
-    let filter = matched(whole, density, &Impulse, Half::Both);
+    let filter = matched(whole, density, &Impulse);
     let mut heights = vec![0.0; indices.len()];
     for _ in 0..ROUNDS {
         for (number, &index) in indices.iter().enumerate() {

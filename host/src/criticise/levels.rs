@@ -4,7 +4,7 @@ use super::axis::AxisState;
 use super::impulses::Outlier;
 use super::profile::Profile;
 use super::tail;
-use super::whole::{Half, Match, Step, Transformer, Whole, matched};
+use super::whole::{Match, Step, Transformer, Whole, matched};
 
 /// A jump of the level.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -81,7 +81,7 @@ fn largest(
 
 /// The statistic of a jump at every moment.
 pub fn statistic(whole: &Whole, density: &[f64]) -> Match {
-    matched(whole, density, &Step, Half::Both)
+    matched(whole, density, &Step)
 }
 
 /// Whether what looks like an outlier is rather a jump, by the statistic of jumps.

@@ -60,44 +60,52 @@ pub(super) fn compare(axis: &AxisState, models: Models<'_>, wave: &[f64]) -> Vec
     });
     let observed = mean_squares(&windows, axis.mended.measured(), block);
     let of_wave = mean_squares(&windows, wave, block);
-    let errors = observed.into_par_iter().zip(of_wave);
-    let all = TIMES_S.par_iter().zip(&windows).zip(errors);
-    let compared = all.filter_map(|((&t_s, window), (observed, of_wave))| {
+    let (before, after) = rayon::join(
+        || predict(models.base, &windows),
+        || predict(models.noise, &windows),
+    );
+    let compared = |(number, observed): (usize, Option<(f64, usize)>)| {
         let (square, disjoint) = observed?;
         let (lo, hi) = point::interval(square, disjoint as f64);
-        let of_wave = of_wave.map_or(0.0, |(square, _)| square);
+        let of_wave = of_wave[number].map_or(0.0, |(square, _)| square);
         Some(VelocityError {
-            t_s,
+            t_s: TIMES_S[number],
             alignment_s,
             observed: square.sqrt(),
             lo,
             hi,
-            before: predict(models.base, window),
-            after: predict(models.noise, window).hypot(of_wave.sqrt()),
+            before: before[number],
+            after: after[number].hypot(of_wave.sqrt()),
         })
-    });
-    compared.collect()
+    };
+    observed
+        .into_iter()
+        .enumerate()
+        .filter_map(compared)
+        .collect()
 }
 
-/// One standard deviation of the error under a model, the intervals of its coefficients left out.
-fn predict(model: &ModelAxis, window: &Window) -> f64 {
+/// One standard deviation of the error under a model for each of `windows`, which are aligned alike; the
+/// intervals of its coefficients left out.
+fn predict(model: &ModelAxis, windows: &[Window; TIMES_S.len()]) -> Vec<f64> {
     let known = PerCoefficient::from_fn(|one| {
         let value = model.coefficients.get(one).abs();
         (value, value)
     });
-    let (alignment_s, t_s) = (
-        window.aligned as f64 / window.rate_hz,
-        window.integrated as f64 / window.rate_hz,
-    );
+    let rate_hz = windows[0].rate_hz;
+    let alignment_s = windows[0].aligned as f64 / rate_hz;
+    let times_s = windows
+        .each_ref()
+        .map(|window| window.integrated as f64 / rate_hz);
     let growth = navigate::growth(
         model,
         &known,
         Integral::Velocity,
-        window.rate_hz,
+        rate_hz,
         alignment_s,
-        &[t_s],
+        &times_s,
     );
-    growth.first().map_or(f64::NAN, |one| one.sigma)
+    growth.into_iter().map(|one| one.sigma).collect()
 }
 
 /// An alignment and an integration, samples.
