@@ -1,6 +1,6 @@
 //! One axis: rounds until nothing is left that has a name, without what gains nothing.
 
-use std::cell::OnceCell;
+use std::cell::{Cell, OnceCell};
 use std::sync::Arc;
 
 use super::super::axis::AxisState;
@@ -66,7 +66,11 @@ pub(super) fn explain(
         || CodeFindings::new(declared, options.level(), &measured, mean),
         begin,
     );
-    let found = |effect| progress(&signal.name, Step::Found(effect));
+    let latest = Cell::new(None);
+    let found = |effect| {
+        latest.set(Some(effect));
+        progress(&signal.name, Step::Found(effect));
+    };
     let mut refused: Vec<&'static str> = Vec::new();
     let mut begun: Option<(Before, f64)> = None;
     loop {
@@ -79,8 +83,16 @@ pub(super) fn explain(
             begun
         };
         let (_, (before, base_slope)) = rayon::join(|| axis.lines(options.level()), look);
-        let outcome =
-            rounds::run(&mut axis, options, &values, &refused, &found).ok_or_else(refusal)?;
+        latest.set(None);
+        let Some(outcome) = rounds::run(&mut axis, options, &values, &refused, &found) else {
+            // What was taken out last left nothing that can be fitted: the rest is told without it.
+            let spoils = latest.take().filter(|_| refused.len() <= MOST_REFUSED);
+            refused.push(spoils.ok_or_else(|| Refused::Unfitted {
+                axis: signal.name.clone(),
+            })?);
+            begun = Some((before, base_slope));
+            continue;
+        };
         let nats = held_out(&axis, &outcome.accepted);
         // What gains nothing on data that it was not fitted to is no effect.
         let losers = outcome.accepted.iter().zip(&nats);

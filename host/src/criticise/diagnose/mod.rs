@@ -44,6 +44,14 @@ pub enum Refused {
         /// Name of the axis.
         axis: String,
     },
+    /// No model could be fitted.
+    #[error(
+        "axis {axis}: no mix of the five terms fits its spectrum; look at it with 'inm analyze', and choose a part of the record with --from and --to"
+    )]
+    Unfitted {
+        /// Name of the axis.
+        axis: String,
+    },
     /// What waited out of memory is lost.
     #[error(
         "what waited in a file in {folder} cannot be read: {cause}; free space there, or set TMPDIR to another folder"
