@@ -4,6 +4,8 @@
 
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use super::axis::AxisState;
 use super::mend::{Wave, block_means};
 use super::profile::{Noise, Profile};
@@ -38,10 +40,14 @@ pub fn warm_up(axis: &AxisState, level: f64, noise: Noise) -> Option<SlowChange>
     if noise == Noise::Anew && settling.p_value(z) >= level {
         // Walk and flicker may have been taken for it.
         let profile = Profile::new(axis, &settling.record, &settling.density);
-        let joints = settling
-            .times()
-            .map(|samples| profile.fit(&settling.wave(samples)));
-        let joint = joints.max_by(|a, b| a.z.abs().total_cmp(&b.z.abs()))?;
+        let times: Vec<f64> = settling.times().collect();
+        let joints = times.into_par_iter();
+        let joints: Vec<_> = joints
+            .map(|samples| profile.fit(&settling.wave(samples)))
+            .collect();
+        let joint = joints
+            .into_iter()
+            .max_by(|a, b| a.z.abs().total_cmp(&b.z.abs()))?;
         let density = profile.density(&joint);
         z = joint.z;
         settling.record.close(&density);
@@ -116,9 +122,11 @@ impl Settlings {
 
     /// The largest statistic and its time constant.
     fn best(&self) -> (f64, f64) {
-        let all = self.times().map(|samples| (self.z_at(samples), samples));
+        let times: Vec<f64> = self.times().collect();
+        let all = times.into_par_iter();
+        let all: Vec<_> = all.map(|samples| (self.z_at(samples), samples)).collect();
         let larger = |a: &(f64, f64), b: &(f64, f64)| a.0.abs().total_cmp(&b.0.abs());
-        let mut best = all.max_by(larger).unwrap_or_default();
+        let mut best = all.into_iter().max_by(larger).unwrap_or_default();
         let [shortest, longest] = self.ends();
         // The top between the steps.
         let mut step = 0.15;
@@ -205,16 +213,22 @@ pub fn follows(
     let larger =
         |a: &(Projection, f64), b: &(Projection, f64)| a.0.z().abs().total_cmp(&b.0.z().abs());
     let first = |record: &Whole, density: &[f64]| {
-        let all = lags.iter().map(|&lag| (at(lag, record, density), lag));
-        all.max_by(larger)
+        let all = lags.par_iter().map(|&lag| (at(lag, record, density), lag));
+        let all: Vec<_> = all.collect();
+        all.into_iter().max_by(larger)
     };
     let (mut projection, mut lag) = first(&record, &density)?;
     let mut told = None;
     if noise == Noise::Anew && p_of(projection.z()) >= level {
         // Walk and flicker may have been taken for it.
         let profile = Profile::new(axis, &record, &density);
-        let joints = lags.iter().map(|&lag| profile.fit(&wave(lag, &density)));
-        let joint = joints.max_by(|a, b| a.z.abs().total_cmp(&b.z.abs()))?;
+        let joints = lags.par_iter();
+        let joints: Vec<_> = joints
+            .map(|&lag| profile.fit(&wave(lag, &density)))
+            .collect();
+        let joint = joints
+            .into_iter()
+            .max_by(|a, b| a.z.abs().total_cmp(&b.z.abs()))?;
         let beside = profile.density(&joint);
         told = Some(joint.z);
         density = beside;

@@ -34,6 +34,9 @@ use crate::fft::ring::{Ring, Series};
 /// Samples at each end that the line is laid through, at most.
 const END: usize = 256;
 
+/// Ordinates that are worth a thread of their own.
+const SHARED: usize = 1 << 14;
+
 /// A transformed record.
 pub struct Whole {
     rate_hz: f64,
@@ -192,7 +195,8 @@ impl Whole {
         if !(sample.is_finite() && height.is_finite()) {
             return;
         }
-        let ordinates = self.ordinates.par_iter_mut().enumerate().skip(1);
+        let ordinates = self.ordinates.par_iter_mut().with_min_len(SHARED);
+        let ordinates = ordinates.enumerate().skip(1);
         ordinates.for_each(|(k, ordinate)| *ordinate -= sample + height * step(k));
     }
 
@@ -229,7 +233,8 @@ impl Whole {
     /// Samples of a ring whose ordinates above zero frequency are `ordinate(k)`, its mean zero.
     fn back(&self, ordinate: impl Fn(usize) -> Complex64 + Sync) -> Series {
         let norm = (self.len as f64).recip();
-        let ordinates = (0..self.ordinates.len()).into_par_iter().map(|k| match k {
+        let all = (0..self.ordinates.len()).into_par_iter();
+        let ordinates = all.with_min_len(SHARED).map(|k| match k {
             0 => Complex64::ZERO,
             _ => ordinate(k) * norm,
         });

@@ -22,6 +22,9 @@ const OWN_RATIO: f64 = 40.0;
 const RUN: usize = 64;
 const ONE_BY_ONE: usize = 1 << 16;
 
+/// Runs that are worth a thread of their own.
+const SHARED: usize = 256;
+
 /// Least density that whitens, over that in the middle of the band.
 const LEAST_SHARE: f64 = 1e-5;
 
@@ -74,7 +77,8 @@ impl AxisState {
             log.exp().max(floor)
         };
         let mut densities = vec![0.0; count];
-        let runs = densities.par_chunks_mut(RUN).enumerate();
+        let runs = densities.par_chunks_mut(RUN).with_min_len(SHARED);
+        let runs = runs.enumerate();
         runs.for_each(|(run, densities)| {
             let first = run * RUN;
             if first < ONE_BY_ONE {

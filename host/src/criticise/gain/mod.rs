@@ -54,8 +54,9 @@ impl Halves {
         let measured = axis.mended.bare();
         let values = measured.values();
         let chain = axis.chain.as_ref();
-        let mut train = Frame::of_parts(half(&values, 0), axis.rate_hz, chain)?;
-        let mut held = Frame::of_parts(half(&values, 1), axis.rate_hz, chain)?;
+        let frame = |parity| Frame::of_parts(half(&values, parity), axis.rate_hz, chain);
+        let (train, held) = rayon::join(|| frame(0), || frame(1));
+        let (mut train, mut held) = (train?, held?);
         train.leave_out(&axis.apart);
         held.leave_out(&axis.apart);
         Some(Self {
@@ -70,8 +71,10 @@ impl Halves {
         let mut record = self.measured.clone();
         record.waves.clone_from(&snapshot.waves);
         let values = record.values();
-        let train = self.train.measure_parts(half(&values, 0));
-        let held = self.held.measure_parts(half(&values, 1));
+        let (train, held) = rayon::join(
+            || self.train.measure_parts(half(&values, 0)),
+            || self.held.measure_parts(half(&values, 1)),
+        );
         drop(values);
         let mut laws = laws_of(snapshot);
         let fit = search::polish(&self.train, &train, &mut laws, 0, 0.05)?;

@@ -1,5 +1,7 @@
 //! The values of laws that fit best.
 
+use rayon::prelude::*;
+
 use super::rise::Rise;
 use super::{Law, component_through, components, passed};
 use crate::criticise::frame::Frame;
@@ -134,7 +136,9 @@ impl Starts {
             let values = effect.starts(&band);
             values.into_iter().map(move |values| Law { effect, values })
         });
+        let laws: Vec<Law> = laws.collect();
         let starts = laws
+            .into_par_iter()
             .map(|law| Start {
                 component: component_through(frame, &law, |_| 1.0),
                 law,
