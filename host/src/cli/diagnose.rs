@@ -102,7 +102,7 @@ impl DiagnoseCommand {
             family_level: self.level,
             covariate,
             // Text alone does not show it.
-            simulate: self.results.any(),
+            views: self.results.any(),
         };
         let clock = match &reference {
             Some(reference) => clock(&samples, reference, options.level()),

@@ -42,6 +42,7 @@ pub mod decimate;
 pub mod estimate;
 pub mod expected;
 mod fill;
+mod fold;
 pub mod history;
 pub mod lines;
 pub mod pool;

@@ -18,6 +18,7 @@
 
 use super::{
     fill::{Filler, Piece},
+    fold::Folded,
     lines::{Floor, Line, LineSearch, SEGMENT},
     slow_floor::{Blocks, SlowFloor},
 };
@@ -337,17 +338,14 @@ impl Survey {
         let total = (points * folds) as f64;
         let fft = crate::fft::forward(points);
         let mut scratch = vec![Complex64::default(); fft.get_inplace_scratch_len()];
-        // In one piece, so that it goes back to the system when it is done with.
-        let mut folded = vec![Complex64::default(); points * RESIDUES.min(residues.len())];
+        let mut folded = Folded::new(points, folds, RESIDUES.min(residues.len()));
         let mut high = Vec::new();
         let lowest = self.lowest_hz() / self.rate_hz;
         let Range { start, end } = residues;
         for first in (start..end).step_by(RESIDUES) {
-            folded.fill(Complex64::default());
-            self.tapered(record, |at, values| {
-                fold(at, values, points, folds, first, &mut folded);
-            })?;
-            for (sums, r) in folded.chunks_mut(points).zip(first..end) {
+            folded.begin(first);
+            self.tapered(record, |at, values| folded.push(at, values))?;
+            for (sums, r) in folded.residues().zip(first..end) {
                 let phasor = Phasor::new(-(r as f64) / total);
                 phasor.zip(0, sums.iter_mut(), 1.0.into(), |z, turn| *z *= turn);
                 fft.process_with_scratch(sums, &mut scratch);
@@ -463,33 +461,6 @@ fn taper(at: usize, len: usize, edge: f64, rise: &Phasor, values: &mut [f64]) {
     rise.zip(len - last, from_end, half, |value, turn| {
         *value *= 0.5 - 0.5 * turn.re;
     });
-}
-
-/// Adds values from index `at` on to the folded record of each residue from `residue` on.
-fn fold(
-    at: usize,
-    values: &[f64],
-    points: usize,
-    folds: usize,
-    residue: usize,
-    folded: &mut [Complex64],
-) {
-    let mut start = 0;
-    while start < values.len() {
-        let index = at + start;
-        let (fold, place) = (index / points, index % points);
-        let end = values.len().min(start + points - place);
-        for (offset, sums) in folded.chunks_mut(points).enumerate() {
-            // Reduced in integers: the angle keeps its accuracy however long the record.
-            let turns = ((residue + offset) * fold % folds) as f64 / folds as f64;
-            let phasor = Complex64::from_polar(1.0, -2.0 * PI * turns);
-            for (sum, x) in sums[place..].iter_mut().zip(&values[start..end]) {
-                sum.re += phasor.re * x;
-                sum.im += phasor.im * x;
-            }
-        }
-        start = end;
-    }
 }
 
 /// Power of the taper's side lobes at a distance in `1 / T`, relative to its peak, from above:

@@ -125,7 +125,7 @@ fn diagnosed(capture: &str) -> anyhow::Result<Diagnosis> {
     let options = Options {
         family_level: FAMILY_LEVEL,
         covariate: None,
-        simulate: true,
+        views: true,
     };
     let signal = samples.signal.clone();
     let diagnosed = diagnose(samples, &options, &|_, _| {})

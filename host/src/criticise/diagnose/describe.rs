@@ -67,8 +67,10 @@ pub(super) fn describe(
         noise: &last.model,
         whole: &whole,
     };
-    let held_out = judge.held.beside(&base.expected, &last.expected);
-    let views = Views::new(&axis, before, models, held_out, &findings, mean, options);
+    let views = before.map(|before| {
+        let held_out = judge.held.beside(&base.expected, &last.expected);
+        Views::new(&axis, before, models, held_out, &findings, mean, options)
+    });
     let passed = passed(&axis);
     let residual = residual(&axis.into_mended(), passed);
     let diagnosis = AxisDiagnosis {
@@ -91,7 +93,7 @@ pub(super) fn describe(
             allan_error_sampling_percent: last.sampling_percent,
         },
         findings,
-        views,
+        views: views.unwrap_or_default(),
     };
     (diagnosis, residual)
 }

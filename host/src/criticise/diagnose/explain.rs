@@ -28,8 +28,8 @@ pub(super) struct Explained {
     pub mean: f64,
     /// Fit of the five terms alone.
     pub base_fit: Fit,
-    /// The record before anything was taken out.
-    pub before: Before,
+    /// The record before anything was taken out, where views are wanted.
+    pub before: Option<Before>,
     /// Its slope, where it has one; unit of the signal a second.
     pub base_slope: f64,
     /// What was found.
@@ -72,13 +72,14 @@ pub(super) fn explain(
         progress(&signal.name, Step::Found(effect));
     };
     let mut refused: Vec<&'static str> = Vec::new();
-    let mut begun: Option<(Before, f64)> = None;
+    let mut begun: Option<(Option<Before>, f64)> = None;
     loop {
         let mut axis = first.take().or_else(begin).ok_or_else(refusal)?;
         let base_fit = axis.fit.clone();
         let look = || {
             let begun = begun.take();
-            let begun = begun.unwrap_or_else(|| (Before::new(&axis), slope(ramp::ramp(&axis))));
+            let begun =
+                begun.unwrap_or_else(|| (Before::new(&axis, options), slope(ramp::ramp(&axis))));
             axis.powers();
             begun
         };

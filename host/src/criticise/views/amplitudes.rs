@@ -9,7 +9,7 @@ pub const WIDTH: f64 = 0.25;
 const CLASSES: usize = 80;
 
 /// The record before and after.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Amplitudes {
     /// As measured.
     pub before: Counts,
@@ -18,7 +18,7 @@ pub struct Amplitudes {
 }
 
 /// Whitened samples by class.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Counts {
     counts: Vec<u64>,
 }

@@ -17,7 +17,7 @@ const MOST: usize = 200;
 const SETTLED: f64 = 5.0;
 
 /// The record in time.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Course {
     /// Length of a column, seconds.
     pub column_s: f64,

@@ -31,8 +31,8 @@ pub const SEED: u64 = 1;
 /// Samples simulated at a time.
 const BLOCK: usize = 1 << 16;
 
-/// The views of one axis.
-#[derive(Debug, Clone, Serialize)]
+/// The views of one axis; all of them empty where none were wanted.
+#[derive(Debug, Clone, Default, Serialize)]
 pub struct Views {
     /// Allan deviation.
     pub allan: Vec<AllanPoint>,
@@ -42,7 +42,7 @@ pub struct Views {
     pub spectrum: Vec<SpectrumPoint>,
     /// Growth of the velocity error.
     pub velocity_error: Vec<VelocityError>,
-    /// Seed of the simulated record; `None` where there is none.
+    /// Seed of the simulated record; `None` where the model makes none.
     pub simulation_seed: Option<u64>,
     /// The record in time; for pictures alone.
     #[serde(skip)]
@@ -59,12 +59,12 @@ pub struct Before {
 }
 
 impl Before {
-    /// Of an axis with nothing known.
-    pub fn new(axis: &AxisState) -> Self {
-        Self {
+    /// Of an axis with nothing known; `None` where no views are wanted.
+    pub fn new(axis: &AxisState, options: &Options) -> Option<Self> {
+        options.views.then(|| Self {
             fit: axis.fit.clone(),
             amplitudes: Counts::new(axis),
-        }
+        })
     }
 }
 
@@ -101,8 +101,7 @@ impl Burst {
 }
 
 impl Views {
-    /// Of an axis that is done; where `options` say so beside a simulated record, which costs as much as
-    /// some of the tests.
+    /// Of an axis that is done, beside a simulated record, which costs as much as some of the tests.
     pub fn new(
         axis: &AxisState,
         before: Before,
@@ -131,10 +130,7 @@ impl Views {
             after,
         };
         drop(wave);
-        let simulated = options
-            .simulate
-            .then(|| simulate(axis, models.whole, options.covariate.as_deref()))
-            .flatten();
+        let simulated = simulate(axis, models.whole, options.covariate.as_deref());
         if let Some(simulated) = &simulated {
             allan::add_simulated(&mut allan, simulated, axis.rate_hz);
             spectrum.add_simulated(simulated);
