@@ -41,7 +41,7 @@ fn a_line_inflates_the_published_q_and_the_diagnosis_gives_it_back() {
     let options = Options {
         family_level: 0.005,
         covariate: None,
-        simulate: false,
+        views: false,
     };
     let axes = diagnose(samples, &options, &|_, _| {})
         .expect("long enough")
