@@ -36,8 +36,11 @@ impl Term for Steps {
     }
 
     fn generator(&self, rate_hz: f64, _seed: Seed) -> Box<dyn Generator> {
-        // The sample nearest to the time is the first at the new level.
-        let jump = |&(time_s, height): &(f64, f64)| ((time_s * rate_hz).round() as u64, height);
+        /// Samples by which a time may be late for rounding.
+        const LATE: f64 = 1e-3;
+        // The first sample at or after the time is the first at the new level.
+        let first = |time_s: f64| (time_s * rate_hz - LATE).ceil().max(0.0) as u64;
+        let jump = |&(time_s, height): &(f64, f64)| (first(time_s), height);
         let mut jumps: Vec<(u64, f64)> = self.0.iter().map(jump).collect();
         jumps.sort_by_key(|&(index, _)| std::cmp::Reverse(index));
         Box::new(Staircase {

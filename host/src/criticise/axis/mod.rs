@@ -243,8 +243,8 @@ impl AxisState {
         let count = whole.ordinates().len();
         let passes = |k: usize| self.frame.chain_power(whole.frequency(k)) >= SHUT_OUT;
         let stride = count.div_ceil(STEPS);
-        let steps = (1..count).step_by(stride);
-        let Some(beyond) = steps.into_iter().find(|&k| !passes(k)) else {
+        let mut steps = (1..count).step_by(stride).chain([count - 1]);
+        let Some(beyond) = steps.find(|&k| !passes(k)) else {
             return count;
         };
         (beyond.saturating_sub(stride).max(1)..=beyond)

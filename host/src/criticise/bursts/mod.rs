@@ -158,7 +158,12 @@ pub fn burst(powers: &Powers, level: f64) -> Option<Burst> {
         }
     }
     let nats = sums.gain(range.clone());
-    let (inside, outside) = sums.both(range.clone());
+    // The blocks at both ends are its own in part only.
+    let whole_blocks = match range.len() {
+        0..=2 => range.clone(),
+        _ => range.start + 1..range.end - 1,
+    };
+    let (inside, outside) = (sums.both(whole_blocks).0, sums.both(range.clone()).1);
     let ratio = inside.0 / outside.0;
     // Free ends make each of the trials some tens: the search's own maximum is judged.
     let one = sums.tail(range.clone());

@@ -324,12 +324,17 @@ impl Rounds<'_> {
     }
 
     fn step_parameters(&self, jumps: &[Jump]) -> BTreeMap<String, Value> {
+        /// Standard deviation of a moment between two samples, over their distance.
+        const BETWEEN: f64 = 0.288_675_134_594_812_9;
         let rate_hz = self.axis.rate_hz;
         let rows = (1..).zip(jumps).flat_map(|(number, jump): (u32, &Jump)| {
+            // It came between the sample that has it first and the one before.
+            let index = jump.index as f64 - 0.5;
+            let index_sd = jump.index_sd.hypot(BETWEEN);
             [
                 (
                     format!("time_s_{number}"),
-                    Value::normal(jump.index as f64 / rate_hz, jump.index_sd / rate_hz),
+                    Value::normal(index / rate_hz, index_sd / rate_hz),
                 ),
                 (
                     format!("height_{number}"),
