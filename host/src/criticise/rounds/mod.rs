@@ -14,6 +14,7 @@ mod level;
 mod lines;
 mod lost;
 mod of_band;
+mod of_switching;
 mod shape;
 mod steady;
 mod values;
@@ -197,7 +198,7 @@ struct Rounds<'a> {
     discrepancies: Vec<Remark>,
     /// Whether the level switches to and fro: no business of single steps.
     switching: bool,
-    /// Whether large samples come in groups: no business of outliers.
+    /// Whether large samples come in groups, or as a level switches: no business of outliers.
     ringing: bool,
     /// Whether the strength of the noise moves all the time: no business of bursts.
     restless: bool,

@@ -118,6 +118,14 @@ impl Rounds<'_> {
             self.ringing = true;
             return Some(false);
         }
+        if self.is_of_switching(&found.found) {
+            self.ringing = true;
+            let named = self.withdraw("outliers");
+            if named {
+                self.axis.refresh()?;
+            }
+            return Some(named);
+        }
         // Where a whole stretch is noisier, its large samples are no outliers.
         let burst = bursts::burst(&powers, self.level());
         let inside = |one: &Outlier| {
