@@ -25,11 +25,9 @@ impl Rounds<'_> {
         let Some([height, dwell_s]) = self.height_and_dwell() else {
             return false;
         };
-        let largest = found.iter().map(|one| one.size.abs()).fold(0.0, f64::max);
-        let longest_s = SPREAD * largest / height / self.axis.rate_hz;
-        let dwells = self.duration_s() / dwell_s;
-        let short = dwells * -(-longest_s / dwell_s).exp_m1();
-        longest_s < SHORT * dwell_s && tail::poisson(found.len() as u64, short) > MAY_BE
+        let seconds = |size: f64| size.abs() / (height * self.axis.rate_hz);
+        let dwells_s: Vec<f64> = found.iter().map(|one| seconds(one.size)).collect();
+        may_be_short(&dwells_s, dwell_s, self.duration_s())
     }
 
     /// Distance of two levels and their mean dwell, seconds.
@@ -47,5 +45,28 @@ impl Rounds<'_> {
                 Some([value("height")?, value("dwell_s")?])
             }
         }
+    }
+}
+
+/// Whether as many as `dwells_s`, by their sums, may be so short among all those of a record of
+/// `duration_s`, of `mean_s` on average.
+fn may_be_short(dwells_s: &[f64], mean_s: f64, duration_s: f64) -> bool {
+    let longest_s = SPREAD * dwells_s.iter().copied().fold(0.0, f64::max);
+    let short = duration_s / mean_s * -(-longest_s / mean_s).exp_m1();
+    longest_s < SHORT * mean_s && tail::poisson(dwells_s.len() as u64, short) > MAY_BE
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_few_short_dwells_are_no_outliers() {
+        // 100 dwells of 5 s; of these 2.0 are shorter than 2 * 0.05 s.
+        assert!(may_be_short(&[0.03, 0.05, 0.04], 5.0, 500.0));
+        // Ten of them have a probability of 5e-5.
+        assert!(!may_be_short(&[0.05; 10], 5.0, 500.0));
+        // One that would be a dwell like any other is told by its jumps.
+        assert!(!may_be_short(&[1.0], 5.0, 500.0));
     }
 }
