@@ -3,7 +3,7 @@
 //! Data flows one way:
 //!
 //! ```text
-//! source -> bins, spectrum -> fit -> criticise -> report
+//! source -> bins, spectrum -> fit -> diagnosis -> report
 //! ```
 #![forbid(unsafe_code)]
 
@@ -12,8 +12,8 @@ pub mod bins;
 pub mod capture;
 pub mod chain;
 pub mod cli;
-pub mod criticise;
 pub mod data_sheet;
+pub mod diagnosis;
 pub mod export;
 pub mod fft;
 pub mod fit;

@@ -4,9 +4,9 @@
 use std::path::Path;
 
 use inm_host::analyse::{AnalysisOptions, analyse};
-use inm_host::criticise::diagnose::diagnose;
-use inm_host::criticise::rounds::Options;
-use inm_host::criticise::samples::Samples;
+use inm_host::diagnosis::record::samples::Samples;
+use inm_host::diagnosis::rounds::Options;
+use inm_host::diagnosis::run::diagnose;
 use inm_host::model::Coefficient;
 use inm_host::model::whole::Model;
 use inm_host::simulate::source::Simulation;

@@ -1,6 +1,6 @@
 //! A column of an array file that is no axis: the temperature beside a record.
 
-use crate::criticise::samples::Samples;
+use crate::diagnosis::record::samples::Samples;
 use crate::signal::Unit;
 use crate::source::open::open;
 use crate::source::options::{ArrayOptions, Selector};

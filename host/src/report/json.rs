@@ -1,5 +1,5 @@
 //! A result as JSON, schema 1: the structures of [`crate::analyse`] and
-//! [`crate::criticise::finding`] as they are.
+//! [`crate::diagnosis::result::finding`] as they are.
 
 use std::io::Write;
 

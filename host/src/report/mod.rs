@@ -18,7 +18,7 @@ pub mod verdict;
 use serde::Serialize;
 
 use crate::analyse::Analysis;
-use crate::criticise::finding::Diagnosis;
+use crate::diagnosis::result::finding::Diagnosis;
 
 /// A result that can be shown.
 pub trait Report: Serialize {

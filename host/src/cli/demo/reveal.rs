@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::criticise::finding::{Diagnosis, Finding};
+use crate::diagnosis::result::finding::{Diagnosis, Finding};
 use crate::report::number::{estimated, significant};
 use crate::source::shaken::Hidden;
 

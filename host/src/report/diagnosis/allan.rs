@@ -9,8 +9,8 @@ use super::super::plot::ratio::{self, Compared};
 use super::super::plot::scale::Scale;
 use super::super::svg::{Theme, escape, typeset};
 use super::{WITH_STRIP, models, places};
-use crate::criticise::finding::AxisDiagnosis;
-use crate::criticise::views::allan::AllanPoint;
+use crate::diagnosis::result::finding::AxisDiagnosis;
+use crate::diagnosis::views::allan::AllanPoint;
 
 /// Opacity of the measured band.
 const BAND: f64 = 0.18;

@@ -8,8 +8,8 @@ use super::super::plot::legend::Mark;
 use super::super::plot::scale::Scale;
 use super::super::svg::{Theme, escape};
 use super::WITHOUT_STRIP;
-use crate::criticise::finding::AxisDiagnosis;
-use crate::criticise::views::amplitudes::{Counts, WIDTH};
+use crate::diagnosis::result::finding::AxisDiagnosis;
+use crate::diagnosis::views::amplitudes::{Counts, WIDTH};
 
 /// Standard deviations that are shown at least.
 const LEAST: f64 = 6.0;

@@ -4,7 +4,7 @@ use std::fmt::{Result, Write};
 
 use super::super::number::{estimated, probability, significant};
 use super::super::svg::{escape, typeset};
-use crate::criticise::finding::{AxisDiagnosis, Finding, Remark, Value};
+use crate::diagnosis::result::finding::{AxisDiagnosis, Finding, Remark, Value};
 use crate::model::catalogue;
 use crate::model::{Coefficient, PerCoefficient};
 

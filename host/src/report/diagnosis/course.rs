@@ -8,8 +8,8 @@ use super::super::plot::legend::Mark;
 use super::super::plot::scale::Scale;
 use super::super::svg::{Theme, escape, typeset};
 use super::{DIFFERS, WITH_STRIP};
-use crate::criticise::finding::AxisDiagnosis;
-use crate::criticise::views::course::{Column, Course, Extent};
+use crate::diagnosis::result::finding::AxisDiagnosis;
+use crate::diagnosis::views::course::{Column, Course, Extent};
 
 /// Opacity of extremes.
 const EXTREMES: f64 = 0.4;

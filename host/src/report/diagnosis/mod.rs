@@ -17,7 +17,7 @@ use super::plot::Stroke;
 use super::plot::frame::{Field, Frame, Layout};
 use super::plot::legend::Mark;
 use super::svg::Theme;
-use crate::criticise::finding::AxisDiagnosis;
+use crate::diagnosis::result::finding::AxisDiagnosis;
 
 /// Height of a picture, pixels.
 const HEIGHT: f64 = 480.0;

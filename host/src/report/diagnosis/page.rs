@@ -8,8 +8,8 @@ use super::super::plot::frame::WIDTH;
 use super::super::svg::{PAGE, escape, typeset};
 use super::text::MOST_TOLD;
 use super::{HEIGHT, cards, pictures};
-use crate::criticise::finding::{AxisDiagnosis, Diagnosis};
-use crate::criticise::views::growth::VelocityError;
+use crate::diagnosis::result::finding::{AxisDiagnosis, Diagnosis};
+use crate::diagnosis::views::growth::VelocityError;
 
 /// The page.
 pub fn render(diagnosis: &Diagnosis) -> String {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::criticise::finding::{AxisDiagnosis, Finding};
+use crate::diagnosis::result::finding::{AxisDiagnosis, Finding};
 use crate::report::number::plain;
 
 /// A name at a frequency or an averaging time.

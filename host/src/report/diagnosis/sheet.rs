@@ -4,7 +4,7 @@ use super::super::bitmap::{self, PngError};
 use super::super::plot::frame::WIDTH;
 use super::super::svg::LIGHT;
 use super::{HEIGHT, pictures};
-use crate::criticise::finding::Diagnosis;
+use crate::diagnosis::result::finding::Diagnosis;
 
 /// Pictures beside one another.
 const PER_ROW: usize = 2;

@@ -4,7 +4,9 @@ use std::fmt::Write;
 
 use super::super::number::{estimated, probability, significant};
 use super::super::text::head;
-use crate::criticise::finding::{AxisDiagnosis, Diagnosis, Finding, Remark, SMALL_PERCENT, Value};
+use crate::diagnosis::result::finding::{
+    AxisDiagnosis, Diagnosis, Finding, Remark, SMALL_PERCENT, Value,
+};
 use crate::model::Coefficient;
 
 /// Findings that are all told in full; of more, the small ones in a line each.

@@ -1,0 +1,57 @@
+//! Densities of an axis's model and of its parts.
+
+use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::laws;
+use crate::model::effect::Part;
+
+impl AxisState {
+    /// Two-sided density of the fitted model at `f_hz`, chain and filters included.
+    pub fn density(&self, f_hz: f64) -> f64 {
+        let laws = (0..self.laws.len()).map(|which| self.law_density(which, f_hz));
+        let sum = self.frame.base_density(&self.fit.squared, f_hz) + laws.sum::<f64>();
+        sum * self.filters(f_hz)
+    }
+
+    /// Power that the laws which filter let through.
+    pub fn filters(&self, f_hz: f64) -> f64 {
+        let parts = self.laws.iter().map(|law| law.effect.part(&law.values));
+        let powers = parts.map(|part| match part {
+            Part::Distortion(filter) => filter.power(f_hz, self.rate_hz),
+            Part::Term(_) | Part::Clock(_) | Part::Follows(_) => 1.0,
+        });
+        powers.product()
+    }
+
+    /// Its part that law number `which` adds, filters left aside.
+    pub fn law_density(&self, which: usize, f_hz: f64) -> f64 {
+        self.unit_law_density(which, f_hz).map_or(0.0, |density| {
+            density * self.fit.squared[laws::component_of(&self.frame, &self.laws, which)]
+        })
+    }
+
+    /// The same for a component of square 1; `None` for a law that filters.
+    pub fn unit_law_density(&self, which: usize, f_hz: f64) -> Option<f64> {
+        let law = &self.laws[which];
+        match law.effect.part(&law.values) {
+            Part::Term(term) => {
+                Some(self.frame.term_density(&*term, f_hz) * self.frame.chain_power(f_hz))
+            }
+            Part::Distortion(_) | Part::Clock(_) | Part::Follows(_) => None,
+        }
+    }
+
+    /// Share of all of the density that law number `which` adds.
+    pub fn law_share(&self, which: usize, f_hz: f64) -> f64 {
+        self.law_density(which, f_hz) * self.filters(f_hz) / self.density(f_hz)
+    }
+
+    /// Share of all of the density that a component of the five terms has.
+    pub fn term_share(&self, component: usize, f_hz: f64) -> f64 {
+        self.fit.squared[component] * self.component_density(component, f_hz) / self.density(f_hz)
+    }
+
+    /// Density of a component of the five terms whose square is 1.
+    pub fn component_density(&self, component: usize, f_hz: f64) -> f64 {
+        self.frame.unit_density(component, f_hz, self.filters(f_hz))
+    }
+}

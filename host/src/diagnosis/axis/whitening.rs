@@ -1,0 +1,145 @@
+//! What whitens an axis's record, and slow copies of it.
+
+use rayon::prelude::*;
+
+use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::record::residual::block_means;
+use crate::diagnosis::statistic::matched_filter::{Transformer, Whole};
+
+/// Points of the table of densities.
+const TABLE: usize = 2048;
+
+/// Samples of the slow copy of a record, at most.
+const SLOW: usize = 1 << 18;
+
+/// Samples of its copy for what takes a good part of the record, at most.
+const DRIFT: usize = 1 << 15;
+
+/// Degrees of freedom from which a bin's own ratio to the model counts rather than the model.
+const OWN_RATIO: f64 = 40.0;
+
+/// Ordinates whose densities lie on a straight line.
+const RUN: usize = 64;
+
+/// Ordinates from which they do: for a density `f^s` the line is off by `s^2 (RUN / k)^2 / 8` of it at
+/// ordinate `k`, 5e-7 for the steepest of the five terms.
+const ONE_BY_ONE: usize = 1 << 16;
+
+/// Runs that are worth a thread of their own.
+const SHARED: usize = 256;
+
+/// Least density that whitens, over that in the middle of the band.
+const LEAST_SHARE: f64 = 1e-5;
+
+impl AxisState {
+    /// Measured over expected power of the bins, drawn towards 1 where it rests on little.
+    fn ratio(&self, f_hz: f64) -> f64 {
+        let place = self.data.f_hz.partition_point(|&f| f < f_hz);
+        let at = |bin: usize| {
+            let dof = self.frame.dof()[bin];
+            let own = dof / (dof + OWN_RATIO);
+            own * (self.data.psd[bin] / self.fit.expected[bin]).ln()
+        };
+        let last = self.data.len() - 1;
+        let log = match place {
+            0 => at(0),
+            _ if place > last => at(last),
+            _ => {
+                let (low, high) = (self.data.f_hz[place - 1].ln(), self.data.f_hz[place].ln());
+                let share = (f_hz.ln() - low) / (high - low);
+                at(place - 1) * (1.0 - share) + at(place) * share
+            }
+        };
+        log.exp()
+    }
+
+    /// Densities that whiten `whole`: the model's, drawn to the measured bins where these are sure,
+    /// so that a test of moments does not suffer from a model that is still wrong in frequency.
+    /// What a converter's filter shuts out does not count.
+    pub(crate) fn whitening(&self, whole: &Whole) -> Vec<f64> {
+        self.tabulate(whole, |f_hz| self.density(f_hz) * self.ratio(f_hz))
+    }
+
+    fn tabulate(&self, whole: &Whole, density: impl Fn(f64) -> f64) -> Vec<f64> {
+        let count = whole.ordinates().len();
+        let (low, high) = (whole.frequency(1).ln(), whole.frequency(count - 1).ln());
+        let table: Vec<f64> = (0..=TABLE)
+            .map(|step| {
+                let log = low + (high - low) * step as f64 / TABLE as f64;
+                density(log.exp()).max(f64::MIN_POSITIVE).ln()
+            })
+            .collect();
+        // What lies further below the middle of the band is hidden by the ends' own leakage.
+        let floor = LEAST_SHARE * density(0.2 * whole.frequency(count - 1));
+        let at = |k: usize| {
+            let log = whole.frequency(k).ln();
+            let place = ((log - low) / (high - low) * TABLE as f64).clamp(0.0, TABLE as f64);
+            let step = (place as usize).min(TABLE - 1);
+            let share = place - step as f64;
+            let log = table[step] * (1.0 - share) + table[step + 1] * share;
+            log.exp().max(floor)
+        };
+        let mut densities = vec![0.0; count];
+        let runs = densities.par_chunks_mut(RUN).with_min_len(SHARED);
+        let runs = runs.enumerate();
+        runs.for_each(|(run, densities)| {
+            let first = run * RUN;
+            if first < ONE_BY_ONE {
+                let each = (first..).zip(densities);
+                each.for_each(|(k, density)| *density = at(k.max(1)));
+                return;
+            }
+            // So far up a run is a small part of an octave: straight from its begin to its end.
+            let (begin, end) = (at(first), at(first + RUN));
+            let slope = (end - begin) / RUN as f64;
+            let each = densities.iter_mut().enumerate();
+            each.for_each(|(n, density)| *density = begin + slope * n as f64);
+        });
+        for band in &self.apart {
+            let of = |f_hz: f64| (f_hz / whole.frequency(1)).ceil().max(0.0) as usize;
+            let (start, end) = (of(band.start).min(count), of(band.end).min(count));
+            densities[start..end.max(start)].fill(f64::INFINITY);
+        }
+        densities
+    }
+
+    /// Samples that one sample of the slow copy stands for.
+    pub fn slow_factor(&self) -> usize {
+        self.mended.len().div_ceil(SLOW).max(1)
+    }
+
+    /// Samples that one sample of a copy stands for that holds nothing but drift.
+    pub fn drift_factor(&self) -> usize {
+        self.mended.len().div_ceil(DRIFT).max(1)
+    }
+
+    /// `values` in means over `factor` samples: their transform, and what whitens it.
+    pub fn slow(&self, values: &[f64], factor: usize) -> (Whole, Vec<f64>) {
+        let means = block_means(values, factor);
+        let rate_hz = self.rate_hz / factor as f64;
+        let mut whole = Transformer::new(means.len()).transform(&means, rate_hz);
+        let density = self.tabulate(&whole, |f_hz| {
+            // What folds back, through the mean's own response.
+            (0..factor.div_ceil(2).min(8))
+                .flat_map(|fold| {
+                    let above = fold as f64 * rate_hz + f_hz;
+                    let below = (fold + 1) as f64 * rate_hz - f_hz;
+                    [above, below]
+                })
+                .filter(|&at| at < 0.5 * self.rate_hz * (1.0 + 1e-9))
+                .map(|at| {
+                    let x = std::f64::consts::PI * at / self.rate_hz;
+                    let response = if x == 0.0 || factor == 1 {
+                        1.0
+                    } else {
+                        ((factor as f64 * x).sin() / (factor as f64 * x.sin())).powi(2)
+                    };
+                    let at = at.min(0.5 * self.rate_hz * (1.0 - 1e-9));
+                    response * self.density(at) * self.ratio(at)
+                })
+                .sum()
+        });
+        whole.close(&density);
+        (whole, density)
+    }
+}

@@ -1,0 +1,213 @@
+//! What an explained axis is told as: models before and after, findings with their gains, views.
+
+mod effects;
+
+use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::describe::effects::{finding, law_effects, named_effects};
+use crate::diagnosis::explain::{Explained, slope};
+use crate::diagnosis::held_out;
+use crate::diagnosis::held_out::allan::HeldCurve;
+use crate::diagnosis::held_out::size::Sizes;
+use crate::diagnosis::record::residual::Mended;
+use crate::diagnosis::result::coefficients::{coefficients, even_density, of_ramp};
+use crate::diagnosis::result::finding::{AxisDiagnosis, Base, Final, Finding, Gain};
+use crate::diagnosis::rounds::{Accepted, Options, Snapshot};
+use crate::diagnosis::statistic::ramp;
+use crate::diagnosis::views::{Models, Views};
+use crate::fft::ring::Series;
+use crate::fit::likelihood::Fit;
+use crate::fit::likelihood::components::SEEN;
+use crate::model::whole::ModelAxis;
+use crate::model::{Coefficient as Letter, PerCoefficient};
+use crate::signal::Axis;
+
+/// Diagnosis of an axis, and what is left of its record: NaN where missing or masked.
+pub(crate) fn describe(
+    signal: &Axis,
+    explained: Explained,
+    options: &Options,
+) -> (AxisDiagnosis, Vec<f32>) {
+    let Explained {
+        axis,
+        mean,
+        base_fit,
+        before,
+        base_slope,
+        outcome,
+        nats,
+    } = explained;
+    let judge = Judge {
+        signal,
+        mean,
+        held: HeldCurve::new(&axis),
+        axis: &axis,
+    };
+    let nothing = Snapshot {
+        waves: Vec::new(),
+        laws: Vec::new(),
+    };
+    let base = judge.judged(&nothing, &base_fit, base_slope);
+    let last_ramp = if takes_slope(&outcome.accepted) {
+        None
+    } else {
+        ramp::ramp(&axis)
+    };
+    let last_slope = slope(last_ramp);
+    let last = judge.judged(&Snapshot::of(&axis), &axis.fit, last_slope);
+    let findings = judge.findings(&outcome.accepted, nats, &last.model);
+    let (squares, squares_sd) = own_squares(&axis, outcome.squares_sd, &outcome.accepted);
+    let whole = ModelAxis {
+        coefficients: PerCoefficient {
+            r: last_slope,
+            ..held_out::coefficients(&squares)
+        },
+        effects: named_effects(&findings),
+        ..last.model.clone()
+    };
+    let models = Models {
+        base: &base.model,
+        noise: &last.model,
+        whole: &whole,
+    };
+    let views = before.map(|before| {
+        let held_out = judge.held.beside(&base.expected, &last.expected);
+        Views::new(&axis, before, models, held_out, &findings, mean, options)
+    });
+    let passed = passed(&axis);
+    let residual = residual(&axis.into_mended(), passed);
+    let diagnosis = AxisDiagnosis {
+        name: signal.name.clone(),
+        unit: signal.unit,
+        base: Base {
+            model: base.model,
+            discrepancies: outcome.discrepancies,
+            allan_error_percent: base.error_percent,
+            allan_error_sampling_percent: base.sampling_percent,
+        },
+        unexplained: outcome.unexplained,
+        last: Final {
+            model: whole,
+            coefficients: PerCoefficient {
+                r: last_ramp.as_ref().map(of_ramp).unwrap_or_default(),
+                ..coefficients(&squares, &squares_sd)
+            },
+            allan_error_percent: last.error_percent,
+            allan_error_sampling_percent: last.sampling_percent,
+        },
+        findings,
+        views: views.unwrap_or_default(),
+    };
+    (diagnosis, residual)
+}
+
+/// Holds models against the half of the record that they were not fitted to.
+struct Judge<'a> {
+    signal: &'a Axis,
+    axis: &'a AxisState,
+    mean: f64,
+    held: HeldCurve,
+}
+
+/// A model, and how far off its Allan deviation is.
+struct Judged {
+    model: ModelAxis,
+    /// Its variances at the points of the held-out half.
+    expected: Vec<f64>,
+    /// Root mean square error of its deviations, percent.
+    error_percent: Option<f64>,
+    /// What sampling alone makes of that.
+    sampling_percent: Option<f64>,
+}
+
+impl Judge<'_> {
+    /// The model of a snapshot and its fit, with the ramp `r`.
+    fn judged(&self, snapshot: &Snapshot, fit: &Fit, r: f64) -> Judged {
+        let model = ModelAxis {
+            name: self.signal.name.clone(),
+            unit: self.signal.unit,
+            mean: self.mean,
+            chain: self.signal.chain.clone(),
+            coefficients: PerCoefficient {
+                r,
+                ..held_out::coefficients(&fit.squared)
+            },
+            effects: law_effects(&self.axis.frame, snapshot, fit),
+        };
+        let expected = self.held.expected(self.axis, &model, snapshot);
+        let error = self.held.error_percent(&expected);
+        Judged {
+            model,
+            expected,
+            error_percent: error.map(|(error, _)| error),
+            sampling_percent: error.map(|(_, sampling)| sampling),
+        }
+    }
+
+    /// What was accepted, with its gains; `last` is the noise of the last model.
+    fn findings(
+        &self,
+        accepted: &[Accepted],
+        nats: Vec<Option<f64>>,
+        last: &ModelAxis,
+    ) -> Vec<Finding> {
+        let sizes = Sizes::new(self.axis, &self.held, last, &Snapshot::of(self.axis));
+        let error_percent = |snapshot: &Snapshot, fit: &Fit| {
+            let judged = self.judged(snapshot, fit, last.coefficients.r);
+            judged.error_percent
+        };
+        let told = |(one, nats): (&Accepted, Option<f64>)| {
+            let gain = Gain {
+                heldout_nats: nats,
+                allan_change_percent: sizes.change_percent(one),
+                allan_error_percent_before: error_percent(&one.without, &one.before),
+                allan_error_percent_after: error_percent(&one.with, &one.after),
+            };
+            finding(one, gain)
+        };
+        accepted.iter().zip(nats).map(told).collect()
+    }
+}
+
+/// Squares of the five terms' components and their deviations, less what belongs to effects whose
+/// noise is as white.
+fn own_squares(
+    axis: &AxisState,
+    mut squares_sd: Vec<f64>,
+    accepted: &[Accepted],
+) -> (Vec<f64>, Vec<f64>) {
+    let mut squares = axis.fit.squared.clone();
+    if let Some(white) = SEEN.iter().position(|one| *one == Letter::N) {
+        let [even, even_sd] = even_density(axis, accepted);
+        squares[white] = (squares[white] - even).max(0.0);
+        squares_sd[white] = squares_sd[white].hypot(even_sd);
+    }
+    (squares, squares_sd)
+}
+
+/// Whether effects were taken out that go with a slope, so that what is left tells little of it.
+fn takes_slope(accepted: &[Accepted]) -> bool {
+    let slow = ["steps", "warmup", "thermal", "telegraph"];
+    let mut waves = accepted.iter().filter(|one| one.law.is_none());
+    waves.any(|one| slow.contains(&one.effect))
+}
+
+/// What is left of an axis without the bands that were left out, where there are any: a tone that
+/// wanders and that all axes see is no more a common noise than it is a noise.
+fn passed(axis: &AxisState) -> Option<Series> {
+    let seen = axis.whole();
+    let kept = |k: usize| f64::from(u8::from(seen.density[k].is_finite()));
+    let passed = || seen.whole.filtered(|k| kept(k).into());
+    (!axis.apart.is_empty()).then(passed)
+}
+
+/// What is left of a record, or what of that `passed`; NaN where missing or masked.
+fn residual(mended: &Mended, passed: Option<Series>) -> Vec<f32> {
+    let left = mended.values();
+    let Some(passed) = passed else {
+        return left.iter().map(|&value| value as f32).collect();
+    };
+    let pairs = left.iter().zip(passed.iter());
+    pairs
+        .map(|(left, passed)| (passed + 0.0 * left) as f32)
+        .collect()
+}

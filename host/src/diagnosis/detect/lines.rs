@@ -1,0 +1,245 @@
+//! Lines: found over the whole record, named by what they have in common, taken out by their phase.
+
+use std::f64::consts::{PI, TAU};
+
+use realfft::num_complex::Complex64;
+
+use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::record::residual::Wave;
+use crate::fft::phasor::Phasor;
+use crate::spectrum::lines::Line;
+
+/// Share of the record over which each end is tapered where a line is measured.
+const TAPER: f64 = 0.05;
+
+/// Largest distance of a mains frequency from its nominal value, as a share.
+const MAINS_SHARE: f64 = 0.005;
+
+/// Nominal mains frequencies, hertz.
+const MAINS_HZ: [f64; 2] = [50.0, 60.0];
+
+/// A line with its phase.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measured {
+    /// As it was found.
+    pub line: Line,
+    /// As it is taken out.
+    pub wave: Wave,
+    /// Standard deviation of the amplitude.
+    pub amplitude_sd: f64,
+}
+
+/// Lines with one cause.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Group {
+    /// One by itself.
+    Single(Measured),
+    /// Mains and harmonics: base frequency with its standard deviation, and each line's number.
+    Hum {
+        /// Base frequency, hertz.
+        base_hz: f64,
+        /// Its standard deviation.
+        base_sd_hz: f64,
+        /// The lines with their harmonic numbers.
+        lines: Vec<(u32, Measured)>,
+    },
+    /// Lines that stand closer than the record can have separate ones: a narrow peak.
+    Cluster {
+        /// Middle, hertz.
+        f_hz: f64,
+        /// Distance of the outermost, hertz.
+        width_hz: f64,
+        /// The lines.
+        lines: Vec<Line>,
+    },
+}
+
+/// The lines of the mended record at a family-wise `level`, grouped.
+pub fn lines(axis: &AxisState, level: f64) -> Vec<Group> {
+    let found = axis.lines(level);
+    let duration_s = axis.filled.len() as f64 / axis.rate_hz;
+    let mut groups = Vec::new();
+    let mut singles = Vec::new();
+    // Neighbours closer than some tens of 1/T belong together.
+    let mut rest = found;
+    while let Some((first, _)) = rest.split_first() {
+        let near = |a: &Line, b: &Line| {
+            b.frequency_hz - a.frequency_hz < (40.0 / duration_s).max(0.004 * a.frequency_hz)
+        };
+        let count = 1 + rest
+            .windows(2)
+            .take_while(|pair| near(&pair[0], &pair[1]))
+            .count();
+        let (cluster, others) = rest.split_at(count);
+        rest = others;
+        if count >= 3 {
+            groups.push(Group::Cluster {
+                f_hz: 0.5 * (first.frequency_hz + cluster[count - 1].frequency_hz),
+                width_hz: cluster[count - 1].frequency_hz - first.frequency_hz,
+                lines: cluster.to_vec(),
+            });
+        } else {
+            singles.extend(cluster.iter().map(|line| measure(axis, line)));
+        }
+    }
+    groups.extend(with_hum(singles));
+    groups
+}
+
+/// The line within some 1/T of `f_hz` at which its size is largest, found otherwise with the
+/// probability `p_value` by chance.
+pub fn measure_near(axis: &AxisState, f_hz: f64, p_value: f64) -> Measured {
+    /// Frequencies tried for each 1/T, and how many 1/T to either side at first.
+    const FINE: f64 = 0.25;
+    const REACH: i32 = 12;
+    let step_hz = FINE * axis.rate_hz / axis.filled.len() as f64;
+    let at = |frequency_hz: f64| {
+        let line = Line {
+            frequency_hz,
+            frequency_sd_hz: f64::INFINITY,
+            amplitude: 0.0,
+            ratio: 0.0,
+            false_alarm: p_value,
+        };
+        measure(axis, &line)
+    };
+    let mut best = at(f_hz);
+    for (reach, step_hz) in [(REACH, step_hz), (8, 0.1 * step_hz)] {
+        let centre_hz = best.line.frequency_hz;
+        for step in -reach..=reach {
+            let one = at(centre_hz + f64::from(step) * step_hz);
+            if one.line.amplitude > best.line.amplitude {
+                best = one;
+            }
+        }
+    }
+    // The bound of H. Cramer and C. R. Rao for a tone beside its amplitude's.
+    let duration_s = axis.filled.len() as f64 / axis.rate_hz;
+    best.line.frequency_sd_hz =
+        6_f64.sqrt() / TAU * best.amplitude_sd / best.line.amplitude / duration_s;
+    best
+}
+
+/// Size and phase of a line by least squares with tapered ends.
+fn measure(axis: &AxisState, line: &Line) -> Measured {
+    let length = axis.filled.len();
+    let cycles = line.frequency_hz / axis.rate_hz;
+    let end = ((TAPER * length as f64) as usize).max(1);
+    let (mut sum, mut weights) = (Complex64::ZERO, 0.0);
+    let values = axis.filled.iter().enumerate();
+    Phasor::new(-cycles).zip(0, values, 2.0.into(), |(index, value), phasor| {
+        let edge = index.min(length - 1 - index);
+        let weight = if edge < end {
+            (0.5 * PI * (edge as f64 + 0.5) / end as f64).sin().powi(2)
+        } else {
+            1.0
+        };
+        sum += phasor * (weight * value);
+        weights += weight;
+    });
+    let (cosine, sine) = (sum.re / weights, -sum.im / weights);
+    // var A = 4 S / T for a two-sided density S.
+    let density = axis.density(line.frequency_hz);
+    let amplitude_sd = (4.0 * density * axis.rate_hz / weights).sqrt();
+    Measured {
+        line: Line {
+            amplitude: cosine.hypot(sine),
+            ..*line
+        },
+        wave: Wave::Line {
+            cycles,
+            cosine,
+            sine,
+            lost: None,
+        },
+        amplitude_sd,
+    }
+}
+
+/// Mains frequency that a line at `f_hz` is a multiple of, hertz, and which: a low one, for any
+/// frequency above a kilohertz is near one.
+pub fn mains_base(f_hz: f64) -> Option<(f64, u32)> {
+    MAINS_HZ
+        .iter()
+        .filter_map(|&nominal_hz| base_near(f_hz, nominal_hz))
+        .min_by_key(|(_, number)| *number)
+}
+
+fn base_near(f_hz: f64, nominal_hz: f64) -> Option<(f64, u32)> {
+    let number = (f_hz / nominal_hz).round();
+    let base_hz = f_hz / number;
+    let is_near = (base_hz / nominal_hz - 1.0).abs() <= MAINS_SHARE;
+    ((1.0..=20.0).contains(&number) && is_near).then_some((base_hz, number as u32))
+}
+
+/// What a tone at `f_hz` that does not keep its frequency may be.
+pub fn wandering(f_hz: f64) -> String {
+    let mains = MAINS_HZ.into_iter().find(|nominal_hz| {
+        let number = (f_hz / nominal_hz).round();
+        number >= 1.0 && (f_hz / (number * nominal_hz) - 1.0).abs() < MAINS_SHARE
+    });
+    match mains {
+        Some(nominal_hz) => format!(
+            "pick-up from {nominal_hz} Hz mains, whose frequency wanders with the grid, or another \
+             tone that wanders or is switched"
+        ),
+        None => "a tone that wanders or is switched".into(),
+    }
+}
+
+/// Gathers what fits one mains frequency; a mains line may be alone.
+pub fn with_hum(singles: Vec<Measured>) -> Vec<Group> {
+    // The base frequency that most lines are multiples of, by the strongest line that is one.
+    let mut best: Option<(f64, f64, Vec<usize>)> = None;
+    for nominal_hz in MAINS_HZ {
+        for (index, seed) in singles.iter().enumerate() {
+            let Some((base_hz, number)) = base_near(seed.line.frequency_hz, nominal_hz) else {
+                continue;
+            };
+            let number = f64::from(number);
+            let fits: Vec<usize> = (0..singles.len())
+                .filter(|&other| {
+                    let one = &singles[other].line;
+                    let k = (one.frequency_hz / base_hz).round();
+                    let sd = (seed.line.frequency_sd_hz * k / number).hypot(one.frequency_sd_hz);
+                    k >= 1.0 && (one.frequency_hz - k * base_hz).abs() < 4.0 * sd
+                })
+                .collect();
+            // A line by itself is mains only where its base is: not any line between 50 and 1000.
+            let alone = fits.len() == 1 && number > 2.0;
+            let more = best.as_ref().is_none_or(|(_, _, before)| {
+                fits.len() > before.len()
+                    || (fits.len() == before.len()
+                        && singles[index].line.ratio > singles[before[0]].line.ratio)
+            });
+            if !alone && more && !fits.is_empty() {
+                best = Some((base_hz, seed.line.frequency_sd_hz / number, fits));
+            }
+        }
+    }
+    let Some((rough_hz, _, members)) = best else {
+        return singles.into_iter().map(Group::Single).collect();
+    };
+    let (mut lines, mut others) = (Vec::new(), Vec::new());
+    for (index, one) in singles.into_iter().enumerate() {
+        if members.contains(&index) {
+            let number = (one.line.frequency_hz / rough_hz).round() as u32;
+            lines.push((number, one));
+        } else {
+            others.push(Group::Single(one));
+        }
+    }
+    // One base through all of them, each by its own certainty.
+    let (mut sum, mut weight) = (0.0, 0.0);
+    for (number, one) in &lines {
+        let sd = one.line.frequency_sd_hz / f64::from(*number);
+        sum += one.line.frequency_hz / f64::from(*number) / (sd * sd);
+        weight += 1.0 / (sd * sd);
+    }
+    others.push(Group::Hum {
+        base_hz: sum / weight,
+        base_sd_hz: weight.sqrt().recip(),
+        lines,
+    });
+    others
+}

@@ -1,0 +1,371 @@
+//! Whether a law keeps its size and shape from one moment to the next.
+//!
+//! Noise whose colour changes has a mean spectrum that some steady law comes near. What tells them
+//! apart is the score of each parameter `p` of the law over time: with the strengths `E` of the whitened
+//! record in tiles of time and frequency (`steadiness`), exponential with mean 1 for a steady law, the
+//! tiles of a block of time give
+//!
+//! ```text
+//! s = sum w (E - 1),    w = d ln S / d ln p,    var s = sum w^2
+//! ```
+//!
+//! the derivative of their log-likelihood by `ln p`. Weights are taken free of what is the same at
+//! all frequencies: noise that is louder at times is no matter of a law. The squares of the blocks'
+//! scores, over their variance, sum up to chi-squared for blocks of any length; a cycle shows in the
+//! periodogram of the finest.
+
+use std::ops::Range;
+
+use realfft::num_complex::Complex64;
+
+use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::doubt::steadiness::{counting, strengths};
+use crate::diagnosis::laws::squared_power;
+use crate::diagnosis::statistic::p_value;
+use crate::fft;
+use crate::fit::likelihood::components::SEEN;
+use crate::model::effect::Part;
+
+/// First ordinate that is looked at, a power of two, and groups an octave.
+const FIRST: usize = 256;
+const PER_OCTAVE: usize = 4;
+
+/// Numbers of blocks that the record is cut into, powers of two that each group's moments fill
+/// evenly.
+const BLOCKS: [usize; 4] = [16, 64, 256, 1024];
+
+/// Information of the whole record on the logarithm of a parameter from which its course is asked for.
+const LEAST: f64 = 10.0;
+
+/// Step of a parameter's logarithm for its derivative.
+const STEP: f64 = 0.05;
+
+/// A parameter that changes in time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Change {
+    /// Its name.
+    pub parameter: String,
+    /// By how much, as the standard deviation of its logarithm.
+    pub log_sd: f64,
+    /// Period of the cycle, or length of the blocks, in which it shows best, seconds.
+    pub time_s: f64,
+    /// Whether it is a cycle.
+    pub cyclic: bool,
+    /// Probability of as much where nothing changes, the search over parameters included.
+    pub p_value: f64,
+}
+
+/// The parameter of law number `which` that changes in time most plainly.
+pub fn change_of_law(axis: &AxisState, which: usize) -> Option<Change> {
+    let law = &axis.laws[which];
+    let names = law.effect.parameters(&law.values);
+    let parameters = names.iter().map(|one| one.name.to_string()).collect();
+    plainest(axis, parameters, |place, f_hz| {
+        weight(axis, which, place, f_hz)
+    })
+}
+
+/// The one of the five terms that changes in time most plainly.
+pub fn change_of_terms(axis: &AxisState) -> Option<Change> {
+    let letters = SEEN.iter().map(|letter| letter.symbol().to_string());
+    plainest(axis, letters.collect(), |component, f_hz| {
+        2.0 * axis.term_share(component, f_hz)
+    })
+}
+
+/// The plainest change of some parameters, whose weights at a frequency `weight` tells by number.
+fn plainest(
+    axis: &AxisState,
+    parameters: Vec<String>,
+    weight: impl Fn(usize, f64) -> f64,
+) -> Option<Change> {
+    let tiles = Tiles::new(axis);
+    let trials = parameters.len() as f64;
+    let changes = parameters
+        .into_iter()
+        .enumerate()
+        .filter_map(|(place, parameter)| {
+            let change = Scores::new(&tiles, |f_hz| weight(place, f_hz)).change(axis)?;
+            Some(Change {
+                parameter,
+                p_value: p_value::searched(change.p_value, trials),
+                ..change
+            })
+        });
+    changes.min_by(|a, b| a.p_value.total_cmp(&b.p_value))
+}
+
+/// Derivative of the logarithm of all of the density by that of a law's value.
+fn weight(axis: &AxisState, which: usize, place: usize, f_hz: f64) -> f64 {
+    let law = &axis.laws[which];
+    let moved = |by: f64| {
+        let mut values = law.values.clone();
+        values[place] *= by.exp();
+        law.effect.part(&values)
+    };
+    let by_both =
+        |log: &dyn Fn(&Part) -> f64| (log(&moved(STEP)) - log(&moved(-STEP))) / (2.0 * STEP);
+    match law.effect.part(&law.values) {
+        Part::Term(_) => {
+            let share = axis.law_share(which, f_hz);
+            if law.effect.size() == Some(place) {
+                return squared_power(law) * share;
+            }
+            share
+                * by_both(&|part| match part {
+                    Part::Term(term) => axis.frame.term_density(&**term, f_hz).ln(),
+                    _ => 0.0,
+                })
+        }
+        Part::Distortion(_) => by_both(&|part| match part {
+            Part::Distortion(filter) => filter.power(f_hz, axis.rate_hz).ln(),
+            _ => 0.0,
+        }),
+        Part::Clock(_) | Part::Follows(_) => 0.0,
+    }
+}
+
+/// Strengths of the whitened record, group by group of ordinates.
+struct Tiles {
+    groups: Vec<Group>,
+}
+
+struct Group {
+    f_hz: f64,
+    /// Sum of the strengths, over their mean, and their number: moment by moment, or in as many even
+    /// parts of the record as there are of the finest blocks.
+    parts: Vec<[f64; 2]>,
+}
+
+impl Tiles {
+    fn new(axis: &AxisState) -> Self {
+        let seen = axis.whole();
+        let mut groups = Vec::new();
+        let mut octave = FIRST;
+        while octave < seen.top {
+            let size = octave / PER_OCTAVE;
+            let counts = counting(axis, seen.whole.len(), size);
+            for part in 0..PER_OCTAVE {
+                let start = octave + part * size;
+                let known = |range: Range<usize>| seen.density[range].iter().all(|s| s.is_finite());
+                if start + size > seen.top || !known(start..start + size) {
+                    continue;
+                }
+                let strengths = strengths(&seen, start..start + size);
+                let moments = size.div_ceil(BLOCKS[BLOCKS.len() - 1]);
+                let both = strengths.chunks(moments).zip(counts.chunks(moments));
+                let mut parts: Vec<[f64; 2]> = both
+                    .map(|(strengths, counts)| {
+                        let good = strengths.iter().zip(counts).filter(|(_, counts)| **counts);
+                        good.fold([0.0; 2], |[sum, count], (one, _)| [sum + one, count + 1.0])
+                    })
+                    .collect();
+                let sum: f64 = parts.iter().map(|[sum, _]| sum).sum();
+                let count: f64 = parts.iter().map(|[_, count]| count).sum();
+                if sum > 0.0 {
+                    parts.iter_mut().for_each(|[one, _]| *one *= count / sum);
+                    groups.push(Group {
+                        f_hz: seen.whole.frequency(start + size / 2),
+                        parts,
+                    });
+                }
+            }
+            octave *= 2;
+        }
+        Self { groups }
+    }
+}
+
+/// Scores of a parameter in blocks of time.
+struct Scores<'a> {
+    tiles: &'a Tiles,
+    /// Of each group.
+    weights: Vec<f64>,
+}
+
+/// Scores of blocks of one length.
+struct Blocks {
+    /// Over their standard deviations; 0 where nothing counts.
+    scores: Vec<f64>,
+    /// Mean information of a block on the logarithm of the parameter.
+    information: f64,
+    /// Degrees of freedom of the mean square of the scores.
+    freedom: f64,
+}
+
+impl<'a> Scores<'a> {
+    fn new(tiles: &'a Tiles, weight: impl Fn(f64) -> f64) -> Self {
+        let weights = tiles.groups.iter().map(|group| weight(group.f_hz));
+        let weights = weights.map(|one| if one.is_finite() { one } else { 0.0 });
+        Self {
+            tiles,
+            weights: weights.collect(),
+        }
+    }
+
+    fn blocks(&self, count: usize) -> Blocks {
+        let groups = || {
+            let both = self.tiles.groups.iter().zip(&self.weights);
+            both.filter(|(group, _)| group.parts.len() >= count)
+        };
+        // What is the same at all frequencies does not count.
+        let (sum, tiles) = groups().fold((0.0, 0.0), |(sum, tiles), (group, weight)| {
+            let moments: f64 = group.parts.iter().map(|[_, count]| count).sum();
+            (sum + weight * moments, tiles + moments)
+        });
+        let common = sum / tiles;
+        let mut sums = vec![[0.0; 3]; count];
+        for (group, weight) in groups() {
+            let weight = weight - common;
+            let parts = group.parts.chunks(group.parts.len() / count);
+            for (block, parts) in sums.iter_mut().zip(parts) {
+                for [strength, moments] in parts {
+                    block[0] += weight * (strength - moments);
+                    block[1] += weight * weight * moments;
+                    block[2] += weight.powi(4) * moments;
+                }
+            }
+        }
+        let (mut scores, mut information, mut scatter) = (Vec::new(), 0.0, 0.0);
+        for [score, square, fourth] in &sums {
+            if *square > 0.0 {
+                scores.push(score / square.sqrt());
+                information += square;
+                // An exponential tile has the excess kurtosis 6.
+                scatter += 2.0 + 6.0 * fourth / (square * square);
+            } else {
+                scores.push(0.0);
+            }
+        }
+        let counted = sums.iter().filter(|[_, square, _]| *square > 0.0).count() as f64;
+        Blocks {
+            scores,
+            information: information / counted,
+            freedom: 2.0 * counted * counted / scatter,
+        }
+    }
+
+    fn change(&self, axis: &AxisState) -> Option<Change> {
+        let duration_s = axis.whole().whole.len() as f64 / axis.rate_hz;
+        let trials = BLOCKS.len() as f64 + 1.0;
+        let by_length = BLOCKS.iter().filter_map(|&count| {
+            let blocks = self.blocks(count);
+            let squares: f64 = blocks.scores.iter().map(|score| score * score).sum();
+            let counted = blocks.scores.iter().filter(|score| **score != 0.0).count() as f64;
+            // Its own mean takes one away.
+            let ratio = squares / (counted - 1.0);
+            (counted >= 8.0 && ratio > 1.0).then(|| Change {
+                parameter: String::new(),
+                log_sd: ((ratio - 1.0) / blocks.information).sqrt(),
+                time_s: duration_s / count as f64,
+                cyclic: false,
+                p_value: p_value::mean_square(ratio, blocks.freedom),
+            })
+        });
+        // What the record hardly tells as a whole cannot be seen to change.
+        if self.blocks(BLOCKS[0]).information * (BLOCKS[0] as f64) < LEAST {
+            return None;
+        }
+        let best = by_length.min_by(|a, b| a.p_value.total_cmp(&b.p_value));
+        let cycle = self.cycle(duration_s);
+        let plain = |change: &Change| change.p_value.max(f64::MIN_POSITIVE).ln();
+        let least = best.as_ref().map_or(1.0, |best| best.p_value);
+        let p_value = p_value::searched(least.min(cycle.p_value), trials);
+        // A cycle shows in blocks as well, and says more.
+        let told = match best {
+            Some(best) if plain(&cycle) > 0.5 * plain(&best) => best,
+            _ => cycle,
+        };
+        Some(Change { p_value, ..told })
+    }
+
+    /// The plainest cycle.
+    fn cycle(&self, duration_s: f64) -> Change {
+        let count = BLOCKS[BLOCKS.len() - 1];
+        let blocks = self.blocks(count);
+        let counted = blocks.scores.iter().filter(|score| **score != 0.0).count() as f64;
+        let mut ordinates: Vec<Complex64> = blocks.scores.iter().map(|&one| one.into()).collect();
+        fft::forward(count).process(&mut ordinates);
+        let power = |k: usize| ordinates[k].norm_sqr() / counted.max(1.0);
+        let best = (1..count / 2)
+            .max_by(|&a, &b| power(a).total_cmp(&power(b)))
+            .unwrap_or(1);
+        Change {
+            parameter: String::new(),
+            // A cosine of the score of amplitude a has the power a^2 count / 4, and half its square is
+            // its variance.
+            log_sd: (2.0 * power(best) / counted / blocks.information).sqrt(),
+            time_s: duration_s / best as f64,
+            cyclic: true,
+            p_value: p_value::searched((-power(best)).exp(), (count / 2) as f64),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::model::Seed;
+    use crate::simulate::Gaussian;
+
+    const LENGTH: usize = 1 << 17;
+    const RATE_HZ: f64 = 2000.0;
+    const CYCLES: f64 = 9.0;
+
+    /// White noise beside a difference of white noise whose size swings by this share.
+    fn axis(seed: u64, swing: f64) -> AxisState {
+        let draw = |stream| {
+            let mut noise = Gaussian::new(Seed { seed, stream }, 1.0);
+            (0..=LENGTH).map(|_| noise.draw()).collect::<Vec<f64>>()
+        };
+        let (white, steps) = (draw(0), draw(1));
+        let values = (0..LENGTH).map(|n| {
+            let turn = TAU * CYCLES * n as f64 / LENGTH as f64;
+            0.5 * white[n] + (1.0 + swing * turn.cos()) * (steps[n + 1] - steps[n])
+        });
+        AxisState::new(Arc::new(values.collect()), RATE_HZ, None).expect("long enough")
+    }
+
+    #[test]
+    fn steady_terms_do_not_change() {
+        // Of 40 records at 1 % four or more have a probability of 1e-3.
+        let alarms = (0..40).filter(|&seed| {
+            change_of_terms(&axis(seed, 0.0)).is_some_and(|change| change.p_value < 0.01)
+        });
+        let alarms: Vec<u64> = alarms.collect();
+        assert!(alarms.len() < 4, "seeds {alarms:?}");
+    }
+
+    #[test]
+    fn noise_that_is_louder_at_times_is_no_matter_of_its_colour() {
+        for seed in 100..104 {
+            let steady = axis(seed, 0.0);
+            let louder = |(n, value): (usize, &f64)| {
+                value * (1.0 + 0.2 * (TAU * CYCLES * n as f64 / LENGTH as f64).cos())
+            };
+            let values = steady.filled.iter().enumerate().map(louder).collect();
+            let louder = AxisState::new(Arc::new(values), RATE_HZ, None).expect("long enough");
+            let change = change_of_terms(&louder);
+            assert!(
+                change.as_ref().is_none_or(|change| change.p_value > 1e-4),
+                "seed {seed}: {change:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_term_that_swings_is_found_with_its_cycle() {
+        for seed in 200..204 {
+            let change = change_of_terms(&axis(seed, 0.2)).expect("something");
+            let cycle_s = LENGTH as f64 / RATE_HZ / CYCLES;
+            assert!(change.p_value < 1e-6, "seed {seed}: {change:?}");
+            assert!(
+                change.cyclic && change.time_s == cycle_s,
+                "seed {seed}: {change:?}"
+            );
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! A model's Allan deviation beside that of the held-out half of the record.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::bins::point::Point;
+use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::held_out::curve;
+use crate::diagnosis::held_out::half;
+use crate::diagnosis::record::residual::Wave;
+use crate::diagnosis::rounds::Snapshot;
+use crate::model::whole::ModelAxis;
+
+/// Degrees of freedom from which a point of the Allan curve says how far a model is off.
+const LEAST_EDF: f64 = 1000.0;
+
+/// One averaging time of the held-out half. Deviations are in the unit of the signal.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct HeldPoint {
+    /// Averaging time, seconds.
+    pub tau_s: f64,
+    /// Averaging time, samples.
+    pub m: u64,
+    /// Measured deviation.
+    pub adev: f64,
+    /// Equivalent degrees of freedom behind it, 1000 or more.
+    pub edf: f64,
+    /// What the five terms alone expect.
+    pub before: f64,
+    /// What the extended model expects.
+    pub after: f64,
+}
+
+/// The measured Allan curve of the held-out half, without the stretches that are masked.
+pub struct HeldCurve {
+    pub(crate) points: Vec<Point>,
+    waveforms: Mutex<Vec<Waveform>>,
+}
+
+/// The curve of some waveforms in the held-out half.
+struct Waveform {
+    waves: Vec<Wave>,
+    at_jumps: AtJumps,
+    points: Arc<Vec<Point>>,
+}
+
+/// Whether the curve of a waveform has the samples over which a converter's filter spreads a jump.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum AtJumps {
+    /// No more than what is measured there: they are left out of tests.
+    LeftOut,
+    /// As the jump is there.
+    Kept,
+}
+
+impl HeldCurve {
+    /// Of an axis.
+    pub fn new(axis: &AxisState) -> Self {
+        let record = axis.mended.bare();
+        Self {
+            points: curve::of_parts(half(&record.values(), 1), axis.rate_hz),
+            waveforms: Mutex::default(),
+        }
+    }
+
+    /// The points of a thousand degrees of freedom or more.
+    fn sure(&self) -> impl Iterator<Item = &Point> {
+        self.points.iter().filter(|point| point.edf >= LEAST_EDF)
+    }
+
+    /// Variances that a model expects at these points: its noise, and the waveforms of a snapshot
+    /// where the half has samples.
+    pub fn expected(&self, axis: &AxisState, model: &ModelAxis, with: &Snapshot) -> Vec<f64> {
+        let law = model.law(axis.rate_hz);
+        let sure: Vec<&Point> = self.sure().collect();
+        let noise = || -> Vec<f64> {
+            let variances = sure.par_iter().map(|point| law.allan_variance(point.m));
+            variances.collect()
+        };
+        let waves = || self.waveform(axis, &with.waves, AtJumps::LeftOut);
+        let (noise, waves) = rayon::join(noise, waves);
+        let variance = |(point, noise): (&&Point, f64)| {
+            let own = waves.iter().find(|other| other.m == point.m);
+            noise + own.map_or(0.0, |other| other.variance)
+        };
+        sure.iter().zip(noise).map(variance).collect()
+    }
+
+    /// The curve of `waves` in this half; made once for findings that share them.
+    pub(crate) fn waveform(
+        &self,
+        axis: &AxisState,
+        waves: &[Wave],
+        at_jumps: AtJumps,
+    ) -> Arc<Vec<Point>> {
+        if waves.is_empty() {
+            return Arc::default();
+        }
+        let at_jumps = if axis.mended.spread.is_empty() {
+            AtJumps::Kept
+        } else {
+            at_jumps
+        };
+        let made = || {
+            self.waveforms
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+        };
+        let same = |one: &&Waveform| one.at_jumps == at_jumps && one.waves == waves;
+        if let Some(one) = made().iter().find(same) {
+            return Arc::clone(&one.points);
+        }
+        let points = Arc::new(waveform(axis, waves, at_jumps));
+        made().push(Waveform {
+            waves: waves.to_vec(),
+            at_jumps,
+            points: Arc::clone(&points),
+        });
+        points
+    }
+
+    /// Root mean square error of the deviations that belong to the `expected` variances, percent, and
+    /// what sampling alone makes of that; `None` where there are no such points.
+    pub fn error_percent(&self, expected: &[f64]) -> Option<(f64, f64)> {
+        let mut squares = (0.0, 0.0);
+        for (point, expected) in self.sure().zip(expected) {
+            let error = (expected / point.variance).sqrt() - 1.0;
+            squares.0 += error * error;
+            squares.1 += 1.0 / (2.0 * point.edf);
+        }
+        let count = expected.len() as f64;
+        (count > 0.0).then(|| {
+            (
+                100.0 * f64::sqrt(squares.0 / count),
+                100.0 * f64::sqrt(squares.1 / count),
+            )
+        })
+    }
+
+    /// The points with what two models expect there.
+    pub fn beside(&self, before: &[f64], after: &[f64]) -> Vec<HeldPoint> {
+        let expected = before.iter().zip(after);
+        let point = |(point, (before, after)): (&Point, (&f64, &f64))| HeldPoint {
+            tau_s: point.tau_s,
+            m: point.m,
+            adev: point.deviation(),
+            edf: point.edf,
+            before: before.sqrt(),
+            after: after.sqrt(),
+        };
+        self.sure().zip(expected).map(point).collect()
+    }
+}
+
+/// Allan curve of waveforms, where the held-out half has samples that are not left out.
+fn waveform(axis: &AxisState, waves: &[Wave], at_jumps: AtJumps) -> Vec<Point> {
+    // Its sign is no matter.
+    let mut waveform = vec![0.0; axis.mended.len()];
+    for wave in waves {
+        wave.take_out(&mut waveform);
+    }
+    for (value, measured) in waveform.iter_mut().zip(axis.mended.measured()) {
+        if !measured.is_finite() {
+            *value = f64::NAN;
+        }
+    }
+    let spread: &[_] = match at_jumps {
+        AtJumps::LeftOut => &axis.mended.spread,
+        AtJumps::Kept => &[],
+    };
+    let mended = &axis.mended;
+    for mask in mended.masked.iter().chain(&mended.lost).chain(spread) {
+        waveform[mask.clone()].fill(f64::NAN);
+    }
+    curve::of_parts(half(&waveform, 1), axis.rate_hz)
+}

@@ -1,0 +1,125 @@
+//! What the laws of an axis are worth, each beside all others, by ordinates.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::held_out::SEEN_COST;
+use crate::diagnosis::laws::Law;
+use crate::diagnosis::statistic::matched_filter::Half;
+use crate::fit::likelihood::scoring::{Range, greatest_beside};
+use crate::fit::likelihood::{Data, log_likelihood};
+use crate::model::effect::Part;
+
+/// Bins an octave.
+const BINS_PER_OCTAVE: f64 = 16.0;
+
+/// Power of the chain below which ordinates do not count: what falls more steeply than that from bin
+/// to bin no mean over points can follow.
+const PASSED: f64 = 0.1;
+
+/// The ordinates of a mended record in two halves.
+pub struct Ordinates<'a> {
+    axis: &'a AxisState,
+    fitted: Data,
+    held: Data,
+}
+
+impl<'a> Ordinates<'a> {
+    /// Of an axis; `None` where it has none that count.
+    pub fn new(axis: &'a AxisState) -> Option<Self> {
+        Some(Self {
+            axis,
+            fitted: bins(axis, Half::Even)?,
+            held: bins(axis, Half::Odd)?,
+        })
+    }
+
+    /// Gain in log-likelihood of the held half from law number `which`, nats.
+    pub fn nats(&self, which: usize) -> Option<f64> {
+        let all = &self.axis.laws;
+        let mut without = all.clone();
+        let law = without.remove(which);
+        let shapes = law.shape().count() as f64;
+        Some(self.score(all)? - self.score(&without)? - SEEN_COST * shapes)
+    }
+
+    /// Log-likelihood of the held half with the sizes that fit the other best.
+    fn score(&self, laws: &[Law]) -> Option<f64> {
+        let nothing = vec![0.0; self.fitted.len()];
+        let components = self.components(laws, &self.fitted);
+        let (squared, _) = greatest_beside(
+            &self.fitted,
+            &components,
+            &nothing,
+            None,
+            Range::NonNegative,
+        )?;
+        let mut expected = vec![0.0; self.held.len()];
+        for (component, squared) in self.components(laws, &self.held).iter().zip(&squared) {
+            for (expected, one) in expected.iter_mut().zip(component) {
+                *expected += squared * one;
+            }
+        }
+        Some(log_likelihood(&self.held, &expected))
+    }
+
+    /// Densities of the base components and the laws at the bins.
+    fn components(&self, laws: &[Law], data: &Data) -> Vec<Vec<f64>> {
+        let frame = &self.axis.frame;
+        let parts: Vec<Part> = laws
+            .iter()
+            .map(|law| law.effect.part(&law.values))
+            .collect();
+        let power = |f_hz: f64| -> f64 {
+            let powers = parts.iter().map(|part| match part {
+                Part::Distortion(filter) => filter.power(f_hz, frame.rate_hz()),
+                Part::Term(_) | Part::Clock(_) | Part::Follows(_) => 1.0,
+            });
+            powers.product()
+        };
+        let at =
+            |density: &dyn Fn(f64) -> f64| data.f_hz.iter().map(|&f_hz| density(f_hz)).collect();
+        let mut all: Vec<Vec<f64>> = (0..frame.units().len())
+            .map(|unit| at(&|f_hz| frame.unit_density(unit, f_hz, power(f_hz))))
+            .collect();
+        for part in &parts {
+            if let Part::Term(term) = part {
+                all.push(at(&|f_hz| {
+                    frame.term_density(&**term, f_hz) * frame.chain_power(f_hz) * power(f_hz)
+                }));
+            }
+        }
+        all
+    }
+}
+
+/// Means of the periodogram over bins of a `half` of the ordinates.
+fn bins(axis: &AxisState, half: Half) -> Option<Data> {
+    let seen = axis.whole();
+    let (mut f_hz, mut psd, mut variance) = (Vec::new(), Vec::new(), Vec::new());
+    let mut first = 1;
+    let shut = (1..seen.top).find(|&k| axis.frame.chain_power(seen.whole.frequency(k)) < PASSED);
+    let top = shut.unwrap_or(seen.top);
+    while first < top {
+        let next = (first as f64 * (1.0 / BINS_PER_OCTAVE).exp2()) as usize;
+        let next = next.max(first + 2).min(top);
+        let counted = (first..next).filter(|&k| half.has(k) && seen.density[k].is_finite());
+        let (mut count, mut sum, mut log) = (0.0, 0.0, 0.0);
+        for k in counted {
+            count += 1.0;
+            sum += seen.whole.ordinates()[k].norm_sqr() / seen.whole.power();
+            log += seen.whole.frequency(k).ln();
+        }
+        if count > 0.0 {
+            f_hz.push(f64::exp(log / count));
+            psd.push(sum / count);
+            variance.push(1.0 / count);
+        }
+        first = next;
+    }
+    Data::from_parts(
+        f_hz,
+        psd,
+        DMatrix::from_diagonal(&DVector::from_vec(variance)),
+    )
+}

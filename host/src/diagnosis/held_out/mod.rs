@@ -1,0 +1,106 @@
+//! What a finding is worth on data that the fit has not seen.
+//!
+//! Three ways of holding data out, each of them so that both halves see the same hours:
+//!
+//! - Lines: the record is cut into blocks, every other one held out. The model with and without a
+//!   finding is fitted to the one half alone and judged by the likelihood of the other half's
+//!   spectrum. A line's frequency, size and phase are those of the whole record; for each number so
+//!   fitted half a nat is taken off, what it gains on average by having seen the held-out half.
+//! - Laws of the noise ([`laws`]): sizes fitted to the even ordinates of the whole record's transform
+//!   and judged by the odd ones, which are independent of them; short blocks would not see the
+//!   slowest. Shapes are those of the whole record, at half a nat each.
+//! - Waveforms in time (steps, settling, outliers, what follows a covariate): fitted to the even
+//!   ordinates of the record's transform and judged by the odd ones, which are independent.
+//! - A stretch of another variance: fitted to the even ones of short blocks, judged by the odd.
+
+pub mod allan;
+pub mod curve;
+pub mod laws;
+pub mod size;
+
+use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::laws::{components, search};
+use crate::diagnosis::record::bins::Frame;
+use crate::diagnosis::record::residual::Mended;
+use crate::diagnosis::rounds::{Accepted, Snapshot, laws_of};
+use crate::fit::likelihood::components::SEEN;
+use crate::fit::likelihood::log_likelihood;
+use crate::model::PerCoefficient;
+
+/// Blocks of the record, half of them held out.
+pub const BLOCKS: usize = 16;
+
+/// Nats for each number that was fitted to all of the record.
+pub const SEEN_COST: f64 = 0.5;
+
+/// The two halves of an axis.
+pub struct Halves {
+    train: Frame,
+    held: Frame,
+    measured: Mended,
+}
+
+/// Every other block of a record, with its first index: those fitted to for `parity` 0, those held
+/// out for 1.
+fn half(values: &[f64], parity: usize) -> impl Iterator<Item = (usize, &[f64])> + Clone {
+    let block = values.len().div_ceil(BLOCKS).max(1);
+    let parts = values.chunks(block).enumerate();
+    let parts = parts.map(move |(number, part)| (number * block, part));
+    parts.skip(parity).step_by(2)
+}
+
+impl Halves {
+    /// The halves of an axis, with the masks that were found at last.
+    pub fn new(axis: &AxisState) -> Option<Self> {
+        let measured = axis.mended.bare();
+        let values = measured.values();
+        let chain = axis.chain.as_ref();
+        let frame = |parity| Frame::of_parts(half(&values, parity), axis.rate_hz, chain);
+        let (train, held) = rayon::join(|| frame(0), || frame(1));
+        let (mut train, mut held) = (train?, held?);
+        train.leave_out(&axis.apart);
+        held.leave_out(&axis.apart);
+        Some(Self {
+            train,
+            held,
+            measured,
+        })
+    }
+
+    /// Log-likelihood of the held-out half under the model of a snapshot fitted to the other.
+    fn score(&self, snapshot: &Snapshot) -> Option<f64> {
+        let mut record = self.measured.clone();
+        record.waves.clone_from(&snapshot.waves);
+        let values = record.values();
+        let (train, held) = rayon::join(
+            || self.train.measure_parts(half(&values, 0)),
+            || self.held.measure_parts(half(&values, 1)),
+        );
+        drop(values);
+        let mut laws = laws_of(snapshot);
+        let fit = search::polish(&self.train, &train, &mut laws, 0, 0.05)?;
+        let components = components(&self.held, &laws);
+        let mut expected = vec![0.0; held.len()];
+        for (component, squared) in components.iter().zip(&fit.squared) {
+            for (expected, value) in expected.iter_mut().zip(component) {
+                *expected += squared * value;
+            }
+        }
+        Some(log_likelihood(&held, &expected))
+    }
+
+    /// Predictive gain of a finding, nats.
+    pub fn nats(&self, one: &Accepted) -> Option<f64> {
+        let gain = self.score(&one.with)? - self.score(&one.without)?;
+        Some(gain - SEEN_COST * one.freedom)
+    }
+}
+
+/// Coefficients of a fit's squares.
+pub fn coefficients(squared: &[f64]) -> PerCoefficient<f64> {
+    PerCoefficient::from_fn(|one| {
+        SEEN.iter()
+            .position(|seen| *seen == one)
+            .map_or(0.0, |place| squared[place].sqrt())
+    })
+}

@@ -1,0 +1,76 @@
+//! How much an effect changes: significance is not size.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use crate::bins::point::Point;
+use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::held_out::allan::{AtJumps, HeldCurve};
+use crate::diagnosis::rounds::{Accepted, Snapshot};
+use crate::model::whole::ModelAxis;
+
+/// Degrees of freedom from which a point of the Allan curve counts.
+const LEAST_EDF: f64 = 10.0;
+
+/// What the extended model of an axis expects of the Allan curve.
+pub struct Sizes<'a> {
+    axis: &'a AxisState,
+    held: &'a HeldCurve,
+    noise: &'a ModelAxis,
+    /// Of all waveforms.
+    waves: Arc<Vec<Point>>,
+}
+
+impl<'a> Sizes<'a> {
+    /// For the noise and the waveforms of the last model.
+    pub fn new(
+        axis: &'a AxisState,
+        held: &'a HeldCurve,
+        noise: &'a ModelAxis,
+        last: &Snapshot,
+    ) -> Self {
+        Self {
+            // What a filter makes of a jump is left out of tests, but the jump is there.
+            waves: held.waveform(axis, &last.waves, AtJumps::Kept),
+            axis,
+            held,
+            noise,
+        }
+    }
+
+    /// Largest change of the model's Allan deviation, at any averaging time of ten degrees of freedom
+    /// or more, when an effect is taken out and nothing else moves; percent. `None` for what a model
+    /// of noise and waveforms does not hold, such as a burst.
+    pub fn change_percent(&self, one: &Accepted) -> Option<f64> {
+        let law = self.noise.law(self.axis.rate_hz);
+        let mut rest = self.noise.clone();
+        let mut own = one.with.waves.clone();
+        match one.law {
+            Some(which) if which < rest.effects.len() => {
+                rest.effects.remove(which);
+                own.clear();
+            }
+            _ => own.retain(|wave| !one.without.waves.contains(wave)),
+        }
+        if one.law.is_none() && own.is_empty() {
+            return None;
+        }
+        let rest = rest.law(self.axis.rate_hz);
+        let own = self.held.waveform(self.axis, &own, AtJumps::Kept);
+        let points = self.held.points.par_iter();
+        let points = points.filter(|point| point.edf >= LEAST_EDF);
+        let changes = points.map(|point| {
+            let at = |curve: &[Point]| {
+                let found = curve.iter().find(|other| other.m == point.m);
+                found.map_or(0.0, |other| other.variance)
+            };
+            let waves = at(&self.waves);
+            let with = law.allan_variance(point.m) + waves;
+            let without = rest.allan_variance(point.m) + (waves - at(&own)).max(0.0);
+            100.0 * ((with / without).sqrt() - 1.0).abs()
+        });
+        let changes = changes.filter(|change| change.is_finite());
+        changes.reduce_with(f64::max)
+    }
+}

@@ -1,0 +1,104 @@
+//! Effects that change the spectrum's shape: search of their parameters by likelihood.
+//!
+//! The sizes of additive laws enter linearly, beside the five terms; shapes (corners, widths,
+//! exponents) are moved by turns in their logarithms until nothing gains.
+
+pub mod departure;
+mod rise;
+pub mod search;
+pub mod spread;
+
+use crate::diagnosis::record::bins::Frame;
+use crate::fit::likelihood::{Data, Fit, maximise};
+use crate::model::effect::{Effect, Part};
+
+/// An effect with its values; the size, if it has one, is 1 and its square is a component.
+#[derive(Clone)]
+pub struct Law {
+    /// The kind of effect.
+    pub effect: &'static dyn Effect,
+    /// All its parameters.
+    pub values: Vec<f64>,
+}
+
+impl Law {
+    /// Places of the parameters that are not the size.
+    pub fn shape(&self) -> impl Iterator<Item = usize> + use<> {
+        let size = self.effect.size();
+        (0..self.values.len()).filter(move |&place| Some(place) != size)
+    }
+
+    fn adds(&self) -> bool {
+        self.effect.size().is_some()
+    }
+}
+
+/// Expectations of all components: the five terms' (without the ramp), then one of each law that
+/// adds, all of them through the laws that filter.
+pub fn components(frame: &Frame, laws: &[Law]) -> Vec<Vec<f64>> {
+    let power = passed(frame, laws);
+    let mut all = if laws.iter().all(Law::adds) {
+        frame.units().to_vec()
+    } else {
+        frame.units_through(&power)
+    };
+    all.extend(
+        laws.iter()
+            .filter_map(|law| component_through(frame, law, &power)),
+    );
+    all
+}
+
+/// What the laws that filter leave of the power at a frequency.
+fn passed(frame: &Frame, laws: &[Law]) -> impl Fn(f64) -> f64 + use<> {
+    let rate_hz = frame.rate_hz();
+    let parts = laws.iter().map(|law| law.effect.part(&law.values));
+    let filters: Vec<_> = parts
+        .filter_map(|part| match part {
+            Part::Distortion(filter) => Some(filter),
+            Part::Term(_) | Part::Clock(_) | Part::Follows(_) => None,
+        })
+        .collect();
+    move |f_hz| filters.iter().map(|one| one.power(f_hz, rate_hz)).product()
+}
+
+/// Component of a law through filters of this `power`; `None` for one that filters itself.
+fn component_through(frame: &Frame, law: &Law, power: impl Fn(f64) -> f64) -> Option<Vec<f64>> {
+    match law.effect.part(&law.values) {
+        Part::Term(term) => {
+            Some(frame.expect(|f_hz| frame.term_density(&*term, f_hz) * power(f_hz)))
+        }
+        Part::Distortion(_) | Part::Clock(_) | Part::Follows(_) => None,
+    }
+}
+
+/// Likelihood with these laws.
+pub fn fit(frame: &Frame, data: &Data, laws: &[Law]) -> Option<Fit> {
+    maximise(data, &components(frame, laws))
+}
+
+/// Place of a law's component in a fit.
+pub fn component_of(frame: &Frame, laws: &[Law], which: usize) -> usize {
+    frame.units().len() + laws[..which].iter().filter(|law| law.adds()).count()
+}
+
+/// Values of a law with the size that a fit gives it.
+pub fn sized(frame: &Frame, laws: &[Law], which: usize, fit: &Fit) -> Vec<f64> {
+    let law = &laws[which];
+    let mut values = law.values.clone();
+    if let Some(size) = law.effect.size() {
+        let squared = fit.squared[component_of(frame, laws, which)];
+        values[size] = squared.powf(1.0 / squared_power(law));
+    }
+    values
+}
+
+/// With which power of its size a law's density grows.
+pub fn squared_power(law: &Law) -> f64 {
+    use crate::model::effect::Quantity;
+    let size = law.effect.size().unwrap_or(0);
+    match law.effect.parameters(&law.values)[size].quantity {
+        Quantity::Density => 1.0,
+        _ => 2.0,
+    }
+}

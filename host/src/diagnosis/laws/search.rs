@@ -1,0 +1,295 @@
+//! The values of laws that fit best.
+
+use rayon::prelude::*;
+
+use crate::diagnosis::laws::rise::Rise;
+use crate::diagnosis::laws::{Law, component_through, components, passed};
+use crate::diagnosis::record::bins::Frame;
+use crate::diagnosis::statistic::p_value;
+use crate::fit::likelihood::scoring::{Range, greatest_beside, maximise_beside};
+use crate::fit::likelihood::{Data, Fit};
+use crate::model::catalogue::CATALOGUE;
+use crate::model::effect::{Band, Effect};
+
+/// Smallest step in the logarithm of a shape.
+const FINEST: f64 = 2e-3;
+
+/// Gain in log-likelihood that is worth a move.
+const WORTH: f64 = 1e-3;
+
+/// Gain in log-likelihood at the best start below which nothing significant is near.
+const NEAR: f64 = 2.0;
+
+/// Starts that are fitted, of those whose first rise is known.
+const TRIED: usize = 16;
+
+/// Components of some laws and the best squares for them.
+struct Standing {
+    components: Vec<Vec<f64>>,
+    squared: Vec<f64>,
+    value: f64,
+}
+
+/// Best squares of `components`, searched from `start`, with their log-likelihood.
+fn greatest(
+    data: &Data,
+    components: &[Vec<f64>],
+    start: Option<&[f64]>,
+) -> Option<(Vec<f64>, f64)> {
+    let nothing = vec![0.0; data.len()];
+    greatest_beside(data, components, &nothing, start, Range::NonNegative)
+}
+
+/// Moves the shapes of the laws from number `from` on until the likelihood gains no more.
+pub fn polish(
+    frame: &Frame,
+    data: &Data,
+    laws: &mut [Law],
+    from: usize,
+    first_step: f64,
+) -> Option<Fit> {
+    let all = components(frame, laws);
+    let (squared, value) = greatest(data, &all, None)?;
+    let mut best = Standing {
+        components: all,
+        squared,
+        value,
+    };
+    let places: Vec<(usize, usize)> = (from..laws.len())
+        .flat_map(|law| laws[law].shape().map(move |place| (law, place)))
+        .collect();
+    let mut step = first_step;
+    while step > FINEST && !places.is_empty() {
+        let mut gained = false;
+        for &(law, place) in &places {
+            for factor in [f64::exp(step), f64::exp(-step)] {
+                let before = laws[law].values[place];
+                laws[law].values[place] = before * factor;
+                let sound = laws[law].effect.is_sound(&laws[law].values);
+                match sound
+                    .then(|| moved(frame, data, laws, law, &best))
+                    .flatten()
+                {
+                    Some(next) if next.value > best.value + WORTH => {
+                        best = next;
+                        gained = true;
+                        break;
+                    }
+                    _ => laws[law].values[place] = before,
+                }
+            }
+        }
+        if !gained {
+            step *= 0.5;
+        }
+    }
+    let nothing = vec![0.0; data.len()];
+    maximise_beside(data, &best.components, &nothing, Some(&best.squared))
+}
+
+/// What stands after law number `which` was moved.
+fn moved(
+    frame: &Frame,
+    data: &Data,
+    laws: &[Law],
+    which: usize,
+    from: &Standing,
+) -> Option<Standing> {
+    // A term that moves changes its own component alone, a filter all of them.
+    let components = if laws[which].adds() {
+        let mut components = from.components.clone();
+        let power = passed(frame, laws);
+        components[crate::diagnosis::laws::component_of(frame, laws, which)] =
+            component_through(frame, &laws[which], power)?;
+        components
+    } else {
+        components(frame, laws)
+    };
+    let (squared, value) = greatest(data, &components, Some(&from.squared))?;
+    Some(Standing {
+        components,
+        squared,
+        value,
+    })
+}
+
+/// Where searches begin: every law of the catalogue at its starting values. Made once for a frame.
+pub struct Starts {
+    starts: Vec<Start>,
+}
+
+struct Start {
+    law: Law,
+    /// Its own component, where it adds one.
+    component: Option<Vec<f64>>,
+}
+
+impl Starts {
+    /// For the bins of a frame; `None` if it has none.
+    pub fn new(frame: &Frame) -> Option<Self> {
+        let bins = frame.bins();
+        let band = Band {
+            from_hz: bins.first()?.f_hz,
+            to_hz: bins.last()?.f_hz,
+        };
+        let laws = CATALOGUE.iter().flat_map(|&effect| {
+            let values = effect.starts(&band);
+            values.into_iter().map(move |values| Law { effect, values })
+        });
+        let laws: Vec<Law> = laws.collect();
+        let starts = laws
+            .into_par_iter()
+            .map(|law| Start {
+                component: component_through(frame, &law, |_| 1.0),
+                law,
+            })
+            .collect();
+        Some(Self { starts })
+    }
+}
+
+impl Starts {
+    /// The least of each value of an effect.
+    fn lowest(&self, effect: &'static dyn Effect) -> Vec<f64> {
+        let own = self.starts.iter();
+        own.filter(|start| start.law.effect.name() == effect.name())
+            .map(|start| start.law.values.clone())
+            .reduce(|a, b| a.iter().zip(&b).map(|(a, b)| a.min(*b)).collect())
+            .unwrap_or_default()
+    }
+
+    /// What each of an effect's starts changes in the expectation of a fit with `laws`.
+    fn directions(
+        &self,
+        frame: &Frame,
+        laws: &[Law],
+        base: &Fit,
+        effect: &'static dyn Effect,
+    ) -> impl Iterator<Item = Vec<f64>> {
+        let own = self.starts.iter();
+        own.filter(move |start| start.law.effect.name() == effect.name())
+            .map(move |start| match &start.component {
+                Some(component) => component.clone(),
+                None => {
+                    let mut all = laws.to_vec();
+                    all.push(start.law.clone());
+                    let mut change: Vec<f64> = base.expected.iter().map(|e| -e).collect();
+                    for (component, squared) in components(frame, &all).iter().zip(&base.squared) {
+                        for (change, one) in change.iter_mut().zip(component) {
+                            *change += squared * one;
+                        }
+                    }
+                    change
+                }
+            })
+    }
+
+    /// Those of an effect from which the likelihood rises most at first, beside `present` with the
+    /// fit `base`; all of them where that says little, as behind a filter.
+    fn promising(
+        &self,
+        data: &Data,
+        base: &Fit,
+        present: &[Vec<f64>],
+        effect: &'static dyn Effect,
+        unfiltered: bool,
+    ) -> Vec<&Start> {
+        let own = self.starts.iter();
+        let mut own: Vec<&Start> = own
+            .filter(|start| start.law.effect.name() == effect.name())
+            .collect();
+        // Of a filter no first rise is known.
+        let adds = own.iter().all(|start| start.component.is_some());
+        if !unfiltered || !adds || own.len() <= TRIED {
+            return own;
+        }
+        let Some(rise) = Rise::new(data, base, present) else {
+            return own;
+        };
+        let rise = |start: &Start| start.component.as_ref().map_or(0.0, |one| rise.of(one));
+        let mut rises: Vec<(f64, &Start)> = own.drain(..).map(|one| (rise(one), one)).collect();
+        rises.sort_by(|a, b| b.0.total_cmp(&a.0));
+        rises.truncate(TRIED);
+        rises.into_iter().map(|(_, one)| one).collect()
+    }
+}
+
+/// A law that was found, beside others.
+pub struct Found {
+    /// The law with the values that fit best, size 1.
+    pub law: Law,
+    /// Fit of everything.
+    pub fit: Fit,
+    /// Gain in log-likelihood over the fit without it.
+    pub nats: f64,
+    /// Probability of as large a gain where it is absent.
+    pub p_value: f64,
+}
+
+/// The best values of `effect` beside the `laws` that are there, whose fit is `base`.
+pub fn search(
+    frame: &Frame,
+    data: &Data,
+    laws: &[Law],
+    base: &Fit,
+    starts: &Starts,
+    effect: &'static dyn Effect,
+) -> Option<Found> {
+    let unfiltered = laws.iter().all(Law::adds);
+    let mut present = components(frame, laws);
+    let mut squared = base.squared.clone();
+    let mut best: Option<(f64, &Law)> = None;
+    for start in starts.promising(data, base, &present, effect, unfiltered) {
+        let found = match &start.component {
+            Some(component) if unfiltered => {
+                present.push(component.clone());
+                squared.push(0.0);
+                let found = greatest(data, &present, Some(&squared));
+                present.pop();
+                squared.pop();
+                found
+            }
+            _ => {
+                let mut all = laws.to_vec();
+                all.push(start.law.clone());
+                let all = components(frame, &all);
+                squared.resize(all.len(), 0.0);
+                let found = greatest(data, &all, Some(&squared));
+                squared.truncate(base.squared.len());
+                found
+            }
+        };
+        let Some((_, value)) = found else { continue };
+        if best.is_none_or(|(most, _)| value > most) {
+            best = Some((value, &start.law));
+        }
+    }
+    let (value, law) = best?;
+    // What is nowhere near significant need not be polished.
+    if value - base.log_likelihood < NEAR {
+        return None;
+    }
+    let path = Rise::new(data, base, &present)?.path(starts.directions(frame, laws, base, effect));
+    let mut all = laws.to_vec();
+    all.push(law.clone());
+    let fit = polish(frame, data, &mut all, laws.len(), 0.3)?;
+    let nats = fit.log_likelihood - base.log_likelihood;
+    let law = all.pop()?;
+    // A filter that shuts out most of the band would make every law anew from white noise.
+    let lowest = starts.lowest(effect);
+    if !law.adds()
+        && law
+            .values
+            .iter()
+            .zip(lowest)
+            .any(|(value, lowest)| *value < 0.5 * lowest)
+    {
+        return None;
+    }
+    Some(Found {
+        law,
+        fit,
+        nats,
+        p_value: p_value::highest_on_path(nats, path),
+    })
+}

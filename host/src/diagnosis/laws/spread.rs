@@ -1,0 +1,151 @@
+//! How well the data tell the values of laws, and the base squares beside them.
+
+use nalgebra::DMatrix;
+
+use crate::diagnosis::laws::{Law, component_of, fit, squared_power};
+use crate::diagnosis::record::bins::Frame;
+use crate::fit::likelihood::{Data, Fit};
+
+/// Uncertainty of a fit with laws: covariance of the logarithms of all shapes, from the curvature of
+/// the likelihood with all sizes free, and how the squares move with the shapes.
+pub struct Spread<'a> {
+    frame: &'a Frame,
+    laws: &'a [Law],
+    best: &'a Fit,
+    /// Law and place of each shape.
+    places: Vec<(usize, usize)>,
+    /// `None` where the data do not tell the shapes apart.
+    covariance: Option<DMatrix<f64>>,
+    /// Slope of each square in the logarithm of each shape.
+    slopes: Vec<Vec<f64>>,
+}
+
+impl<'a> Spread<'a> {
+    /// Of the fit `best`.
+    pub fn new(frame: &'a Frame, data: &Data, laws: &'a [Law], best: &'a Fit) -> Self {
+        let places: Vec<(usize, usize)> = (0..laws.len())
+            .flat_map(|law| laws[law].shape().map(move |place| (law, place)))
+            .collect();
+        let at = |moves: &[(usize, f64)]| {
+            let mut trial = laws.to_vec();
+            for &(number, step) in moves {
+                let (law, place) = places[number];
+                trial[law].values[place] *= step.exp();
+            }
+            fit(frame, data, &trial)
+        };
+        let fall = |moves: &[(usize, f64)]| {
+            at(moves).map_or(f64::NAN, |fit| best.log_likelihood - fit.log_likelihood)
+        };
+        let steps: Vec<f64> = (0..places.len())
+            .map(|number| {
+                step_of_half_a_nat(|step| {
+                    0.5 * (fall(&[(number, step)]) + fall(&[(number, -step)]))
+                })
+            })
+            .collect();
+        let size = places.len();
+        let curvature = DMatrix::from_fn(size, size, |i, j| {
+            if i > j {
+                return 0.0;
+            }
+            let (a, b) = (steps[i], steps[j]);
+            if i == j {
+                (fall(&[(i, a)]) + fall(&[(i, -a)])) / (a * a)
+            } else {
+                let same = fall(&[(i, a), (j, b)]) + fall(&[(i, -a), (j, -b)]);
+                let other = fall(&[(i, a), (j, -b)]) + fall(&[(i, -a), (j, b)]);
+                (same - other) / (4.0 * a * b)
+            }
+        });
+        let curvature = DMatrix::from_fn(size, size, |i, j| curvature[(i.min(j), i.max(j))]);
+        let moved: Vec<_> = steps
+            .iter()
+            .enumerate()
+            .map(|(number, &step)| (at(&[(number, step)]), at(&[(number, -step)])))
+            .collect();
+        let slopes = (0..best.squared.len())
+            .map(|component| {
+                let pairs = moved.iter().zip(&steps);
+                pairs
+                    .map(|((up, down), step)| match (up, down) {
+                        (Some(up), Some(down)) => {
+                            (up.squared[component] - down.squared[component]) / (2.0 * step)
+                        }
+                        _ => f64::NAN,
+                    })
+                    .collect()
+            })
+            .collect();
+        Self {
+            covariance: curvature.try_inverse(),
+            frame,
+            laws,
+            best,
+            places,
+            slopes,
+        }
+    }
+
+    /// Standard deviation of the square of a component, the shapes' uncertainty included.
+    pub fn square_sd(&self, component: usize) -> f64 {
+        let mut variance = self.best.covariance[(component, component)];
+        if let Some(covariance) = &self.covariance {
+            let slopes = &self.slopes[component];
+            for (i, a) in slopes.iter().enumerate() {
+                for (j, b) in slopes.iter().enumerate() {
+                    variance += a * b * covariance[(i, j)];
+                }
+            }
+        }
+        variance.max(0.0).sqrt()
+    }
+
+    /// Standard deviations of the logarithms of a law's values. Infinite where the data do not tell.
+    pub fn log_deviations(&self, which: usize) -> Vec<f64> {
+        let law = &self.laws[which];
+        let own = |place: usize| -> f64 {
+            if law.effect.size() == Some(place) {
+                let component = component_of(self.frame, self.laws, which);
+                // Of the size itself, of which the square is a power.
+                self.square_sd(component) / self.best.squared[component] / squared_power(law)
+            } else {
+                let number = self.places.iter().position(|&one| one == (which, place));
+                let covariance = self.covariance.as_ref();
+                number
+                    .zip(covariance)
+                    .map_or(f64::NAN, |(number, covariance)| {
+                        covariance[(number, number)].sqrt()
+                    })
+            }
+        };
+        (0..law.values.len())
+            .map(own)
+            .map(|sd| {
+                if sd.is_finite() && sd > 0.0 {
+                    sd
+                } else {
+                    f64::INFINITY
+                }
+            })
+            .collect()
+    }
+}
+
+/// Step at which the likelihood has lost about half a nat, by its `loss`.
+fn step_of_half_a_nat(loss: impl Fn(f64) -> f64) -> f64 {
+    let mut step = 0.02_f64;
+    for _ in 0..8 {
+        let loss = loss(step);
+        if (0.2..1.5).contains(&loss) {
+            break;
+        }
+        step *= if loss > 0.0 {
+            (0.5 / loss).sqrt().clamp(0.1, 5.0)
+        } else {
+            3.0
+        };
+        step = step.min(1.0);
+    }
+    step
+}

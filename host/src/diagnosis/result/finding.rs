@@ -1,0 +1,220 @@
+//! The result of a diagnosis, as `--json` writes it.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use crate::analyse::SourceSummary;
+use crate::diagnosis::result::place::Place;
+use crate::diagnosis::views::Views;
+use crate::model::PerCoefficient;
+use crate::model::whole::{Model, ModelAxis, SCHEMA};
+use crate::signal::Unit;
+
+/// Everything that was found out about a record.
+#[derive(Debug, Clone, Serialize)]
+pub struct Diagnosis {
+    /// Version of this structure.
+    pub schema: u32,
+    /// What was diagnosed.
+    pub source: SourceSummary,
+    /// Probability at most of any finding or remark where nothing is hidden.
+    pub family_level: f64,
+    /// The axes.
+    pub axes: Vec<AxisDiagnosis>,
+    /// Correlation of the axes' noise, one row each, where they share any.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub correlation: Option<Vec<Vec<f64>>>,
+}
+
+impl Diagnosis {
+    /// The model that the diagnosis ends with, as `inm simulate --model` reads it.
+    pub fn model(&self) -> Model {
+        Model {
+            schema: SCHEMA,
+            rate_hz: self.source.rate_hz,
+            axes: self
+                .axes
+                .iter()
+                .map(|axis| axis.last.model.clone())
+                .collect(),
+            correlation: self.correlation.clone(),
+        }
+    }
+}
+
+/// One axis.
+#[derive(Debug, Clone, Serialize)]
+pub struct AxisDiagnosis {
+    /// Its name.
+    pub name: String,
+    /// Unit of the signal.
+    pub unit: Unit,
+    /// The five terms alone.
+    pub base: Base,
+    /// What there is beside them.
+    pub findings: Vec<Finding>,
+    /// What no effect of the catalogue explains.
+    pub unexplained: Vec<Remark>,
+    /// The model with all findings.
+    #[serde(rename = "final")]
+    pub last: Final,
+    /// What both models look like beside the record.
+    pub views: Views,
+}
+
+/// The five terms alone.
+#[derive(Debug, Clone, Serialize)]
+pub struct Base {
+    /// The model.
+    pub model: ModelAxis,
+    /// Where it fails.
+    pub discrepancies: Vec<Remark>,
+    /// Error of its Allan deviation on the held-out part, percent.
+    pub allan_error_percent: Option<f64>,
+    /// What sampling alone makes of that.
+    pub allan_error_sampling_percent: Option<f64>,
+}
+
+/// A test that fails.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Remark {
+    /// Which test.
+    pub test: String,
+    /// Place in frequency, time or amplitude.
+    #[serde(flatten)]
+    pub place: Place,
+    /// Probability of as much in data of the fitted model, the search included.
+    pub p_value: f64,
+    /// How it looks, in words.
+    pub description: String,
+}
+
+/// An effect that was found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Finding {
+    /// Its name in the catalogue.
+    pub effect: String,
+    /// What it is physically.
+    pub cause: String,
+    /// What to look at on the bench.
+    pub check: String,
+    /// Its parameters.
+    pub parameters: BTreeMap<String, Value>,
+    /// Probability of as much in data without it, the search included.
+    pub p_value: f64,
+    /// Other effects that explain the same, with the logarithm of the odds for this one.
+    pub rivals: Vec<Rival>,
+    /// What it is worth on data that the fit has not seen.
+    pub gain: Gain,
+    /// Coefficients without it.
+    pub without: PerCoefficient<Option<f64>>,
+}
+
+/// Change of the Allan deviation below which an effect is small, percent: a quarter of what the
+/// source's simulation was off by (Pavlov and Petrov: 4 %).
+pub const SMALL_PERCENT: f64 = 1.0;
+
+impl Finding {
+    /// Whether it hardly changes the Allan deviation, however sure it is.
+    pub fn is_small(&self) -> bool {
+        let change = self.gain.allan_change_percent;
+        change.is_some_and(|change| change < SMALL_PERCENT)
+    }
+}
+
+/// A number with its 95 % interval.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Value {
+    /// The number.
+    pub value: f64,
+    /// Lower end.
+    pub lo: Option<f64>,
+    /// Upper end.
+    pub hi: Option<f64>,
+}
+
+/// Standard deviations of a 95 % interval.
+const SIGMAS: f64 = 1.959_964;
+
+impl Value {
+    /// With the standard deviation `sd`.
+    pub fn normal(value: f64, sd: f64) -> Self {
+        let end = |end: f64| end.is_finite().then_some(end);
+        Self {
+            value,
+            lo: end(value - SIGMAS * sd),
+            hi: end(value + SIGMAS * sd),
+        }
+    }
+
+    /// With the standard deviation `sd` of the logarithm.
+    pub fn log_normal(value: f64, sd: f64) -> Self {
+        let end = |end: f64| end.is_finite().then_some(end);
+        Self {
+            value,
+            lo: end(value * (-SIGMAS * sd).exp()).filter(|lo| *lo > 0.0),
+            hi: end(value * (SIGMAS * sd).exp()),
+        }
+    }
+
+    /// Known as it is.
+    pub const fn exact(value: f64) -> Self {
+        Self {
+            value,
+            lo: Some(value),
+            hi: Some(value),
+        }
+    }
+}
+
+/// Another explanation.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Rival {
+    /// Its name in the catalogue.
+    pub effect: String,
+    /// Natural logarithm of the odds for the finding against it.
+    pub log_odds: f64,
+}
+
+/// What a finding is worth on held-out data.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Gain {
+    /// Gain in predictive log-likelihood, nats.
+    pub heldout_nats: Option<f64>,
+    /// Largest change of the model's Allan deviation when it is taken out, percent: its size, however
+    /// sure it is.
+    pub allan_change_percent: Option<f64>,
+    /// Error of the model's Allan deviation without it, percent.
+    pub allan_error_percent_before: Option<f64>,
+    /// With it.
+    pub allan_error_percent_after: Option<f64>,
+}
+
+/// The model with all findings.
+#[derive(Debug, Clone, Serialize)]
+pub struct Final {
+    /// The model, as `inm simulate --model` reads it.
+    pub model: ModelAxis,
+    /// The five coefficients.
+    pub coefficients: PerCoefficient<Coefficient>,
+    /// Error of its Allan deviation on the held-out part, percent.
+    pub allan_error_percent: Option<f64>,
+    /// What sampling alone makes of that.
+    pub allan_error_sampling_percent: Option<f64>,
+}
+
+/// A coefficient of the final model.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
+pub struct Coefficient {
+    /// Its value; `None` where the data cannot tell it from zero.
+    pub value: Option<f64>,
+    /// Lower end of its 95 % interval.
+    pub lo: Option<f64>,
+    /// Upper end of its 95 % interval.
+    pub hi: Option<f64>,
+    /// Whether the data tell it from zero.
+    pub identified: bool,
+    /// Its 95 % bound.
+    pub upper: Option<f64>,
+}

@@ -1,0 +1,91 @@
+//! The slope of what is left of an axis, with its uncertainty.
+
+use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::laws;
+use crate::fit::likelihood::components::SEEN;
+use crate::fit::likelihood::ramp::Ramp;
+use crate::fit::likelihood::slope::{Block, Slope};
+
+/// Blocks that the record is averaged into.
+const BLOCKS: usize = 64;
+
+/// Share of a block's samples that must be there.
+const MOST: f64 = 0.5;
+
+/// The ramp of the mended record, beside all that was fitted to it; `None` where gaps leave too
+/// little.
+pub fn ramp(axis: &AxisState) -> Option<Ramp> {
+    let mut slope = Slope::new(&blocks(axis), &axis.fit.squared[..SEEN.len()])?;
+    // Over the length of the record laws are as good as white.
+    let slow_hz = axis.rate_hz / axis.mended.len() as f64;
+    let power = axis.filters(slow_hz);
+    for unit in SEEN.len()..axis.frame.units().len() {
+        slope.beside(axis.frame.unit_density(unit, slow_hz, power));
+    }
+    for which in 0..axis.laws.len() {
+        if let Some(density) = axis.unit_law_density(which, slow_hz) {
+            slope.beside(density * power);
+        }
+    }
+    let components = laws::components(&axis.frame, &axis.laws);
+    Ramp::new(&axis.data, &components, &axis.fit, &slope)
+}
+
+fn blocks(axis: &AxisState) -> Vec<Block> {
+    let values = axis.mended.values();
+    let length = values.len().div_ceil(BLOCKS).max(1);
+    let parts = values.chunks(length).enumerate();
+    let block = |(number, part): (usize, &[f64])| {
+        let there = || part.iter().filter(|value| value.is_finite());
+        let count = there().count() as f64;
+        let from = number * length;
+        (count >= MOST * part.len() as f64).then(|| Block {
+            from_s: from as f64 / axis.rate_hz,
+            to_s: (from + part.len()) as f64 / axis.rate_hz,
+            mean: there().sum::<f64>() / count,
+        })
+    };
+    parts.filter_map(block).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::model::Seed;
+    use crate::simulate::Gaussian;
+
+    const RATE_HZ: f64 = 100.0;
+
+    /// White noise of deviation 1 and a walk, on a slope.
+    fn of(seed: u64, per_s: f64) -> Ramp {
+        let mut noise = Gaussian::new(Seed { seed, stream: 0 }, 1.0);
+        let mut level = 0.0;
+        let values = (0..1 << 15).map(|n| {
+            level += 1e-3 * noise.draw();
+            level + noise.draw() + per_s * f64::from(n) / RATE_HZ
+        });
+        let axis = AxisState::new(Arc::new(values.collect()), RATE_HZ, None);
+        ramp(&axis.expect("long enough")).expect("no gaps")
+    }
+
+    #[test]
+    fn a_slope_is_told_with_its_uncertainty() {
+        for seed in 0..8 {
+            let ramp = of(seed, 5e-3);
+            // Half of a 95 % interval twice: one in 10 000 of Gaussian estimates.
+            let off = (ramp.per_s - 5e-3).abs();
+            assert!(off < 2.0 * ramp.two_sided, "seed {seed}: {ramp:?}");
+            assert!(ramp.identified(), "seed {seed}: {ramp:?}");
+        }
+    }
+
+    #[test]
+    fn no_slope_is_told_where_there_is_none() {
+        // Of 40 records at 5 % eight or more have a probability of 1e-3.
+        let told = (100..140).filter(|&seed| of(seed, 0.0).identified());
+        let told: Vec<u64> = told.collect();
+        assert!(told.len() < 8, "seeds {told:?}");
+    }
+}

@@ -1,0 +1,86 @@
+//! The Allan deviation: measured, expected before and after, simulated.
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use crate::bins::point::Point;
+use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::held_out::curve;
+use crate::diagnosis::views::{Burst, Models};
+use crate::model::kernel::{self, Kernel};
+
+/// One averaging time. All deviations are in the unit of the signal.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct AllanPoint {
+    /// Averaging time, seconds.
+    pub tau_s: f64,
+    /// Averaging time, samples.
+    pub m: u64,
+    /// Measured deviation.
+    pub adev: f64,
+    /// Lower end of its 95 % interval.
+    pub lo: f64,
+    /// Upper end of its 95 % interval.
+    pub hi: f64,
+    /// What the five terms alone expect.
+    pub before: f64,
+    /// What the extended model expects.
+    pub after: f64,
+    /// That of the simulated record.
+    pub simulated: Option<f64>,
+}
+
+impl AllanPoint {
+    /// Whether the five terms alone lie outside of the measured interval.
+    pub fn differs_before(&self) -> bool {
+        !(self.lo..=self.hi).contains(&self.before)
+    }
+}
+
+/// The points of an axis, the simulated ones not yet among them.
+pub(crate) fn points(
+    axis: &AxisState,
+    models: Models<'_>,
+    wave: &[f64],
+    bursts: &[Burst],
+) -> Vec<AllanPoint> {
+    let rate_hz = axis.rate_hz;
+    let (before, after) = (models.base.law(rate_hz), models.noise.law(rate_hz));
+    let (measured, waves) = rayon::join(
+        || curve::allan(axis.mended.measured(), rate_hz),
+        || curve::allan(wave, rate_hz),
+    );
+    let point = |one: Point| {
+        let of_waves = waves.iter().find(|wave| wave.m == one.m);
+        let of_bursts: f64 = bursts
+            .iter()
+            .map(|burst| {
+                kernel::variance(Kernel::Allan, one.m, rate_hz, |f_hz| {
+                    burst.adds(f_hz, after.density(f_hz))
+                })
+            })
+            .sum();
+        let variance =
+            after.allan_variance(one.m) + of_waves.map_or(0.0, |wave| wave.variance) + of_bursts;
+        AllanPoint {
+            tau_s: one.tau_s,
+            m: one.m,
+            adev: one.deviation(),
+            lo: one.lo,
+            hi: one.hi,
+            before: before.allan_variance(one.m).sqrt(),
+            after: variance.sqrt(),
+            simulated: None,
+        }
+    };
+    measured.into_par_iter().map(point).collect()
+}
+
+/// Adds the points of a simulated record.
+pub(crate) fn add_simulated(points: &mut [AllanPoint], simulated: &[f64], rate_hz: f64) {
+    for one in curve::allan(simulated, rate_hz) {
+        if let Some(point) = points.iter_mut().find(|point| point.m == one.m) {
+            point.simulated = Some(one.deviation());
+        }
+    }
+}

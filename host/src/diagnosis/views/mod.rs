@@ -1,0 +1,202 @@
+//! What a diagnosis looks like: measured, modelled and simulated side by side, axis by axis.
+//!
+//! Before is the model of five terms alone, after the extended one: the law of its noise and what
+//! its deterministic part (lines, steps, settling, outliers) adds in this very record. Beside both
+//! stands one simulated record of the extended model, as `inm simulate` makes it.
+
+pub mod allan;
+pub mod amplitudes;
+pub mod course;
+pub mod growth;
+pub mod spectrum;
+
+use serde::Serialize;
+
+use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::held_out::allan::HeldPoint;
+use crate::diagnosis::result::finding::Finding;
+use crate::diagnosis::rounds::Options;
+use crate::fit::likelihood::Fit;
+use crate::model::whole::{Model, ModelAxis, SCHEMA};
+use crate::simulate::source::Simulation;
+use allan::AllanPoint;
+use amplitudes::{Amplitudes, Counts};
+use course::Course;
+use growth::VelocityError;
+use spectrum::SpectrumPoint;
+
+/// Seed of the simulated record.
+pub const SEED: u64 = 1;
+
+/// Samples simulated at a time.
+const BLOCK: usize = 1 << 16;
+
+/// The views of one axis; all of them empty where none were wanted.
+#[derive(Debug, Clone, Default, Serialize)]
+pub struct Views {
+    /// Allan deviation.
+    pub allan: Vec<AllanPoint>,
+    /// That of the held-out half, where it says how far the models are off.
+    pub held_out: Vec<HeldPoint>,
+    /// Spectral density.
+    pub spectrum: Vec<SpectrumPoint>,
+    /// Growth of the velocity error.
+    pub velocity_error: Vec<VelocityError>,
+    /// Seed of the simulated record; `None` where the model makes none.
+    pub simulation_seed: Option<u64>,
+    /// The record in time; for pictures alone.
+    #[serde(skip)]
+    pub course: Course,
+    /// Law of the whitened amplitudes; for pictures alone.
+    #[serde(skip)]
+    pub amplitudes: Amplitudes,
+}
+
+/// What has to be noted down before anything is taken out of the record.
+pub struct Before {
+    fit: Fit,
+    amplitudes: Counts,
+}
+
+impl Before {
+    /// Of an axis with nothing known; `None` where no views are wanted.
+    pub fn new(axis: &AxisState, options: &Options) -> Option<Self> {
+        options.views.then(|| Self {
+            fit: axis.fit.clone(),
+            amplitudes: Counts::new(axis),
+        })
+    }
+}
+
+/// The models that are compared.
+#[derive(Clone, Copy)]
+pub struct Models<'a> {
+    /// Five terms alone.
+    pub base: &'a ModelAxis,
+    /// The noise of the extended model: five terms and what has a spectrum.
+    pub noise: &'a ModelAxis,
+    /// All of it, as it is simulated.
+    pub whole: &'a ModelAxis,
+}
+
+/// A stretch of another variance.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Burst {
+    /// Share of the record.
+    share: f64,
+    /// Its length, seconds.
+    duration_s: f64,
+    /// Factor on the variance.
+    factor: f64,
+}
+
+impl Burst {
+    /// What it adds to a density that is `density` elsewhere, as a mean over the record.
+    fn adds(&self, f_hz: f64, density: f64) -> f64 {
+        if f_hz * self.duration_s < 1.0 {
+            return 0.0;
+        }
+        self.share * (self.factor - 1.0) * density
+    }
+}
+
+impl Views {
+    /// Of an axis that is done, beside a simulated record, which costs as much as some of the tests.
+    pub fn new(
+        axis: &AxisState,
+        before: Before,
+        models: Models<'_>,
+        held_out: Vec<HeldPoint>,
+        findings: &[Finding],
+        mean: f64,
+        options: &Options,
+    ) -> Self {
+        // One more record's worth of memory at a time.
+        let course = Course::new(axis, findings, mean);
+        let after = Counts::new(axis);
+        let bursts = bursts(findings, axis.mended.len() as f64 / axis.rate_hz);
+        let wave = deterministic(axis);
+        let (mut allan, (mut spectrum, velocity_error)) = rayon::join(
+            || allan::points(axis, models, &wave, &bursts),
+            || {
+                (
+                    spectrum::Pooled::new(axis, &before.fit, &wave, &bursts),
+                    growth::compare(axis, models, &wave),
+                )
+            },
+        );
+        let amplitudes = Amplitudes {
+            before: before.amplitudes,
+            after,
+        };
+        drop(wave);
+        let simulated = simulate(axis, models.whole, options.covariate.as_deref());
+        if let Some(simulated) = &simulated {
+            allan::add_simulated(&mut allan, simulated, axis.rate_hz);
+            spectrum.add_simulated(simulated);
+        }
+        Self {
+            allan,
+            held_out,
+            spectrum: spectrum.points,
+            velocity_error,
+            simulation_seed: simulated.map(|_| SEED),
+            course,
+            amplitudes,
+        }
+    }
+}
+
+/// The deterministic part of the model in this record, samples that were no measurement included: the
+/// measured record holds them too. Missing samples are NaN; empty where there is none.
+fn deterministic(axis: &AxisState) -> Vec<f64> {
+    if axis.mended.waves.is_empty() {
+        return Vec::new();
+    }
+    let mut wave = axis.mended.waveform();
+    for (value, measured) in wave.iter_mut().zip(axis.mended.measured()) {
+        *value += 0.0 * measured;
+    }
+    wave
+}
+
+fn bursts(findings: &[Finding], record_s: f64) -> Vec<Burst> {
+    let burst = |finding: &Finding| {
+        let value = |name: &str| finding.parameters.get(name).map(|one| one.value);
+        let duration_s = value("to_s")? - value("from_s")?;
+        Some(Burst {
+            share: duration_s / record_s,
+            duration_s,
+            factor: value("factor")?.powi(2),
+        })
+    };
+    let bursts = findings.iter().filter(|one| one.effect == "burst");
+    bursts.filter_map(burst).collect()
+}
+
+/// A record of `model` as long as that of `axis`, with the same samples missing, about its mean, at
+/// the same `temperature`. `None` where the model is none.
+fn simulate(axis: &AxisState, model: &ModelAxis, temperature: Option<&[f64]>) -> Option<Vec<f64>> {
+    let mean = model.mean;
+    let model = Model {
+        schema: SCHEMA,
+        rate_hz: axis.rate_hz,
+        axes: vec![model.clone()],
+        correlation: None,
+    };
+    let length = axis.mended.len();
+    let simulation = match temperature {
+        Some(column) => Simulation::at_temperature(&model, length as u64, SEED, column.to_vec()),
+        None => Simulation::new(&model, length as u64, SEED),
+    };
+    let mut simulation = simulation.ok()?;
+    let mut values = Vec::with_capacity(length);
+    while values.len() < length {
+        values.append(&mut simulation.next_columns(BLOCK).remove(0));
+    }
+    for (value, measured) in values.iter_mut().zip(axis.mended.measured()) {
+        // Missing where the record misses one.
+        *value += 0.0 * measured - mean;
+    }
+    Some(values)
+}

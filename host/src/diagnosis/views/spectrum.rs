@@ -1,0 +1,155 @@
+//! The spectral density: measured, expected before and after, simulated.
+
+use std::ops::Range;
+
+use serde::Serialize;
+
+use crate::bins::point;
+use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::laws;
+use crate::diagnosis::record::bins::Frame;
+use crate::diagnosis::views::Burst;
+use crate::fit::likelihood::Fit;
+use crate::spectrum::pool;
+
+/// Degrees of freedom of a point, at least: bins with less are taken together.
+const LEAST_EDF: f64 = 8.0;
+
+/// Standard deviations by which a density differs: of hundreds of points none does by chance.
+const DIFFERS: f64 = 4.0;
+
+/// Neighbouring bins as one. Densities are two-sided, squared units of the signal per hertz.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct SpectrumPoint {
+    /// Mean frequency, hertz.
+    pub f_hz: f64,
+    /// Measured density.
+    pub psd: f64,
+    /// Lower end of its 95 % interval.
+    pub lo: f64,
+    /// Upper end of its 95 % interval.
+    pub hi: f64,
+    /// Degrees of freedom behind it.
+    pub edf: f64,
+    /// What the five terms alone expect.
+    pub before: f64,
+    /// What the extended model expects.
+    pub after: f64,
+    /// That of the simulated record.
+    pub simulated: Option<f64>,
+}
+
+impl SpectrumPoint {
+    /// Whether the five terms alone are further off than chance explains.
+    pub fn differs_before(&self) -> bool {
+        (self.psd / self.before).ln().abs() > DIFFERS * (2.0 / self.edf).sqrt()
+    }
+}
+
+/// The points of an axis, with the bins that they are made of.
+pub(crate) struct Pooled<'a> {
+    /// The points.
+    pub points: Vec<SpectrumPoint>,
+    runs: Vec<(Range<usize>, f64)>,
+    /// Degrees of freedom of the bins.
+    edf: Vec<f64>,
+    frame: Held<'a>,
+}
+
+/// Bins for the record as measured: those of the axis, unless parts of it are masked by now.
+enum Held<'a> {
+    Own(Box<Frame>),
+    Axis(&'a Frame),
+}
+
+impl Held<'_> {
+    fn get(&self) -> &Frame {
+        match self {
+            Self::Own(frame) => frame,
+            Self::Axis(frame) => frame,
+        }
+    }
+}
+
+impl<'a> Pooled<'a> {
+    /// Of an axis whose five terms alone were fitted as `before`, with the deterministic part `wave`;
+    /// the simulated densities are not yet among them.
+    pub fn new(axis: &'a AxisState, before: &Fit, wave: &[f64], bursts: &[Burst]) -> Self {
+        let measured = axis.mended.measured();
+        let whole = (!axis.mended.masked.is_empty())
+            .then(|| Frame::new(measured, axis.rate_hz, axis.chain.as_ref()))
+            .flatten();
+        let held = whole.map_or(Held::Axis(&axis.frame), |frame| Held::Own(Box::new(frame)));
+        let frame = held.get();
+        let mut after = sum(&laws::components(frame, &axis.laws), &axis.fit.squared);
+        for (after, bin) in after.iter_mut().zip(frame.bins()) {
+            let adds = bursts.iter().map(|burst| burst.adds(bin.f_hz, *after));
+            *after += adds.sum::<f64>();
+        }
+        if !wave.is_empty() {
+            let waves = frame.measure(wave).psd;
+            after
+                .iter_mut()
+                .zip(waves)
+                .for_each(|(sum, wave)| *sum += wave);
+        }
+        let before = sum(frame.units(), &before.squared);
+        let psd = frame.measure(measured).psd;
+        let f_hz: Vec<f64> = frame.bins().iter().map(|bin| bin.f_hz).collect();
+        let edf: Vec<f64> = frame.bins().iter().map(|bin| bin.edf).collect();
+        let runs = pool::runs(edf.iter().copied(), LEAST_EDF);
+        let points = runs
+            .iter()
+            .map(|(run, own)| {
+                let psd = mean(&psd, &edf, run);
+                let (lo, hi) = point::interval(psd, *own);
+                SpectrumPoint {
+                    f_hz: mean(&f_hz, &edf, run),
+                    psd,
+                    lo: lo * lo,
+                    hi: hi * hi,
+                    edf: *own,
+                    before: mean(&before, &edf, run),
+                    after: mean(&after, &edf, run),
+                    simulated: None,
+                }
+            })
+            .collect();
+        Self {
+            points,
+            runs,
+            edf,
+            frame: held,
+        }
+    }
+
+    /// Adds the densities of a simulated record.
+    pub fn add_simulated(&mut self, simulated: &[f64]) {
+        let psd = self.frame.get().measure(simulated).psd;
+        if psd.len() != self.edf.len() {
+            return;
+        }
+        for (point, (run, _)) in self.points.iter_mut().zip(&self.runs) {
+            point.simulated = Some(mean(&psd, &self.edf, run));
+        }
+    }
+}
+
+/// Mean over a run of bins, weighed by their degrees of freedom.
+fn mean(values: &[f64], edf: &[f64], run: &Range<usize>) -> f64 {
+    let weight: f64 = edf[run.clone()].iter().sum();
+    let sum: f64 = run.clone().map(|bin| values[bin] * edf[bin]).sum();
+    sum / weight
+}
+
+/// Expectation of the bins for components with these squares.
+fn sum(components: &[Vec<f64>], squared: &[f64]) -> Vec<f64> {
+    let bins = components.first().map_or(0, Vec::len);
+    let mut total = vec![0.0; bins];
+    for (component, squared) in components.iter().zip(squared) {
+        for (total, value) in total.iter_mut().zip(component) {
+            *total += squared * value;
+        }
+    }
+    total
+}
