@@ -1,7 +1,8 @@
 //! The board's estimator: Allan variance alone, one conversion at a time.
 
-use crate::block::{BLOCK, Scratch};
+use crate::block::Scratch;
 use crate::engine::Engine;
+use crate::grid::BLOCK;
 use crate::sums::AllanSums;
 use crate::{Estimate, Statistic};
 

@@ -1,7 +1,8 @@
 //! The host's estimator: Allan, modified Allan and Hadamard variance from one pass.
 
-use crate::block::{BLOCK, Scratch};
+use crate::block::Scratch;
 use crate::engine::{Engine, LAST_INDEX};
+use crate::grid::BLOCK;
 use crate::head::Head;
 use crate::knot::Running;
 use crate::sums::FamilySums;

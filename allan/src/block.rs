@@ -5,13 +5,12 @@
 //! below it, and last the history takes over what pushing one by one would have left in it.
 
 use crate::engine::{Engine, add_difference};
-use crate::grid::{GROUND_LAGS, LEVEL_LAGS};
+use crate::grid::{BLOCK, GROUND_LAGS, LEVEL, LEVEL_LAGS, LONGEST, REACH};
 use crate::history::{GROUND, History, RING, last_taken_over, last_turn};
 use crate::kernels::with_vectors;
 use crate::knot::{Knot, Running};
 use crate::packed::Packed;
-pub(crate) use crate::row::BLOCK;
-use crate::row::{LEVEL, LONGEST, Line, REACH, Row};
+use crate::row::{Line, Row};
 use crate::sums::Sums;
 
 /// Turns of a level below which its row is not worth collecting.

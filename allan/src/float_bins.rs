@@ -4,8 +4,9 @@ use core::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::block::{BLOCK, Scratch};
+use crate::block::Scratch;
 use crate::fixed_point::{CODE_LIMIT, FixedPoint};
+use crate::grid::BLOCK;
 use crate::kernels::with_vectors;
 use crate::{Bins, Estimate, NotAdjacent, Statistic};
 

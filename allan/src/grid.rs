@@ -1,4 +1,5 @@
-//! The averaging times of the streaming estimators and how far apart their differences lie.
+//! The averaging times of the streaming estimators, how far apart their differences lie, and how many
+//! knots these take.
 //!
 //! Four averaging times an octave, `m` in {1, 2, 3} and {4, 5, 6, 7} * 2^k. The 17 shortest form
 //! the *ground* and use every overlap. Above it, *level* `l` (from 1) takes the four averaging
@@ -15,6 +16,20 @@ pub(crate) const GROUND_LAGS: [u64; 17] =
 
 /// Averaging times of a level in units of its stride.
 pub(crate) const LEVEL_LAGS: [u64; 4] = [24, 28, 32, 40];
+
+/// Samples of a block. 2^11, which the kernels' partial sums allow for; and the sum of sums of that
+/// many codes below 2^42 is below 2^63.
+pub(crate) const BLOCK: usize = 2048;
+
+/// Knots that the longest difference reaches back: three of the longest lag, in the row of the
+/// ground as in that of a level.
+pub(crate) const REACH: u64 = 3 * GROUND_LAGS[GROUND_LAGS.len() - 1];
+
+/// Knots of a block's row: those from before it, the last of which may itself be new, and its own.
+pub(crate) const LONGEST: usize = REACH as usize + 1 + BLOCK;
+
+/// Knots of a level's row: from before the block likewise, and every second of the block at most.
+pub(crate) const LEVEL: usize = REACH as usize + 1 + BLOCK / 2;
 
 #[cfg(test)]
 mod tests {

@@ -18,8 +18,8 @@
 
 use core::marker::PhantomData;
 
+use crate::grid::LONGEST;
 use crate::kernels::{CHUNK, WIDEST, squares};
-use crate::row::LONGEST;
 
 /// Added to both halves of a word of differences, whose magnitude it exceeds.
 const BIAS: u64 = 1 << 31;

@@ -7,16 +7,6 @@ use crate::packed::{Differences, Order, Packed, Second, Third};
 use crate::statistic::Statistic;
 use crate::sums::Sums;
 
-/// Samples of a block. 2^11, which the kernels' partial sums allow for; and the sum of sums of that
-/// many codes below 2^42 is below 2^63.
-pub(crate) const BLOCK: usize = 2048;
-/// Knots that the longest difference reaches back.
-pub(crate) const REACH: u64 = 120;
-/// Knots of a block's row: those from before it, the last of which may itself be new, and its own.
-pub(crate) const LONGEST: usize = REACH as usize + 1 + BLOCK;
-/// Knots of a level's row: from before the block likewise, and every second of the block at most.
-pub(crate) const LEVEL: usize = REACH as usize + 1 + BLOCK / 2;
-
 /// Cumulative sums modulo 2^64: of a block and the 120 knots before it, or of every `2^l`-th index.
 pub(crate) struct Row<const ROOM: usize> {
     /// Sums of the samples.
