@@ -5,8 +5,6 @@ use std::path::PathBuf;
 
 use inm_protocol::VERSION;
 
-use crate::source::SourceError;
-
 /// Why a capture cannot be read or written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -88,12 +86,5 @@ impl CaptureError {
             Self::CutHeader { .. } => "record again",
             Self::Protocol { .. } => "use the inm release named as `inm` in the header",
         }
-    }
-}
-
-impl From<CaptureError> for SourceError {
-    fn from(error: CaptureError) -> Self {
-        let remedy = error.remedy();
-        Self::new(&error, remedy)
     }
 }

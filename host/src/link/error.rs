@@ -6,7 +6,6 @@ use std::time::Duration;
 use inm_protocol::{Refusal, Request, VERSION};
 
 use super::words::why;
-use crate::source::SourceError;
 
 /// Why the board cannot be reached, or does not do what it was asked.
 #[derive(Debug, thiserror::Error)]
@@ -105,12 +104,5 @@ impl LinkError {
             },
             Self::WrongAnswer { .. } => "restart the board and try again".to_owned(),
         }
-    }
-}
-
-impl From<LinkError> for SourceError {
-    fn from(error: LinkError) -> Self {
-        let remedy = error.remedy();
-        Self::new(&error, remedy)
     }
 }
