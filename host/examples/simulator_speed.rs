@@ -7,9 +7,9 @@
 use std::time::Instant;
 
 use inm_host::model::published::{PublishedAxis, RATE_HZ};
+use inm_host::model::random::Generator;
 use inm_host::model::whole::Model;
 use inm_host::model::{Coefficient, Seed};
-use inm_host::simulate::Generator;
 use inm_host::simulate::source::Simulation;
 
 /// Samples of one measurement, and in one block.

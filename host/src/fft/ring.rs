@@ -103,7 +103,7 @@ impl Ring {
 mod tests {
     use super::*;
     use crate::model::Seed;
-    use crate::simulate::Gaussian;
+    use crate::model::random::Gaussian;
 
     /// Every kind of split: powers of one prime, each `s`, and a length that is not smooth.
     const LENGTHS: [usize; 10] = [

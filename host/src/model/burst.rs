@@ -102,7 +102,7 @@ impl Effect for Kind {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulate::{Gaussian, Generator};
+    use crate::model::random::{Gaussian, Generator};
 
     #[test]
     fn multiplies_the_noise_and_not_the_level() {

@@ -9,8 +9,8 @@
 use std::f64::consts::{LN_2, PI};
 
 use super::kernel::{self, Kernel};
+use super::random::{Gaussian, Generator};
 use super::{Seed, Term};
-use crate::simulate::{Gaussian, Generator};
 
 /// What it is, in a sentence.
 pub const MEANING: &str = "flicker noise (1/f): the floor that longer averaging does not lower, \

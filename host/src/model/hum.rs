@@ -1,9 +1,9 @@
 //! Hum: lines at multiples of one frequency, such as the mains and its harmonics.
 
 use super::effect::{Effect, Parameter, Part, Quantity};
+use super::random::{self, Generator};
 use super::sinusoid::{Oscillator, Sinusoid};
 use super::{Line, Seed, Term};
-use crate::simulate::{self, Generator};
 
 /// Sinusoids at multiples of a frequency, each with a phase of its own.
 #[derive(Debug, Clone, PartialEq)]
@@ -54,7 +54,7 @@ impl Term for Hum {
     }
 
     fn generator(&self, rate_hz: f64, seed: Seed) -> Box<dyn Generator> {
-        let mut random = simulate::random(seed);
+        let mut random = random::random(seed);
         let tones = self.tones();
         Box::new(Chord(
             tones

@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use super::effect::{Band, Effect, Parameter, Part, Quantity};
+use super::random::{Gaussian, Generator};
 use super::{Seed, Term};
-use crate::simulate::{Gaussian, Generator};
 
 /// A process with the covariance `D exp(-mu |t|)`. Pavlov and Petrov eq. 3, where
 /// `D = deviation^2` and `mu = 1 / time_s`.

@@ -26,6 +26,7 @@ pub mod powerlaw;
 pub mod published;
 pub mod quantisation;
 pub mod ramp;
+pub mod random;
 pub mod resonance;
 pub mod rolloff;
 pub mod rounding;
@@ -42,8 +43,10 @@ pub mod warmup;
 pub mod white;
 pub mod whole;
 
+pub use random::Seed;
+
+use self::random::Generator;
 use crate::signal::Unit;
-use crate::simulate::Generator;
 
 /// One kind of noise with its parameters.
 pub trait Term: Send + Sync {
@@ -81,15 +84,6 @@ pub struct Line {
     pub f_hz: f64,
     /// Mean square of the signal, unit of the signal squared: half the amplitude's square.
     pub power: f64,
-}
-
-/// Names one stream of random numbers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Seed {
-    /// What the user chose.
-    pub seed: u64,
-    /// Which stream of it: axes and terms have one each.
-    pub stream: u64,
 }
 
 /// The five coefficients of eq. 8, in the order of falling slope of the Allan curve.

@@ -5,7 +5,7 @@ use rand_pcg::Pcg64;
 
 use super::Seed;
 use super::effect::{Distorter, Distortion, Effect, Incoming, Parameter, Part, Quantity};
-use crate::simulate::{self, Gaussian};
+use super::random::{self, Gaussian};
 
 /// Impulses one sample long at random times, of Gaussian height, on top of what is there.
 ///
@@ -28,7 +28,7 @@ impl Distortion for Outliers {
 
     fn distorter(&self, rate_hz: f64, seed: Seed) -> Box<dyn Distorter> {
         let mut impulses = Impulses {
-            times: simulate::random(seed),
+            times: random::random(seed),
             heights: Gaussian::new(
                 Seed {
                     stream: seed.stream + HEIGHTS,

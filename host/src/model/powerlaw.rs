@@ -3,8 +3,8 @@
 use super::effect::{Band, Effect, Parameter, Part, Quantity};
 use super::kernel::{self, Kernel};
 use super::markov::Markov;
+use super::random::Generator;
 use super::{Seed, Term};
-use crate::simulate::Generator;
 
 /// Noise of the two-sided density `density_1hz (f / 1 Hz)^-exponent`.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,7 +1,7 @@
 //! Quantisation noise: white noise of the integral, so differenced white noise of the signal.
 
+use super::random::{Gaussian, Generator};
 use super::{Seed, Term};
-use crate::simulate::{Gaussian, Generator};
 
 /// What it is, in a sentence.
 pub const MEANING: &str = "error of the integrated signal that does not grow with time: rounding \

@@ -1,7 +1,7 @@
 //! Rate ramp: a steady drift, the one term that is not random.
 
+use super::random::Generator;
 use super::{Seed, Term};
-use crate::simulate::Generator;
 
 /// What it is, in a sentence.
 pub const MEANING: &str = "steady drift of the zero, not random: warming up or cooling down";

@@ -3,9 +3,9 @@
 use std::f64::consts::{PI, TAU};
 
 use super::effect::{Band, Effect, Parameter, Part, Quantity};
+use super::random::{Gaussian, Generator};
 use super::{Seed, Term};
 use crate::model::kernel::{self, Kernel};
-use crate::simulate::{Gaussian, Generator};
 
 /// Noise about a frequency: `Re(z e^{2 pi i f0 t})` with `z` complex Markov noise. Its covariance
 /// is `amplitude^2 e^{-pi width |t|} cos(2 pi f0 t)`.

@@ -140,7 +140,7 @@ impl Effect for Kind {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::simulate::Gaussian;
+    use crate::model::random::Gaussian;
 
     /// What comes out of white noise, in blocks of this many samples.
     fn filtered(seed: u64, count: usize, block: usize) -> Vec<f64> {

@@ -6,8 +6,8 @@ use rand_distr::{Distribution, Uniform};
 use rand_pcg::Pcg64;
 
 use super::effect::{Effect, Parameter, Part, Quantity};
+use super::random::{self, Generator};
 use super::{Line, Seed, Term};
-use crate::simulate::{self, Generator};
 
 /// `amplitude * cos(2 pi f_hz t + phase)`, the phase being any.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,7 +51,7 @@ impl Term for Sinusoid {
     }
 
     fn generator(&self, rate_hz: f64, seed: Seed) -> Box<dyn Generator> {
-        Box::new(self.oscillator(rate_hz, &mut simulate::random(seed)))
+        Box::new(self.oscillator(rate_hz, &mut random::random(seed)))
     }
 }
 

@@ -8,7 +8,7 @@ use rand_pcg::Pcg64;
 use super::Seed;
 use super::effect::{Distorter, Distortion, Effect, Incoming, Parameter, Part, Quantity};
 use super::kernel::{self, Kernel};
-use crate::simulate;
+use super::random;
 
 /// Each sample repeats the one before with the same probability, whatever happened before.
 ///
@@ -71,7 +71,7 @@ impl Distortion for Stale {
 
     fn distorter(&self, _rate_hz: f64, seed: Seed) -> Box<dyn Distorter> {
         Box::new(Repeater {
-            random: simulate::random(seed),
+            random: random::random(seed),
             stale: Bernoulli::new(self.share).expect("a share"),
             last: None,
         })

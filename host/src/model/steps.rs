@@ -1,8 +1,8 @@
 //! Steps: the level jumps and stays.
 
 use super::effect::{Effect, Parameter, Part, Quantity};
+use super::random::Generator;
 use super::{Seed, Term};
-use crate::simulate::Generator;
 
 /// Jumps of the level at given times. Not random, and no two records have them alike: what they
 /// add to an Allan variance depends on where in the record they are, so the law says zero. Whoever

@@ -5,8 +5,8 @@ use rand_pcg::Pcg64;
 
 use super::effect::{Effect, Parameter, Part, Quantity};
 use super::markov::Markov;
+use super::random::{self, Generator};
 use super::{Seed, Term};
-use crate::simulate::{self, Generator};
 
 /// Two levels, at plus and minus half the height, held for exponentially distributed times.
 ///
@@ -54,7 +54,7 @@ impl Term for Telegraph {
     }
 
     fn generator(&self, rate_hz: f64, seed: Seed) -> Box<dyn Generator> {
-        let mut random = simulate::random(seed);
+        let mut random = random::random(seed);
         let chance = |probability| Bernoulli::new(probability).expect("between 0 and 1");
         let half = 0.5 * self.height;
         Box::new(Switch {

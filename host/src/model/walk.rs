@@ -1,7 +1,7 @@
 //! Rate random walk: the signal itself is the sum of independent steps.
 
+use super::random::{Gaussian, Generator};
 use super::{Seed, Term};
-use crate::simulate::{Gaussian, Generator};
 
 /// What it is, in a sentence.
 pub const MEANING: &str = "slow wandering of the zero, without return: ageing, temperature \

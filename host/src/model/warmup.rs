@@ -1,8 +1,8 @@
 //! Warm-up: the level settles exponentially from the start of the record.
 
 use super::effect::{Effect, Parameter, Part, Quantity};
+use super::random::Generator;
 use super::{Seed, Term};
-use crate::simulate::Generator;
 
 /// The course `amplitude exp(-t / time_s)`. Not random: as for [`Steps`](super::steps::Steps),
 /// the law says zero, and whoever knows the record takes out the course that the generator makes.

@@ -1,8 +1,8 @@
 //! White noise of the signal: velocity random walk for an accelerometer, angle random walk for
 //! a gyroscope.
 
+use super::random::{Gaussian, Generator};
 use super::{Seed, Term};
-use crate::simulate::{Gaussian, Generator};
 
 /// What it is, in a sentence.
 pub const MEANING: &str = "white noise of the signal: thermal noise of sensor and electronics; \

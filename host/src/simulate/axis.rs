@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use super::Generator;
 use super::shaping::{Shape, Shaper};
 use crate::model::effect::{Distorter, Part};
 use crate::model::follows::{Follower, Leader};
+use crate::model::random::Generator;
 use crate::model::whole::ModelAxis;
 use crate::model::{Coefficient, Seed, Term};
 

@@ -21,9 +21,9 @@ use pulp::Arch;
 use realfft::RealFftPlanner;
 use rustfft::num_complex::Complex;
 
-use super::Generator;
 use crate::chain::Chain;
 use crate::model::Term;
+use crate::model::random::Generator;
 
 /// Points of the transform.
 const GRID: usize = 4096;

@@ -7,8 +7,8 @@ use inm_emulator::sensor::Sensor;
 
 use crate::model::Seed;
 use crate::model::effect::Part;
+use crate::model::random::Generator;
 use crate::model::whole::ModelEffect;
-use crate::simulate::Generator;
 
 /// Accelerations that are made at a time.
 const BLOCK: usize = 1024;

@@ -10,9 +10,9 @@ use rand_distr::{Distribution, Uniform};
 use rand_pcg::Pcg64;
 
 use crate::model::published::{PublishedAxis, RATE_HZ};
+use crate::model::random::random;
 use crate::model::whole::ModelEffect;
 use crate::model::{PerCoefficient, Seed};
-use crate::simulate::random;
 use crate::source::shaken::Hidden;
 
 /// Stream of random numbers, apart from those of the noise.

@@ -198,7 +198,8 @@ mod tests {
     #[test]
     fn slopes_of_a_simulated_walk() {
         let seed = 4;
-        let mut noise = crate::simulate::Gaussian::new(crate::model::Seed { seed, stream: 0 }, 1.0);
+        let mut noise =
+            crate::model::random::Gaussian::new(crate::model::Seed { seed, stream: 0 }, 1.0);
         let (records, steps) = (400, 64 * 16);
         let mut sum = [0.0; 2];
         let mut claimed = 0.0;
