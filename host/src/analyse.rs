@@ -15,6 +15,7 @@ use crate::bins::record::{Account, AxisRecord, Record};
 use crate::bins::taus::Taus;
 use crate::fit::design::Design;
 pub use crate::fit::likelihood::terms::{LikelihoodFit, LikelihoodValue};
+pub use crate::fit::result::{Fits, PublishedValue, WeightedValue};
 use crate::fit::{likelihood, published, weighted};
 use crate::model::kernel::Kernel;
 use crate::model::whole::ModelAxis;
@@ -168,53 +169,6 @@ pub struct SpectrumPoint {
     pub edf: f64,
 }
 
-/// The fits of one axis; `None` where the record is too short for one.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Fits {
-    /// Eq. 9 to 11 as printed.
-    pub published: Option<PerCoefficient<PublishedValue>>,
-    /// Weighted by each point's uncertainty, coefficients not negative.
-    pub weighted: Option<PerCoefficient<WeightedValue>>,
-    /// Error of the model's deviation that the weighted fit had to allow for at every point,
-    /// percent; zero where the record follows the five terms.
-    pub weighted_allowance_percent: Option<f64>,
-    /// By likelihood, from the spectrum.
-    pub likelihood: Option<LikelihoodFit>,
-}
-
-impl Fits {
-    /// Squares of the model to go by: that of the likelihood fit, else of the weighted one.
-    pub fn squares(&self) -> Option<PerCoefficient<f64>> {
-        let likelihood = self.likelihood.as_ref().map(LikelihoodFit::squares);
-        likelihood.or_else(|| {
-            let weighted = self.weighted.as_ref()?;
-            Some(PerCoefficient::from_fn(|one| weighted.get(one).squared))
-        })
-    }
-}
-
-/// A coefficient of the published fit.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct PublishedValue {
-    /// The coefficient; `None` where its square came out negative.
-    pub value: Option<f64>,
-    /// Its square, as fitted.
-    pub squared: f64,
-}
-
-/// A coefficient of the weighted fit.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct WeightedValue {
-    /// The coefficient; `None` where its square was held at zero.
-    pub value: Option<f64>,
-    /// Its square, not negative.
-    pub squared: f64,
-    /// Lower end of its 95 % interval; zero where the data cannot tell it from zero.
-    pub lo: f64,
-    /// Upper end of its 95 % interval.
-    pub hi: f64,
-}
-
 /// Reads `source` to its end and analyses it. `progress` is told the samples read so far.
 ///
 /// # Errors
@@ -319,8 +273,11 @@ fn analyse_axis(
         .collect();
     let estimate = Estimate::new(record.cascade(), rate_hz, &Settings::default());
     let weighted = weighted::fit(&modified, rate_hz, &design);
+    let published = published::fit(&published_points);
     let fits = Fits {
-        published: published::fit(&published_points).map(published_values),
+        published: published.map(|squares| {
+            PerCoefficient::from_fn(|one| PublishedValue::of_square(*squares.get(one)))
+        }),
         weighted: weighted.map(|fit| fit.coefficients),
         weighted_allowance_percent: weighted.map(|fit| 50.0 * fit.allowance),
         likelihood: likelihood::terms::fit(record.cascade(), &estimate, axis.scale, &design),
@@ -431,14 +388,4 @@ fn curves(points: &[Point], fits: &Fits, design: &Design) -> Vec<CurveModel> {
         }),
     };
     points.iter().map(curve).collect()
-}
-
-fn published_values(squares: PerCoefficient<f64>) -> PerCoefficient<PublishedValue> {
-    PerCoefficient::from_fn(|coefficient| {
-        let squared = *squares.get(coefficient);
-        PublishedValue {
-            value: (squared >= 0.0).then(|| squared.sqrt()),
-            squared,
-        }
-    })
 }

@@ -6,4 +6,5 @@ pub mod design;
 pub mod least_squares;
 pub mod likelihood;
 pub mod published;
+pub mod result;
 pub mod weighted;

@@ -24,7 +24,7 @@ use nalgebra::{DMatrix, DVector};
 use super::covariance::Kernels;
 use super::design::Design;
 use super::least_squares::solve_non_negative;
-use crate::analyse::WeightedValue;
+use super::result::WeightedValue;
 use crate::bins::point::Point;
 use crate::model::kernel::Kernel;
 use crate::model::{Coefficient, PerCoefficient};
