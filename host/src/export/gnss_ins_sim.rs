@@ -11,9 +11,9 @@ use std::fmt::Write;
 
 use super::input::Input;
 use super::sensor::{Sensor, float};
+use crate::model::axis::ModelAxis;
 use crate::model::markov::Markov;
 use crate::model::white::White;
-use crate::model::whole::ModelAxis;
 use crate::model::{Coefficient, Term};
 use crate::signal::Dimension;
 

@@ -6,8 +6,10 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use crate::chain::Chain;
+use crate::model::axis::ModelAxis;
+use crate::model::file::ModelError;
 use crate::model::published::DURATION_S;
-use crate::model::whole::{Model, ModelAxis, ModelError, SCHEMA};
+use crate::model::whole::{Model, SCHEMA};
 use crate::model::{Coefficient, PerCoefficient};
 use crate::signal::Unit;
 

@@ -13,6 +13,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::factor::Factor;
 use super::state_space::StateSpace;
+use crate::model::axis::{ModelAxis, ModelEffect};
 use crate::model::effect::Part;
 use crate::model::flicker::Flicker;
 use crate::model::kernel::{self, Kernel};
@@ -20,7 +21,6 @@ use crate::model::law::Law;
 use crate::model::markov::Markov;
 use crate::model::quantisation::Quantisation;
 use crate::model::white::White;
-use crate::model::whole::{ModelAxis, ModelEffect};
 use crate::model::{Line, Term};
 
 /// Ratio of neighbouring correlation times of the flicker bank: 0.5 % of ripple in deviation.

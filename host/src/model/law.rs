@@ -10,16 +10,22 @@
 
 use std::f64::consts::PI;
 
-use super::Line;
-use super::Term;
+use super::axis::ModelAxis;
 use super::effect::{Distortion, Incoming, Part};
 use super::kernel::{self, Kernel};
-use super::whole::ModelAxis;
+use super::{Line, Term};
 use crate::chain::Chain;
 
 /// Steps of the table of the chain's power from zero to half the rate. Interpolation errs by less
 /// than 1e-5 of the pass band's power.
 const STEPS: usize = 8192;
+
+impl ModelAxis {
+    /// What data of this axis should look like.
+    pub fn law(&self, rate_hz: f64) -> Law {
+        Law::new(self, rate_hz)
+    }
+}
 
 /// The law of one axis.
 pub struct Law {

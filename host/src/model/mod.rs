@@ -6,15 +6,18 @@
 //! fits use. Spectra are two-sided, per hertz; averaging times are `m` data periods.
 //!
 //! What else a record can hold is an [`effect`], listed in the [`catalogue`]. A [`whole`] model is
-//! axes with coefficients, effects and a signal chain, as model files hold it; its [`law`] is what
-//! data of it should look like.
+//! some [axes](axis) with coefficients, effects and a signal chain, as a [`file`] holds it; an axis's
+//! [`law`] is what data of it should look like.
 
+pub mod axis;
 pub mod burst;
 pub mod catalogue;
 pub mod clipping;
 pub mod common_mode;
+mod correlation;
 pub mod dropped;
 pub mod effect;
+pub mod file;
 pub mod flicker;
 pub mod follows;
 pub mod hum;

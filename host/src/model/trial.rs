@@ -1,7 +1,8 @@
 //! Trials of effects: does what their simulators make follow the law of the model?
 
+use super::axis::ModelAxis;
 use super::effect::Part;
-use super::whole::{Model, ModelAxis};
+use super::whole::Model;
 use super::{Coefficient, Seed};
 use crate::simulate::axis::AxisSimulation;
 

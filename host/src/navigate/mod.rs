@@ -12,10 +12,10 @@
 
 pub mod response;
 
+use crate::model::axis::ModelAxis;
 use crate::model::effect::Part;
 use crate::model::kernel::panels;
 use crate::model::law::Law;
-use crate::model::whole::ModelAxis;
 use crate::model::{Coefficient, Line, PerCoefficient};
 use response::{Integral, Weights, x};
 

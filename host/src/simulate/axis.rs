@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use super::shaping::{Shape, Shaper};
+use crate::model::axis::ModelAxis;
 use crate::model::effect::{Distorter, Part};
 use crate::model::follows::{Follower, Leader};
 use crate::model::random::Generator;
-use crate::model::whole::ModelAxis;
 use crate::model::{Coefficient, Seed, Term};
 
 /// Samples that are made at a time. Distorters see these blocks and no others, so that the data

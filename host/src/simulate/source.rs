@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use super::axis::AxisSimulation;
+use crate::model::axis::ModelAxis;
 use crate::model::effect::Part;
 use crate::model::follows::Leader;
-use crate::model::whole::{Model, ModelAxis};
+use crate::model::whole::Model;
 use crate::signal::{Axis, Signal, Unit};
 use crate::source::{Block, Chunk, Column, Source, SourceError, Values};
 

@@ -1,0 +1,164 @@
+//! One axis of a model: coefficients, signal chain, and effects of the catalogue with their parameters.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::catalogue::{self, CATALOGUE};
+use super::effect::{self, Effect, Parameter, Part};
+use super::{Coefficient, PerCoefficient};
+use crate::chain::Chain;
+use crate::signal::Unit;
+
+/// One axis of a model.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ModelAxis {
+    /// Its name.
+    pub name: String,
+    /// Unit of the signal.
+    #[serde(default)]
+    pub unit: Unit,
+    /// Mean of the signal.
+    #[serde(default)]
+    pub mean: f64,
+    /// Signal chain behind the terms.
+    #[serde(default)]
+    pub chain: Option<Chain>,
+    /// The five coefficients.
+    #[serde(default)]
+    pub coefficients: PerCoefficient<f64>,
+    /// What there is besides.
+    #[serde(default)]
+    pub effects: Vec<ModelEffect>,
+}
+
+impl ModelAxis {
+    /// True data rate over the nominal one.
+    pub fn clock(&self) -> f64 {
+        let ratio = |effect: &ModelEffect| match effect.part() {
+            Part::Clock(ratio) => ratio,
+            Part::Term(_) | Part::Distortion(_) | Part::Follows(_) => 1.0,
+        };
+        self.effects.iter().map(ratio).product()
+    }
+
+    /// Whether data can be made of it at a nominal `rate_hz`.
+    ///
+    /// # Errors
+    /// In words: what was found and what was expected.
+    pub(super) fn check(&self, rate_hz: f64) -> Result<(), String> {
+        if !self.mean.is_finite() {
+            return Err(format!("mean is {}; expected a finite number", self.mean));
+        }
+        for coefficient in Coefficient::ALL {
+            let value = *self.coefficients.get(coefficient);
+            if !value.is_finite() {
+                return Err(format!(
+                    "coefficient {} is {value}; expected a finite number",
+                    coefficient.symbol()
+                ));
+            }
+        }
+        let lines = self
+            .effects
+            .iter()
+            .filter_map(|effect| match effect.part() {
+                Part::Term(term) => Some((effect, term.lines())),
+                Part::Distortion(_) | Part::Clock(_) | Part::Follows(_) => None,
+            });
+        let rate_hz = self.clock() * rate_hz;
+        for (effect, lines) in lines {
+            if let Some(line) = lines.iter().find(|line| line.f_hz >= 0.5 * rate_hz) {
+                return Err(format!(
+                    "effect {}: {} Hz is not below half the rate of {rate_hz}/s; give the \
+                     frequency at which it is seen in the samples",
+                    effect.kind().name(),
+                    line.f_hz
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// An effect of the catalogue with its parameters.
+#[derive(Clone, Serialize, Deserialize)]
+#[serde(try_from = "NamedEffect", into = "NamedEffect")]
+pub struct ModelEffect {
+    kind: &'static dyn Effect,
+    values: Vec<f64>,
+}
+
+/// An effect as it is written.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct NamedEffect {
+    effect: String,
+    parameters: BTreeMap<String, f64>,
+}
+
+impl ModelEffect {
+    /// The effect `name` with its parameters by name.
+    ///
+    /// # Errors
+    /// In words, if there is no such effect, or a parameter is missing, unknown or out of range.
+    pub fn new(name: &str, parameters: &BTreeMap<String, f64>) -> Result<Self, String> {
+        let kind = catalogue::find(name).ok_or_else(|| {
+            let names: Vec<&str> = CATALOGUE.iter().map(|one| one.name()).collect();
+            format!("no effect `{name}`; known are {}", names.join(", "))
+        })?;
+        let values = effect::in_order(kind, parameters)?;
+        Ok(Self { kind, values })
+    }
+
+    /// Which effect.
+    pub const fn kind(&self) -> &'static dyn Effect {
+        self.kind
+    }
+
+    /// Its parameters.
+    pub fn parameters(&self) -> Vec<Parameter> {
+        self.kind.parameters(&self.values)
+    }
+
+    /// The values of the parameters, in their order.
+    pub fn values(&self) -> &[f64] {
+        &self.values
+    }
+
+    /// What it adds to the model.
+    pub fn part(&self) -> Part {
+        self.kind.part(&self.values)
+    }
+}
+
+impl TryFrom<NamedEffect> for ModelEffect {
+    type Error = String;
+
+    fn try_from(named: NamedEffect) -> Result<Self, String> {
+        Self::new(&named.effect, &named.parameters)
+    }
+}
+
+impl From<ModelEffect> for NamedEffect {
+    fn from(effect: ModelEffect) -> Self {
+        let names = effect.parameters().into_iter().map(|one| one.name);
+        Self {
+            effect: effect.kind.name().to_owned(),
+            parameters: names.map(String::from).zip(effect.values).collect(),
+        }
+    }
+}
+
+impl PartialEq for ModelEffect {
+    fn eq(&self, other: &Self) -> bool {
+        self.kind.name() == other.kind.name() && self.values == other.values
+    }
+}
+
+impl std::fmt::Debug for ModelEffect {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}{:?}", self.kind.name(), self.values)
+    }
+}
