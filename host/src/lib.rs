@@ -28,3 +28,4 @@ pub mod signal;
 pub mod simulate;
 pub mod source;
 pub mod spectrum;
+pub mod virtual_board;

@@ -6,7 +6,7 @@ use inm_host::capture::Reader;
 use inm_host::source::Source;
 use inm_host::source::board::{BoardSource, Plan, Stop};
 use inm_host::source::capture::CaptureSource;
-use inm_host::source::virtual_board::{VirtualConnect, Witness};
+use inm_host::virtual_board::{VirtualConnect, Witness};
 use inm_protocol::{Filter, Phase, Rate, Settings};
 use inm_tests::record::Record;
 

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use inm_host::source::board::{BoardSource, Plan, Stop};
 use inm_host::source::capture::CaptureSource;
-use inm_host::source::virtual_board::{VirtualConnect, Witness};
+use inm_host::virtual_board::{VirtualConnect, Witness};
 use inm_tests::port::{Damage, DamagedConnect};
 use inm_tests::record::Record;
 

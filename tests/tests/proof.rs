@@ -5,7 +5,7 @@ use inm_host::source::Source;
 use inm_host::source::audit::{Proof, State};
 use inm_host::source::board::{BoardSource, Plan, Stop};
 use inm_host::source::capture::CaptureSource;
-use inm_host::source::virtual_board::VirtualConnect;
+use inm_host::virtual_board::VirtualConnect;
 use inm_tests::port::{Damage, DamagedConnect};
 use inm_tests::record::Record;
 

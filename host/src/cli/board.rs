@@ -7,7 +7,7 @@ use inm_protocol::{Filter, Phase, Rate, Settings};
 
 use crate::link::{Connect, Patience, SerialConnect};
 use crate::source::board::Plan;
-use crate::source::virtual_board::VirtualConnect;
+use crate::virtual_board::VirtualConnect;
 
 /// Which board, and how it is to record.
 #[derive(Debug, Clone, Args)]

@@ -16,11 +16,9 @@ pub mod npy_header;
 pub mod open;
 pub mod options;
 pub mod part;
-pub mod shaken;
 pub mod stamps;
 pub mod table;
 pub mod text;
-pub mod virtual_board;
 
 pub use error::SourceError;
 

@@ -9,11 +9,11 @@ use std::f64::consts::{PI, TAU};
 use rand_distr::{Distribution, Uniform};
 use rand_pcg::Pcg64;
 
+use crate::model::axis::ModelEffect;
 use crate::model::published::{PublishedAxis, RATE_HZ};
 use crate::model::random::random;
-use crate::model::whole::ModelEffect;
 use crate::model::{PerCoefficient, Seed};
-use crate::source::shaken::Hidden;
+use crate::virtual_board::Hidden;
 
 /// Stream of random numbers, apart from those of the noise.
 const STREAM: u64 = 2 << 48;

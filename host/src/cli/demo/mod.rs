@@ -25,7 +25,7 @@ use crate::source::Source;
 use crate::source::board::{BoardSource, Plan};
 use crate::source::open::open;
 use crate::source::options::ArrayOptions;
-use crate::source::virtual_board::VirtualConnect;
+use crate::virtual_board::VirtualConnect;
 
 /// Arguments of `inm demo`.
 #[derive(Debug, Args)]

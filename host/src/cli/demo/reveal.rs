@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use crate::diagnosis::result::finding::{Diagnosis, Finding};
 use crate::report::number::{estimated, significant};
-use crate::source::shaken::Hidden;
+use crate::virtual_board::Hidden;
 
 /// What was hidden and what was found, with a newline at the end.
 pub fn render(hidden: &Hidden, diagnosis: &Diagnosis) -> String {

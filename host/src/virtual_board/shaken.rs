@@ -6,9 +6,9 @@ use inm_emulator::filter::DECIMATION;
 use inm_emulator::sensor::Sensor;
 
 use crate::model::Seed;
+use crate::model::axis::ModelEffect;
 use crate::model::effect::Part;
 use crate::model::random::Generator;
-use crate::model::whole::ModelEffect;
 
 /// Accelerations that are made at a time.
 const BLOCK: usize = 1024;

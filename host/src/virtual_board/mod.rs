@@ -5,6 +5,8 @@
 //! whose speed is kept in virtual time. Where the host reads slower than the board sends, virtual
 //! time waits; nothing is lost that a real host of unlimited speed would have received.
 
+mod shaken;
+
 use std::io::{self, Read, Write};
 use std::sync::mpsc::{
     self, Receiver, RecvTimeoutError, Sender, SyncSender, TryRecvError, sync_channel,
@@ -20,7 +22,9 @@ use inm_firmware::emulated::{VirtualBoard, VirtualLink, describe};
 use inm_firmware::{Board, Instrument};
 use inm_protocol::{AXES, Restart};
 
-use super::shaken::{Hidden, Shaken};
+pub use shaken::Hidden;
+
+use self::shaken::Shaken;
 use crate::link::{Connect, LinkError, Port};
 
 /// Transmit queue of the board, bytes; that of the image.
