@@ -9,7 +9,7 @@
 //! segments. The figures are relative: multiply by the expectations of both bins.
 
 use super::{
-    estimate::Group,
+    binning::Group,
     expected::Operator,
     segments::{HOP, LEN, Power},
     window::Window,

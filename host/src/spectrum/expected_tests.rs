@@ -5,9 +5,10 @@
 //! estimate of one unit innovation's response: no quadrature, no spectrum, no statistics.
 
 use super::{
+    binning::{Origin, Settings},
     cascade::Cascade,
     cosine::Run,
-    estimate::{Bin, Estimate, Origin, Settings},
+    estimate::{Bin, Estimate},
     expected::{Path, SegmentWindows, level_kernels},
     quadrature::{Nodes, Peak},
     segments::LEN,

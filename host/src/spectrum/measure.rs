@@ -2,8 +2,9 @@
 //! `cargo test --release -p inm-host --lib spectrum::measure -- --ignored --nocapture --test-threads 1`
 
 use super::{
+    binning::Settings,
     cascade::Cascade,
-    estimate::{Estimate, Settings, bins},
+    estimate::{Estimate, bins},
     line_tests::{add_tone, ideal_amplitude, white},
     lines::LineSearch,
     record_lines::search,

@@ -14,8 +14,8 @@
 //!   [`history`] are its parts. Averaged, tapered, half-overlapped periodograms (Welch 1967), at
 //!   rates that follow the frequency, so that resolution is a share of it (the aim of Tröbs and
 //!   Heinzel 2006, reached here in one pass instead of one transform a frequency).
-//! - [`estimate`]: from its sums to bins; [`cosine`] for the lowest frequencies, where segments are
-//!   few.
+//! - [`estimate`]: from its sums to bins, each from the source that serves it best; [`cosine`] for
+//!   the lowest frequencies, where segments are few.
 //! - [`expected`] with [`quadrature`], and [`covariance`]: what a fit compares the bins with. A
 //!   Whittle-type likelihood needs no more than the bins, their expectation and their covariance.
 //! - [`lines`] while streaming and [`record_lines`] over a recorded file: narrow lines.
@@ -34,6 +34,7 @@
 //! - M. Tröbs and G. Heinzel, *Improved spectrum estimation from digitized time series on a
 //!   logarithmic frequency axis*, Measurement 39 (2006).
 
+mod binning;
 pub mod cascade;
 pub mod cosine;
 pub mod covariance;
@@ -50,11 +51,13 @@ pub mod quadrature;
 pub mod record_lines;
 pub mod segments;
 mod slow_floor;
+mod sources;
 pub mod window;
 
+pub use binning::{Origin, Settings};
 pub use cascade::{Cascade, OutOfOrder};
 pub use cross::CrossCascade;
-pub use estimate::{Bin, Estimate, Origin, Settings};
+pub use estimate::{Bin, Estimate};
 pub use lines::{Line, LineSearch};
 pub use segments::Plan;
 

@@ -1,8 +1,9 @@
 //! Degrees of freedom, covariance and robustness, by simulation.
 
 use super::{
+    binning::Settings,
     cascade::Cascade,
-    estimate::{Estimate, Settings, bins},
+    estimate::{Estimate, bins},
     segments::Plan,
 };
 use rand_distr::{Distribution, StandardNormal};
