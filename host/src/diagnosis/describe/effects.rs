@@ -9,9 +9,9 @@ use crate::diagnosis::result::finding::{Finding, Gain};
 use crate::diagnosis::rounds::{self, Accepted, Snapshot};
 use crate::fit::likelihood::Fit;
 use crate::model::PerCoefficient;
+use crate::model::axis::ModelEffect;
 use crate::model::catalogue;
 use crate::model::effect::Effect;
-use crate::model::whole::ModelEffect;
 
 /// Findings as a model file has them, where the catalogue can make them.
 pub(crate) fn named_effects(findings: &[Finding]) -> Vec<ModelEffect> {

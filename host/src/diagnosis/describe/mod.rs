@@ -17,7 +17,7 @@ use crate::diagnosis::views::{Models, Views};
 use crate::fft::ring::Series;
 use crate::fit::likelihood::Fit;
 use crate::fit::likelihood::components::SEEN;
-use crate::model::whole::ModelAxis;
+use crate::model::axis::ModelAxis;
 use crate::model::{Coefficient as Letter, PerCoefficient};
 use crate::signal::Axis;
 

@@ -299,7 +299,7 @@ pub fn follows(
 mod tests {
     use super::*;
     use crate::model::Seed;
-    use crate::simulate::Gaussian;
+    use crate::model::random::Gaussian;
 
     const LENGTH: usize = 1 << 15;
     const RATE_HZ: f64 = 100.0;

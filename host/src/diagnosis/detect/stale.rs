@@ -140,7 +140,7 @@ pub fn stale(repeats: usize, pairs: usize, chance: Chance, level: f64) -> Option
 mod tests {
     use super::*;
     use crate::model::Seed;
-    use crate::simulate::Gaussian;
+    use crate::model::random::Gaussian;
 
     const LENGTH: usize = 1 << 18;
 

@@ -13,7 +13,7 @@ use realfft::num_complex::Complex64;
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::statistic::matched_filter::{Transformer, Whole};
 use crate::model::Seed;
-use crate::simulate::Gaussian;
+use crate::model::random::Gaussian;
 
 /// Simulated records of each kind.
 const RECORDS: usize = 8;

@@ -202,7 +202,7 @@ pub fn grid(values: &[f64]) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::model::Seed;
-    use crate::simulate::Gaussian;
+    use crate::model::random::Gaussian;
 
     /// What is made of normal numbers, one after the other.
     fn found(seed: u64, mut make: impl FnMut(f64) -> f64) -> CodeFindings {

@@ -309,7 +309,7 @@ mod tests {
 
     use super::*;
     use crate::model::Seed;
-    use crate::simulate::Gaussian;
+    use crate::model::random::Gaussian;
 
     const LENGTH: usize = 1 << 17;
     const RATE_HZ: f64 = 2000.0;

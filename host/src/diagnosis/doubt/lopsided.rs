@@ -62,7 +62,7 @@ mod tests {
 
     use super::*;
     use crate::model::Seed;
-    use crate::simulate::Gaussian;
+    use crate::model::random::Gaussian;
 
     fn of(seed: u64, bend: impl Fn(f64) -> f64) -> Lopsided {
         let mut noise = Gaussian::new(Seed { seed, stream: 0 }, 1.0);

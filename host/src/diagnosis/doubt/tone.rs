@@ -99,7 +99,7 @@ mod tests {
 
     use super::*;
     use crate::model::Seed;
-    use crate::simulate::Gaussian;
+    use crate::model::random::Gaussian;
 
     fn axis(seed: u64, line: impl Fn(f64) -> f64) -> AxisState {
         let mut noise = Gaussian::new(Seed { seed, stream: 0 }, 1.0);

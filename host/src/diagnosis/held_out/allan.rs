@@ -11,7 +11,7 @@ use crate::diagnosis::held_out::curve;
 use crate::diagnosis::held_out::half;
 use crate::diagnosis::record::residual::Wave;
 use crate::diagnosis::rounds::Snapshot;
-use crate::model::whole::ModelAxis;
+use crate::model::axis::ModelAxis;
 
 /// Degrees of freedom from which a point of the Allan curve says how far a model is off.
 const LEAST_EDF: f64 = 1000.0;

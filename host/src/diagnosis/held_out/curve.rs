@@ -57,7 +57,7 @@ mod tests {
     use super::*;
     use crate::bins::strided::Strided;
     use crate::model::Seed;
-    use crate::simulate::Gaussian;
+    use crate::model::random::Gaussian;
 
     #[test]
     fn the_curve_is_that_of_the_finer_grid() {

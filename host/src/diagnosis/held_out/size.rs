@@ -8,7 +8,7 @@ use crate::bins::point::Point;
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::held_out::allan::{AtJumps, HeldCurve};
 use crate::diagnosis::rounds::{Accepted, Snapshot};
-use crate::model::whole::ModelAxis;
+use crate::model::axis::ModelAxis;
 
 /// Degrees of freedom from which a point of the Allan curve counts.
 const LEAST_EDF: f64 = 10.0;

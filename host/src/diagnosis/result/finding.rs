@@ -8,7 +8,8 @@ use crate::analyse::SourceSummary;
 use crate::diagnosis::result::place::Place;
 use crate::diagnosis::views::Views;
 use crate::model::PerCoefficient;
-use crate::model::whole::{Model, ModelAxis, SCHEMA};
+use crate::model::axis::ModelAxis;
+use crate::model::whole::{Model, SCHEMA};
 use crate::signal::Unit;
 
 /// Everything that was found out about a record.

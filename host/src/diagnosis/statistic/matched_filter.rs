@@ -410,7 +410,7 @@ pub fn held_out_gain(record: &Whole, density: &[f64], wave: &Whole) -> f64 {
 mod tests {
     use super::*;
     use crate::model::Seed;
-    use crate::simulate::Gaussian;
+    use crate::model::random::Gaussian;
 
     #[test]
     fn both_halves_are_in_the_whole_answer() {

@@ -54,7 +54,7 @@ mod tests {
 
     use super::*;
     use crate::model::Seed;
-    use crate::simulate::Gaussian;
+    use crate::model::random::Gaussian;
 
     const RATE_HZ: f64 = 100.0;
 

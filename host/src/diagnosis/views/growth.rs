@@ -14,7 +14,7 @@ use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::held_out::BLOCKS;
 use crate::diagnosis::views::Models;
 use crate::model::PerCoefficient;
-use crate::model::whole::ModelAxis;
+use crate::model::axis::ModelAxis;
 use crate::navigate::{self, ALIGNMENT_S, response::Integral};
 
 /// Times of integration, seconds; those that fit into a block.

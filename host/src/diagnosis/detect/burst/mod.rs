@@ -261,7 +261,7 @@ impl Sums {
 mod tests {
     use super::*;
     use crate::model::Seed;
-    use crate::simulate::Gaussian;
+    use crate::model::random::Gaussian;
 
     #[test]
     fn a_short_burst_is_as_loud_as_its_whole_blocks() {

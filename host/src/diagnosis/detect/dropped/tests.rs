@@ -3,7 +3,7 @@ use std::f64::consts::TAU;
 use super::*;
 use crate::fft::ring::Series;
 use crate::model::Seed;
-use crate::simulate::Gaussian;
+use crate::model::random::Gaussian;
 
 const LENGTH: usize = 60_000;
 const RATE_HZ: f64 = 2000.0;

@@ -174,7 +174,7 @@ mod tests {
 
     use super::*;
     use crate::model::Seed;
-    use crate::simulate::Gaussian;
+    use crate::model::random::Gaussian;
 
     const LEN: usize = 1 << 18;
     const RATE_HZ: f64 = 100.0;

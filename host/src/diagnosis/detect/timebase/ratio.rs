@@ -303,7 +303,7 @@ fn sources(lines: &[Log]) -> Vec<usize> {
 mod tests {
     use super::*;
     use crate::model::Seed;
-    use crate::simulate::Gaussian;
+    use crate::model::random::Gaussian;
 
     /// Lines at `f_hz` over `ratio`, measured to the share `sd`.
     fn seen(random: &mut Gaussian, f_hz: &[f64], ratio: f64, sd: f64) -> Vec<Mark> {
