@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-pub use super::axis::{ModelAxis, ModelEffect};
+use super::axis::ModelAxis;
 use super::correlation;
 use super::published::{PublishedAxis, RATE_HZ};
 use crate::signal::Unit;

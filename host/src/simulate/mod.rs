@@ -10,5 +10,3 @@ pub mod capture;
 pub mod file;
 pub mod shaping;
 pub mod source;
-
-pub use crate::model::random::{Gaussian, Generator};
