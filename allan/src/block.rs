@@ -5,7 +5,7 @@
 //! below it, and last the history takes over what pushing one by one would have left in it.
 
 use crate::engine::{Engine, add_difference};
-use crate::grid::{BLOCK, GROUND_LAGS, LEVEL, LEVEL_LAGS, LONGEST, REACH};
+use crate::grid::{GROUND_LAGS, LEVEL, LEVEL_LAGS, LONGEST, REACH};
 use crate::history::{GROUND, History, RING, last_taken_over, last_turn};
 use crate::kernels::with_vectors;
 use crate::knot::{Knot, Running};
@@ -62,7 +62,7 @@ impl<K: Knot, const LEVELS: usize> Knots<'_, K, LEVELS> {
 }
 
 impl<S: Sums, const LEVELS: usize> Engine<S, LEVELS> {
-    /// Accepts at most [`BLOCK`] samples whose codes differ by at most `spread`. Before anything
+    /// Accepts at most [`BLOCK`](crate::grid::BLOCK) samples whose codes differ by at most `spread`. Before anything
     /// moves, shows `observe` the sample count after the block and how to find a knot.
     pub(crate) fn push_block(
         &mut self,
