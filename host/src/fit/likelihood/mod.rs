@@ -2,8 +2,6 @@
 //!
 //! ```text
 //! Estimate -> data -> scoring (squares of the coefficients) -> information, profile, test
-//!                        ^
-//!                     shape (what is not linear: a corner, a width, a time constant)
 //! ```
 //!
 //! A bin averages squares of nearly Gaussian ordinates, so it follows a gamma law about its
@@ -31,7 +29,6 @@ pub mod non_negative;
 pub mod profile;
 pub mod ramp;
 pub mod scoring;
-pub mod shape;
 pub mod slope;
 pub mod terms;
 pub mod whittle;
