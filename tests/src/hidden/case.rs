@@ -159,13 +159,9 @@ impl Case {
         self.axis(self.scene.target, &effects).allan_variances(ms)
     }
 
-    /// Writes the files into `folder`, under names that tell nothing.
-    ///
-    /// # Errors
-    /// If they cannot be written.
-    pub fn write(&self, folder: &Path) -> io::Result<Files> {
-        let record = folder.join("record.npy");
-        let mut columns: Vec<&[f64]> = self.columns.iter().map(Vec::as_slice).collect();
+    /// How the program is told of the record: rate, unit, chain, and which column of the file is
+    /// what. The temperature is the last column.
+    pub fn arguments(&self) -> Vec<String> {
         let mut arguments = vec![
             "--rate".to_owned(),
             self.scene.rate_hz.to_string(),
@@ -175,13 +171,25 @@ impl Case {
         if let Some(chain) = self.scene.chain.declared() {
             arguments.extend(["--chain".to_owned(), chain]);
         }
-        if let Some(temperature) = &self.temperature {
-            let axes: Vec<String> = (0..columns.len()).map(|axis| axis.to_string()).collect();
-            arguments.extend(["--columns".to_owned(), axes.join(",")]);
-            arguments.extend(["--temperature".to_owned(), columns.len().to_string()]);
-            columns.push(temperature);
+        if self.temperature.is_some() {
+            let axes = self.columns.len();
+            let columns: Vec<String> = (0..axes).map(|axis| axis.to_string()).collect();
+            arguments.extend(["--columns".to_owned(), columns.join(",")]);
+            arguments.extend(["--temperature".to_owned(), axes.to_string()]);
         }
+        arguments
+    }
+
+    /// Writes the files into `folder`, under names that tell nothing.
+    ///
+    /// # Errors
+    /// If they cannot be written.
+    pub fn write(&self, folder: &Path) -> io::Result<Files> {
+        let record = folder.join("record.npy");
+        let columns = self.columns.iter().chain(&self.temperature);
+        let columns: Vec<&[f64]> = columns.map(Vec::as_slice).collect();
         npy::write(&record, &columns)?;
+        let mut arguments = self.arguments();
         if let Some(reference) = &self.reference {
             let other = folder.join("other.npy");
             let columns: Vec<&[f64]> = reference.iter().map(Vec::as_slice).collect();

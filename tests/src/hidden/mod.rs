@@ -16,6 +16,7 @@ pub mod axis;
 pub mod case;
 pub mod draw;
 pub mod effect;
+pub mod frozen;
 pub mod ideal;
 pub mod judge;
 pub mod noise;

@@ -1,21 +1,47 @@
-//! Arrays as NumPy writes them: float64, little-endian, one column an axis.
+//! Arrays as NumPy writes them, little-endian, one column an axis.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write as _};
 use std::path::Path;
+
+/// What an array can hold.
+pub trait Element: Copy {
+    /// Its type, as a header names it.
+    const DESCR: &str;
+
+    /// Its bytes, least significant first.
+    fn bytes(self) -> impl AsRef<[u8]>;
+}
+
+impl Element for f64 {
+    const DESCR: &str = "<f8";
+
+    fn bytes(self) -> impl AsRef<[u8]> {
+        self.to_le_bytes()
+    }
+}
+
+impl Element for i32 {
+    const DESCR: &str = "<i4";
+
+    fn bytes(self) -> impl AsRef<[u8]> {
+        self.to_le_bytes()
+    }
+}
 
 /// Writes columns of equal length as a two-dimensional array in C order, one column as a
 /// one-dimensional one (NPY format 1.0).
 ///
 /// # Errors
 /// If the file cannot be written.
-pub fn write(path: &Path, columns: &[&[f64]]) -> io::Result<()> {
+pub fn write<T: Element>(path: &Path, columns: &[&[T]]) -> io::Result<()> {
     let rows = columns.first().map_or(0, |column| column.len());
     let shape = match columns.len() {
         1 => format!("({rows},)"),
         count => format!("({rows}, {count})"),
     };
-    let mut header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}");
+    let descr = T::DESCR;
+    let mut header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}");
     // Magic, version, length and header fill a multiple of 64 bytes; a line feed ends them.
     while (10 + header.len() + 1) % 64 != 0 {
         header.push(' ');
@@ -28,7 +54,7 @@ pub fn write(path: &Path, columns: &[&[f64]]) -> io::Result<()> {
     file.write_all(header.as_bytes())?;
     for row in 0..rows {
         for column in columns {
-            file.write_all(&column[row].to_le_bytes())?;
+            file.write_all(column[row].bytes().as_ref())?;
         }
     }
     file.flush()

@@ -68,7 +68,11 @@ pub fn run_all(
 }
 
 /// What `run` makes of each task, `at_once` at a time, in the order of the tasks.
-pub fn each<T: Send>(tasks: &[Task], at_once: usize, run: &(dyn Fn(&Task) -> T + Sync)) -> Vec<T> {
+pub fn each<A: Sync, T: Send>(
+    tasks: &[A],
+    at_once: usize,
+    run: &(dyn Fn(&A) -> T + Sync),
+) -> Vec<T> {
     let next = AtomicUsize::new(0);
     let done = Mutex::new(Vec::new());
     thread::scope(|scope| {
