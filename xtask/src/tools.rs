@@ -46,8 +46,41 @@ pub fn ensure_qemu() -> Result<()> {
              Debian: sudo apt-get install {QEMU}"
         );
     }
-    run(Command::new("apt-get").args(["update"]))?;
-    run(Command::new("apt-get")
-        .env("DEBIAN_FRONTEND", "noninteractive")
-        .args(["install", "--yes", "--no-install-recommends", QEMU]))
+    run(Command::new("apt-get").args(["update"]))
+        .and_then(|()| run(&mut install(QEMU)))
+        .with_context(|| {
+            format!(
+                "apt could not install {QEMU} beside what is installed; nothing was removed. If \
+                 it names packages that are in the way, decide by hand: `apt-get install {QEMU}` \
+                 lists what it would remove and asks first. Any {QEMU} on the path will do"
+            )
+        })
+}
+
+/// Installs a package and asks nothing. `--no-remove`: whose machine it is decides what goes, so
+/// apt fails where something would have to.
+fn install(package: &str) -> Command {
+    let mut command = Command::new("apt-get");
+    command.env("DEBIAN_FRONTEND", "noninteractive").args([
+        "install",
+        "--yes",
+        "--no-remove",
+        "--no-install-recommends",
+        package,
+    ]);
+    command
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn installing_never_removes_what_is_there() {
+        let command = install(QEMU);
+        let arguments: Vec<_> = command.get_args().collect();
+        assert_eq!(arguments.first(), Some(&"install".as_ref()));
+        assert_eq!(arguments.last(), Some(&QEMU.as_ref()));
+        assert!(arguments.contains(&"--no-remove".as_ref()), "{arguments:?}");
+    }
 }
