@@ -12,6 +12,7 @@
 //!
 //!   image     building an image          elf    reading one
 //!   tools     the target and QEMU        run    running a command
+//!   layers    which module may import which, a test
 //! ```
 
 mod bench;
@@ -19,6 +20,8 @@ mod elf;
 mod firmware;
 mod image;
 mod instructions;
+#[cfg(test)]
+mod layers;
 mod run;
 mod size;
 mod study;

@@ -1,0 +1,250 @@
+//! What must never be imported, and what still is.
+
+/// Modules that must not import others.
+pub struct Never {
+    pub from: &'static [&'static str],
+    pub to: &'static [&'static str],
+    /// Why, in a clause.
+    pub why: &'static str,
+}
+
+/// An import that is there today.
+pub struct Import {
+    pub from: &'static str,
+    pub to: &'static str,
+    /// Why it is there, and what will take it away.
+    pub why: &'static str,
+}
+
+pub const NEVER: [Never; 13] = [
+    Never {
+        from: &[
+            "host::analyse",
+            "host::bins",
+            "host::capture",
+            "host::chain",
+            "host::data_sheet",
+            "host::export",
+            "host::fft",
+            "host::fit",
+            "host::flash",
+            "host::link",
+            "host::live",
+            "host::model",
+            "host::navigate",
+            "host::signal",
+            "host::simulate",
+            "host::source",
+            "host::spectrum",
+        ],
+        to: &["host::criticise", "host::report", "host::cli"],
+        why: "what measures knows nothing of who judges or shows it",
+    },
+    Never {
+        from: &["host::criticise"],
+        to: &[
+            "host::capture",
+            "host::link",
+            "host::live",
+            "host::export",
+            "host::report",
+            "host::cli",
+        ],
+        why: "a diagnosis is made of samples, and its result is data",
+    },
+    Never {
+        from: &["host::report"],
+        to: &[
+            "host::capture",
+            "host::link",
+            "host::live",
+            "host::simulate",
+            "host::source",
+            "host::cli",
+        ],
+        why: "a report is made of results, never of the record again",
+    },
+    Never {
+        from: &["host::model"],
+        to: &[
+            "host::analyse",
+            "host::bins",
+            "host::fit",
+            "host::simulate",
+            "host::source",
+            "host::spectrum",
+        ],
+        why: "a model is there before any record of it",
+    },
+    Never {
+        from: &["host::spectrum"],
+        to: &[
+            "host::analyse",
+            "host::bins",
+            "host::fit",
+            "host::model",
+            "host::simulate",
+            "host::source",
+        ],
+        why: "a spectrum is made of numbers, wherever they come from",
+    },
+    Never {
+        from: &["host::bins"],
+        to: &[
+            "host::analyse",
+            "host::fit",
+            "host::model",
+            "host::simulate",
+        ],
+        why: "what is counted depends on no model",
+    },
+    Never {
+        from: &["host::fit"],
+        to: &["host::analyse", "host::simulate", "host::source"],
+        why: "a fit is made of bins and spectra, not of a record",
+    },
+    Never {
+        from: &["host::source"],
+        to: &[
+            "host::analyse",
+            "host::bins",
+            "host::fit",
+            "host::live",
+            "host::simulate",
+            "host::spectrum",
+        ],
+        why: "where samples come from does not depend on what is made of them",
+    },
+    Never {
+        from: &["host::simulate"],
+        to: &[
+            "host::analyse",
+            "host::bins",
+            "host::fit",
+            "host::live",
+            "host::spectrum",
+        ],
+        why: "data are made without looking at them",
+    },
+    Never {
+        from: &["host::export"],
+        to: &["host::analyse", "host::fit", "host::source"],
+        why: "a model alone is what other programs get",
+    },
+    Never {
+        from: &["host::fft", "host::chain"],
+        to: &["host::bins", "host::model", "host::signal", "host::source"],
+        why: "arithmetic for all the others",
+    },
+    Never {
+        from: &[
+            "firmware::acquire",
+            "firmware::ads1281",
+            "firmware::mma7331l",
+            "firmware::platform",
+            "firmware::proof",
+        ],
+        to: &["firmware::emulated", "firmware::image"],
+        why: "one code on the board and on the emulator",
+    },
+    Never {
+        from: &["firmware::ads1281", "firmware::mma7331l"],
+        to: &["firmware::acquire"],
+        why: "a driver knows nothing of who uses it",
+    },
+];
+
+/// Empty is the aim: an entry goes as its import is mended.
+pub const KNOWN: [Import; 15] = [
+    Import {
+        from: "allan::packed",
+        to: "allan::row",
+        why: "the longest row, a constant that both need",
+    },
+    Import {
+        from: "emulator::pins",
+        to: "emulator::bench",
+        why: "a pin refers to the bench that hands it out",
+    },
+    Import {
+        from: "emulator::spi",
+        to: "emulator::bench",
+        why: "a port refers to the bench that hands it out",
+    },
+    Import {
+        from: "protocol::command",
+        to: "protocol::message",
+        why: "an event's trouble, declared among the messages",
+    },
+    Import {
+        from: "host::capture::error",
+        to: "host::source",
+        why: "the conversion to a source's error belongs to the source",
+    },
+    Import {
+        from: "host::link::error",
+        to: "host::source",
+        why: "the conversion to a source's error belongs to the source",
+    },
+    Import {
+        from: "host::fit::weighted",
+        to: "host::analyse",
+        why: "the value it returns is declared where it is reported",
+    },
+    Import {
+        from: "host::model",
+        to: "host::simulate",
+        why: "every term makes its own generator",
+    },
+    Import {
+        from: "host::source::shaken",
+        to: "host::simulate",
+        why: "the virtual board's hidden effect is simulated data",
+    },
+    Import {
+        from: "host::model::law",
+        to: "host::model::whole",
+        why: "the law of a whole model belongs to the whole",
+    },
+    Import {
+        from: "host::spectrum::covariance",
+        to: "host::spectrum::estimate",
+        why: "the covariance takes the estimate that takes the covariance",
+    },
+    Import {
+        from: "host::criticise::axis",
+        to: "host::criticise::bursts",
+        why: "the axis holds what the searches that take it have found",
+    },
+    Import {
+        from: "host::criticise::axis",
+        to: "host::criticise::levels",
+        why: "the axis holds what the searches that take it have found",
+    },
+    Import {
+        from: "host::criticise::axis",
+        to: "host::criticise::mend",
+        why: "the axis holds what the searches that take it have found",
+    },
+    Import {
+        from: "host::criticise::finding",
+        to: "host::criticise::views",
+        why: "a diagnosis holds its pictures, which are made of findings",
+    },
+];
+
+/// The project's own crates that a crate may depend on, as its manifest names them.
+pub const DEPENDENCIES: [(&str, &[&str]); 4] = [
+    ("protocol", &[]),
+    ("allan", &[]),
+    ("emulator", &[]),
+    (
+        "firmware",
+        &[
+            "inm-allan = { workspace = true }",
+            // Behind a feature: the image for the board has none of it.
+            "inm-emulator = { workspace = true, optional = true }",
+            "inm-protocol = { workspace = true }",
+        ],
+    ),
+];
