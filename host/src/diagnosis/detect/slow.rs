@@ -298,7 +298,7 @@ pub fn follows(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::Seed;
+    use crate::model::random::Seed;
     use crate::model::random::Gaussian;
 
     const LENGTH: usize = 1 << 15;

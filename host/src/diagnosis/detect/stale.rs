@@ -139,7 +139,7 @@ pub fn stale(repeats: usize, pairs: usize, chance: Chance, level: f64) -> Option
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::Seed;
+    use crate::model::random::Seed;
     use crate::model::random::Gaussian;
 
     const LENGTH: usize = 1 << 18;

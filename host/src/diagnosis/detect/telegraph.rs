@@ -12,7 +12,7 @@ use realfft::num_complex::Complex64;
 
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::statistic::matched_filter::{Transformer, Whole};
-use crate::model::Seed;
+use crate::model::random::Seed;
 use crate::model::random::Gaussian;
 
 /// Simulated records of each kind.

@@ -201,7 +201,7 @@ pub fn grid(values: &[f64]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::Seed;
+    use crate::model::random::Seed;
     use crate::model::random::Gaussian;
 
     /// What is made of normal numbers, one after the other.

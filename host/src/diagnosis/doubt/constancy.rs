@@ -308,7 +308,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::model::Seed;
+    use crate::model::random::Seed;
     use crate::model::random::Gaussian;
 
     const LENGTH: usize = 1 << 17;

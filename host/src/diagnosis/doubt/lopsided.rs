@@ -61,7 +61,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::model::Seed;
+    use crate::model::random::Seed;
     use crate::model::random::Gaussian;
 
     fn of(seed: u64, bend: impl Fn(f64) -> f64) -> Lopsided {

@@ -56,7 +56,7 @@ pub fn of_parts<'a>(
 mod tests {
     use super::*;
     use crate::bins::strided::Strided;
-    use crate::model::Seed;
+    use crate::model::random::Seed;
     use crate::model::random::Gaussian;
 
     #[test]

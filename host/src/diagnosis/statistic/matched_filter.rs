@@ -409,7 +409,7 @@ pub fn held_out_gain(record: &Whole, density: &[f64], wave: &Whole) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::Seed;
+    use crate::model::random::Seed;
     use crate::model::random::Gaussian;
 
     #[test]

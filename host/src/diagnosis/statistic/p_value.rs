@@ -120,7 +120,7 @@ mod tests {
 
     #[test]
     fn the_best_on_a_path_is_as_rare_as_it_says() {
-        use crate::model::Seed;
+        use crate::model::random::Seed;
         use crate::model::random::Gaussian;
         // The largest of a cos t + b sin t, 0 < t < length, for standard normal a and b, at a height
         // that few reach: the bound is within some percent there, 40 000 draws tell it to 5 %.

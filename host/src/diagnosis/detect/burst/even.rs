@@ -59,7 +59,7 @@ mod tests {
 
     use super::*;
     use crate::diagnosis::axis::AxisState;
-    use crate::model::Seed;
+    use crate::model::random::Seed;
     use crate::model::random::Gaussian;
 
     const STRETCH: Range<usize> = 20_000..30_000;

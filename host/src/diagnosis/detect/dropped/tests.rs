@@ -2,7 +2,7 @@ use std::f64::consts::TAU;
 
 use super::*;
 use crate::fft::ring::Series;
-use crate::model::Seed;
+use crate::model::random::Seed;
 use crate::model::random::Gaussian;
 
 const LENGTH: usize = 60_000;

@@ -173,7 +173,7 @@ mod tests {
     use std::f64::consts::TAU;
 
     use super::*;
-    use crate::model::Seed;
+    use crate::model::random::Seed;
     use crate::model::random::Gaussian;
 
     const LEN: usize = 1 << 18;

@@ -302,7 +302,7 @@ fn sources(lines: &[Log]) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::Seed;
+    use crate::model::random::Seed;
     use crate::model::random::Gaussian;
 
     /// Lines at `f_hz` over `ratio`, measured to the share `sd`.
