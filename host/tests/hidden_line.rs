@@ -5,7 +5,7 @@ use std::path::Path;
 
 use inm_host::analyse::{AnalysisOptions, analyse};
 use inm_host::diagnosis::record::samples::Samples;
-use inm_host::diagnosis::rounds::Options;
+use inm_host::diagnosis::options::Options;
 use inm_host::diagnosis::run::diagnose;
 use inm_host::model::Coefficient;
 use inm_host::model::whole::Model;
@@ -50,7 +50,7 @@ fn a_line_inflates_the_published_q_and_the_diagnosis_gives_it_back() {
     let names: Vec<&str> = axis
         .findings
         .iter()
-        .map(|one| one.effect.as_str())
+        .map(|one| one.effect.name())
         .collect();
     assert_eq!(names, ["sinusoid"], "seed {SEED}");
     assert!(
@@ -60,7 +60,7 @@ fn a_line_inflates_the_published_q_and_the_diagnosis_gives_it_back() {
     );
     let hidden = &model.axes[0].effects[0];
     for (parameter, truth) in hidden.parameters().iter().zip(hidden.values()) {
-        let found = axis.findings[0].parameters[parameter.name.as_ref()];
+        let found = axis.findings[0].estimate.named()[parameter.name.as_ref()];
         let half = 0.5 * (found.hi.expect("an end") - found.lo.expect("an end"));
         assert!(
             (found.value - truth).abs() < SIGMAS * half / HALF_INTERVAL,

@@ -13,9 +13,10 @@ use super::output::write_to;
 use super::results::ResultOptions;
 use crate::bins::record::Account;
 use crate::diagnosis::detect::timebase::clock;
+use crate::diagnosis::family::level_of_one_test;
+use crate::diagnosis::options::Options;
 use crate::diagnosis::record::samples::Samples;
 use crate::diagnosis::result::finding::Diagnosis;
-use crate::diagnosis::rounds::Options;
 use crate::diagnosis::run::{Diagnosed, Step, diagnose};
 use crate::report;
 use crate::signal::Signal;
@@ -105,14 +106,11 @@ impl DiagnoseCommand {
             views: self.results.any(),
         };
         let clock = match &reference {
-            Some(reference) => clock(&samples, reference, options.level()),
+            Some(reference) => clock(&samples, reference, level_of_one_test(&options)),
             None => Vec::new(),
         };
         drop(reference);
-        let ratio = clock
-            .first()
-            .and_then(|(_, off)| off.parameters.get("ratio"));
-        if let Some(ratio) = ratio {
+        if let Some(ratio) = clock.first().and_then(|(_, off)| off.estimate.values[0]) {
             // A declared pole is where the record's own clock has it.
             for axis in &mut samples.signal.axes {
                 axis.chain = axis.chain.as_ref().map(|chain| chain.at_clock(ratio.value));

@@ -1,48 +1,69 @@
-//! One axis: rounds until nothing is left that has a name, without what gains nothing.
+//! One axis: searched until nothing is left that has a name, without what gains nothing.
 
-use std::cell::{Cell, OnceCell};
+use std::cell::OnceCell;
 use std::sync::Arc;
 
 use crate::diagnosis::axis::AxisState;
-use crate::diagnosis::detect::values::CodeFindings;
+use crate::diagnosis::detect::telegraph;
+use crate::diagnosis::detect::values::ValueFindings;
+use crate::diagnosis::doubt;
+use crate::diagnosis::explanation::Estimate;
+use crate::diagnosis::family::level_of_one_test;
 use crate::diagnosis::held_out::Halves;
 use crate::diagnosis::held_out::laws::Ordinates;
+use crate::diagnosis::laws;
+use crate::diagnosis::laws::spread::Spread;
+use crate::diagnosis::options::Options;
 use crate::diagnosis::record::samples::AxisSamples;
-use crate::diagnosis::rounds::{self, Accepted, Options, Outcome};
-use crate::diagnosis::run::{LEAST, Progress, Refused, Step};
+use crate::diagnosis::refused::{LEAST, Refused};
+use crate::diagnosis::result::finding::{Remark, Value};
+use crate::diagnosis::run::{Progress, Step};
+use crate::diagnosis::search::{self, Context, Spoilt};
 use crate::diagnosis::statistic::ramp;
 use crate::diagnosis::views::Before;
 use crate::fit::likelihood::Fit;
 use crate::fit::likelihood::ramp::Ramp;
+use crate::model::kind::Kind;
 use crate::signal::Axis;
 use crate::source::Values;
 
 /// Effects that may be refused before the rest is taken as it is.
 const MOST_REFUSED: usize = 4;
 
-/// An axis whose effects are taken out, and how it came to that.
-pub(crate) struct Explained {
+/// An axis whose effects are found, and how it came to that.
+pub struct Explained {
     /// What is left, with its model.
     pub axis: AxisState,
     /// Mean of the record, in the unit of the signal.
     pub mean: f64,
+    /// What was noted of it before anything was explained.
+    pub base: Bare,
+    /// What no effect of the catalogue explains.
+    pub unexplained: Vec<Remark>,
+    /// Standard deviations of the squares of the base components.
+    pub squares_sd: Vec<f64>,
+    /// Gain of each explanation in log-likelihood on data that it was not fitted to, nats.
+    pub held_out_nats: Vec<Option<f64>>,
+}
+
+/// An axis before anything was explained.
+#[derive(Clone)]
+pub struct Bare {
     /// Fit of the five terms alone.
-    pub base_fit: Fit,
-    /// The record before anything was taken out, where views are wanted.
+    pub fit: Fit,
+    /// What they get wrong.
+    pub discrepancies: Vec<Remark>,
+    /// What pictures need of it, where views are wanted.
     pub before: Option<Before>,
     /// Its slope, where it has one; unit of the signal a second.
-    pub base_slope: f64,
-    /// What was found.
-    pub outcome: Outcome,
-    /// Gain of each effect in log-likelihood on data that it was not fitted to.
-    pub nats: Vec<Option<f64>>,
+    pub slope: f64,
 }
 
 /// Explains the record of an axis.
 ///
 /// # Errors
 /// [`Refused`] where it holds too little.
-pub(crate) fn explain(
+pub fn explain(
     signal: &Axis,
     record: AxisSamples,
     rate_hz: f64,
@@ -58,63 +79,125 @@ pub(crate) fn explain(
             samples: good,
         });
     }
-    let mean = mean - signal.zero * signal.scale;
+    let level = level_of_one_test(options);
     let measured = Arc::new(measured);
-    let refusal = || refusal(signal, &measured);
     let begin = || AxisState::new(Arc::clone(&measured), rate_hz, signal.chain.as_ref());
-    let (values, mut first) = rayon::join(
-        || CodeFindings::new(declared, options.level(), &measured, mean),
+    let own_mean = mean - signal.zero * signal.scale;
+    let (values, first) = rayon::join(
+        || ValueFindings::new(declared, level, &measured, own_mean),
         begin,
     );
-    let latest = Cell::new(None);
-    let found = |effect| {
-        latest.set(Some(effect));
-        progress(&signal.name, Step::Found(effect));
-    };
-    let mut refused: Vec<&'static str> = Vec::new();
-    let mut begun: Option<(Option<Before>, f64)> = None;
+    let first = first.ok_or_else(|| refusal(signal, &measured))?;
+    let base = Bare::of(&first, level, options);
+    let mut refused: Vec<Kind> = Vec::new();
+    let mut axis = first;
+    let found = |kind| progress(&signal.name, Step::Found(kind));
     loop {
-        let mut axis = first.take().or_else(begin).ok_or_else(refusal)?;
-        let base_fit = axis.fit.clone();
-        let look = || {
-            let begun = begun.take();
-            let begun =
-                begun.unwrap_or_else(|| (Before::new(&axis, options), slope(ramp::ramp(&axis))));
-            axis.powers();
-            begun
+        let context = Context {
+            level,
+            covariate: options.covariate.as_deref(),
+            values: &values,
+            refused: &refused,
+            found: &found,
         };
-        let (_, (before, base_slope)) = rayon::join(|| axis.lines(options.level()), look);
-        latest.set(None);
-        let Some(outcome) = rounds::run(&mut axis, options, &values, &refused, &found) else {
-            // What was taken out last left nothing that can be fitted: the rest is told without it.
-            let spoils = latest.take().filter(|_| refused.len() <= MOST_REFUSED);
-            refused.push(spoils.ok_or_else(|| Refused::Unfitted {
-                axis: signal.name.clone(),
-            })?);
-            begun = Some((before, base_slope));
-            continue;
-        };
-        let nats = held_out(&axis, &outcome.accepted);
-        // What gains nothing on data that it was not fitted to is no effect.
-        let losers = outcome.accepted.iter().zip(&nats);
-        let losers: Vec<&'static str> = losers
-            .filter(|(_, nats)| nats.is_some_and(|nats| nats <= 0.0))
-            .map(|(one, _)| one.effect)
-            .collect();
-        if losers.is_empty() || refused.len() > MOST_REFUSED {
-            return Ok(Explained {
-                axis,
-                mean,
-                base_fit,
-                before,
-                base_slope,
-                outcome,
-                nats,
-            });
+        match attempt(&mut axis, &context) {
+            Ok(done) => {
+                let held_out_nats = held_out(&axis);
+                let losers = losers(&axis, &held_out_nats);
+                if losers.is_empty() || refused.len() > MOST_REFUSED {
+                    return Ok(Explained {
+                        axis,
+                        mean: own_mean,
+                        base,
+                        unexplained: done.unexplained,
+                        squares_sd: done.squares_sd,
+                        held_out_nats,
+                    });
+                }
+                refused.extend(losers);
+            }
+            // What was taken in last left nothing that can be fitted: the rest is explained without it.
+            Err(Spoilt { latest }) => {
+                let spoils = latest.filter(|_| refused.len() <= MOST_REFUSED);
+                refused.push(spoils.ok_or_else(|| Refused::Unfitted {
+                    axis: signal.name.clone(),
+                })?);
+            }
         }
-        refused.extend(losers);
-        begun = Some((before, base_slope));
+        axis = begin().ok_or_else(|| refusal(signal, &measured))?;
     }
+}
+
+impl Bare {
+    /// Of an axis as it begins. What the search looks at first is made on the way.
+    fn of(axis: &AxisState, level: f64, options: &Options) -> Self {
+        let look = || {
+            let before = Before::new(axis, options);
+            let slope = slope(ramp::ramp(axis));
+            axis.powers();
+            (before, slope)
+        };
+        let (_, (before, slope)) = rayon::join(|| axis.lines(level), look);
+        let departure = doubt::left_over::of_spectrum(axis, level);
+        Self {
+            fit: axis.fit.clone(),
+            discrepancies: departure
+                .iter()
+                .map(doubt::left_over::spectrum_remark)
+                .collect(),
+            before,
+            slope,
+        }
+    }
+}
+
+/// What a search that came to its end says beyond its explanations.
+struct Done {
+    unexplained: Vec<Remark>,
+    squares_sd: Vec<f64>,
+}
+
+fn attempt(axis: &mut AxisState, context: &Context<'_>) -> Result<Done, Spoilt> {
+    let (character, latest) = search::search(axis, context)?;
+    let doubts = doubt::hear(axis, context.level, character.strength_moves);
+    let unexplained = doubts.map_err(|_| Spoilt { latest })?;
+    Ok(Done {
+        unexplained,
+        squares_sd: with_intervals(axis),
+    })
+}
+
+/// Gives the laws of an axis the parameters of the last fit, with their intervals; standard deviations of the
+/// squares of the base components.
+fn with_intervals(axis: &mut AxisState) -> Vec<f64> {
+    let spread = Spread::new(&axis.frame, &axis.data, &axis.laws, &axis.fit);
+    let values = |which: usize| -> Vec<Value> {
+        let values = laws::sized(&axis.frame, &axis.laws, which, &axis.fit);
+        let both = values.iter().zip(spread.log_deviations(which));
+        both.map(|(value, sd)| Value::log_normal(*value, sd))
+            .collect()
+    };
+    let values: Vec<Vec<Value>> = (0..axis.laws.len()).map(values).collect();
+    let units = 0..axis.frame.units().len();
+    let squares_sd = units.map(|component| spread.square_sd(component)).collect();
+    drop(spread);
+    axis.set_laws(|which, one| {
+        if one.kind() == crate::model::telegraph::KIND {
+            telegraph::of_law(&values[which])
+        } else {
+            Estimate::new(one.kind(), values[which].iter().copied())
+        }
+    });
+    squares_sd
+}
+
+/// What gains nothing on data that it was not fitted to is no effect.
+fn losers(axis: &AxisState, held_out_nats: &[Option<f64>]) -> Vec<Kind> {
+    let pairs = axis.explanations().iter().zip(held_out_nats);
+    pairs
+        .filter(|(_, nats)| nats.is_some_and(|nats| nats <= 0.0))
+        .map(|(one, _)| one.kind())
+        .collect()
 }
 
 /// Why there is no spectrum of these samples.
@@ -130,20 +213,20 @@ fn refusal(signal: &Axis, measured: &[f64]) -> Refused {
 }
 
 /// Slope of a ramp that was told from none.
-pub(crate) fn slope(ramp: Option<Ramp>) -> f64 {
+pub fn slope(ramp: Option<Ramp>) -> f64 {
     let told = ramp.filter(Ramp::identified);
     told.map_or(0.0, |ramp| ramp.per_s.abs())
 }
 
-/// Gain of each effect on data that it was not fitted to. The halves are made where they are needed.
-fn held_out(axis: &AxisState, accepted: &[Accepted]) -> Vec<Option<f64>> {
+/// Gain of each explanation on data that it was not fitted to. The halves are made where they are needed.
+fn held_out(axis: &AxisState) -> Vec<Option<f64>> {
     let halves = OnceCell::new();
     let ordinates = OnceCell::new();
-    let nats = accepted.iter().map(|one| {
-        if one.nats.is_some() || one.changes_nothing() {
-            return one.nats;
+    let nats = axis.explanations().iter().map(|one| {
+        if one.held_out_nats.is_some() || one.changes_nothing() {
+            return one.held_out_nats;
         }
-        match one.law {
+        match axis.law_number(one) {
             Some(law) => {
                 let ordinates = ordinates.get_or_init(|| Ordinates::new(axis));
                 ordinates.as_ref()?.nats(law)

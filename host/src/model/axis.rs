@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::catalogue::{self, CATALOGUE};
-use super::effect::{self, Effect, Parameter, Part};
+use super::effect::{self, Parameter, Part};
+use super::kind::Kind;
 use super::{Coefficient, PerCoefficient};
 use crate::chain::Chain;
 use crate::signal::Unit;
@@ -86,7 +87,7 @@ impl ModelAxis {
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(try_from = "NamedEffect", into = "NamedEffect")]
 pub struct ModelEffect {
-    kind: &'static dyn Effect,
+    kind: Kind,
     values: Vec<f64>,
 }
 
@@ -108,12 +109,31 @@ impl ModelEffect {
             let names: Vec<&str> = CATALOGUE.iter().map(|one| one.name()).collect();
             format!("no effect `{name}`; known are {}", names.join(", "))
         })?;
-        let values = effect::in_order(kind, parameters)?;
+        let values = effect::in_order(&*kind, parameters)?;
+        Ok(Self { kind, values })
+    }
+
+    /// An effect with its parameters in the catalogue's order.
+    ///
+    /// # Errors
+    /// In words, if they are too few or too many, or one is out of its range.
+    pub fn of(kind: Kind, values: Vec<f64>) -> Result<Self, String> {
+        let names = kind.parameters(&values).into_iter();
+        let names = names.map(|parameter| parameter.name.into_owned());
+        let named: BTreeMap<String, f64> = names.zip(values.iter().copied()).collect();
+        if named.len() != values.len() {
+            let expected = kind.parameters(&values).len();
+            return Err(format!(
+                "{kind}: {} parameters; expected {expected}",
+                values.len()
+            ));
+        }
+        let values = effect::in_order(&*kind, &named)?;
         Ok(Self { kind, values })
     }
 
     /// Which effect.
-    pub const fn kind(&self) -> &'static dyn Effect {
+    pub const fn kind(&self) -> Kind {
         self.kind
     }
 
@@ -153,7 +173,7 @@ impl From<ModelEffect> for NamedEffect {
 
 impl PartialEq for ModelEffect {
     fn eq(&self, other: &Self) -> bool {
-        self.kind.name() == other.kind.name() && self.values == other.values
+        self.kind == other.kind && self.values == other.values
     }
 }
 

@@ -2,6 +2,8 @@
 
 use super::Seed;
 use super::effect::{Distorter, Distortion, Effect, Parameter, Part, Quantity};
+use super::kind::Kind;
+use super::marks::Mark;
 
 /// Between two times what varies is multiplied, the level is not.
 ///
@@ -16,6 +18,17 @@ pub struct Burst {
     pub to_s: f64,
     /// Factor on the standard deviation of the noise.
     pub factor: f64,
+}
+
+impl Burst {
+    /// With these parameters, in the catalogue's order.
+    pub fn of(values: &[f64]) -> Self {
+        Self {
+            from_s: values[0],
+            to_s: values[1],
+            factor: values[2],
+        }
+    }
 }
 
 impl Distortion for Burst {
@@ -58,9 +71,12 @@ impl Distorter for Louder {
 }
 
 /// Burst in the catalogue.
-pub struct Kind;
+struct Entry;
 
-impl Effect for Kind {
+/// The same by its identity.
+pub const KIND: Kind = Kind::of(&Entry);
+
+impl Effect for Entry {
     fn name(&self) -> &'static str {
         "burst"
     }
@@ -90,12 +106,12 @@ impl Effect for Kind {
         )
     }
 
+    fn marks(&self, values: &[f64]) -> Vec<Mark> {
+        vec![Mark::Stretch(values[0], values[1])]
+    }
+
     fn part(&self, values: &[f64]) -> Part {
-        Part::Distortion(Box::new(Burst {
-            from_s: values[0],
-            to_s: values[1],
-            factor: values[2],
-        }))
+        Part::Distortion(Box::new(Burst::of(values)))
     }
 }
 

@@ -1,35 +1,35 @@
 //! The effects that a model can hold beyond the five terms: one line each.
 
-use super::effect::Effect;
+use super::kind::Kind;
 use super::{
     burst, clipping, common_mode, dropped, hum, markov, outliers, powerlaw, resonance, rolloff,
     rounding, sinusoid, stale, steps, telegraph, thermal, timebase, warmup,
 };
 
 /// All effects.
-pub static CATALOGUE: &[&dyn Effect] = &[
-    &sinusoid::Kind,
-    &markov::Kind,
-    &resonance::Kind,
-    &powerlaw::Kind,
-    &rolloff::Kind,
-    &hum::Kind,
-    &telegraph::Kind,
-    &steps::Kind,
-    &warmup::Kind,
-    &thermal::Kind,
-    &outliers::Kind,
-    &stale::Kind,
-    &dropped::Kind,
-    &clipping::Kind,
-    &rounding::Kind,
-    &burst::Kind,
-    &common_mode::Kind,
-    &timebase::Kind,
+pub static CATALOGUE: &[Kind] = &[
+    sinusoid::KIND,
+    markov::KIND,
+    resonance::KIND,
+    powerlaw::KIND,
+    rolloff::KIND,
+    hum::KIND,
+    telegraph::KIND,
+    steps::KIND,
+    warmup::KIND,
+    thermal::KIND,
+    outliers::KIND,
+    stale::KIND,
+    dropped::KIND,
+    clipping::KIND,
+    rounding::KIND,
+    burst::KIND,
+    common_mode::KIND,
+    timebase::KIND,
 ];
 
 /// The effect called `name`.
-pub fn find(name: &str) -> Option<&'static dyn Effect> {
+pub fn find(name: &str) -> Option<Kind> {
     CATALOGUE.iter().copied().find(|one| one.name() == name)
 }
 
@@ -53,7 +53,7 @@ mod tests {
                 .map(|one| (one.name.to_string(), 1.0))
                 .collect();
             assert_eq!(named.len(), parameters.len(), "{}", effect.name());
-            let values = in_order(*effect, &named).unwrap_or_else(|error| panic!("{error}"));
+            let values = in_order(&**effect, &named).unwrap_or_else(|error| panic!("{error}"));
             assert_eq!(values.len(), parameters.len(), "{}", effect.name());
         }
     }

@@ -2,6 +2,7 @@
 
 use super::Seed;
 use super::effect::{Distorter, Distortion, Effect, Parameter, Part, Quantity};
+use super::kind::Kind;
 
 /// What is beyond a level is held at it. How much that takes from the noise depends on how far
 /// the mean is from the level, which wanders; the law leaves it at 1, which is right as long as
@@ -33,9 +34,12 @@ impl Distorter for Clipping {
 }
 
 /// Clipping in the catalogue.
-pub struct Kind;
+struct Entry;
 
-impl Effect for Kind {
+/// The same by its identity.
+pub const KIND: Kind = Kind::of(&Entry);
+
+impl Effect for Entry {
     fn name(&self) -> &'static str {
         "clipping"
     }

@@ -2,11 +2,15 @@
 
 use super::effect::{Effect, Parameter, Part, Quantity};
 use super::follows::{Follows, Leader};
+use super::kind::Kind;
 
 /// An axis has part in what the axes share.
-pub struct Kind;
+struct Entry;
 
-impl Effect for Kind {
+/// The same by its identity.
+pub const KIND: Kind = Kind::of(&Entry);
+
+impl Effect for Entry {
     fn name(&self) -> &'static str {
         "common_mode"
     }

@@ -2,6 +2,8 @@
 
 use super::Seed;
 use super::effect::{Distorter, Distortion, Effect, Parameter, Part, Quantity};
+use super::kind::Kind;
+use super::marks::Mark;
 
 /// Samples left out at given times. Over a long record neither spectrum nor Allan variance shows
 /// it, so the law is 1: lines lose their phase, random walks take one larger step.
@@ -55,9 +57,12 @@ impl Distorter for Dropper {
 }
 
 /// Dropped samples in the catalogue.
-pub struct Kind;
+struct Entry;
 
-impl Effect for Kind {
+/// The same by its identity.
+pub const KIND: Kind = Kind::of(&Entry);
+
+impl Effect for Entry {
     fn name(&self) -> &'static str {
         "dropped"
     }
@@ -96,6 +101,11 @@ impl Effect for Kind {
                 .map(|row| row[0])
                 .fold(f64::INFINITY, f64::min)
         )
+    }
+
+    fn marks(&self, values: &[f64]) -> Vec<Mark> {
+        let rows = values.chunks_exact(2);
+        rows.map(|row| Mark::Moment(row[0])).collect()
     }
 
     fn part(&self, values: &[f64]) -> Part {

@@ -9,6 +9,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use super::follows::Follows;
+use super::marks::Mark;
 use super::{Line, Seed, Term};
 use crate::signal::Unit;
 
@@ -26,6 +27,11 @@ pub trait Effect: Send + Sync {
 
     /// What to look at on the bench to make sure, in a sentence.
     fn check(&self, values: &[f64]) -> String;
+
+    /// Where it shows in pictures. Only an effect that shows at places of its own has any.
+    fn marks(&self, _values: &[f64]) -> Vec<Mark> {
+        Vec::new()
+    }
 
     /// Which parameter is the effect's size: all the effect does is proportional to it, or to its
     /// square if it is in the unit of the signal. `None` for effects that have no such parameter.

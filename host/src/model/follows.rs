@@ -35,6 +35,15 @@ impl Leader {
 }
 
 impl Follows {
+    /// Follows the temperature, with these parameters in the catalogue's order.
+    pub fn of_temperature(values: &[f64]) -> Self {
+        Self {
+            leader: Leader::Temperature,
+            gain: values[0],
+            lag_s: values[1],
+        }
+    }
+
     /// Follows a leader at `rate_hz` samples a second. `reference` is the leader's value at which
     /// nothing is added; before the first sample it has been the same as there for long.
     pub fn follower(&self, rate_hz: f64, reference: f64) -> Follower {

@@ -1,7 +1,10 @@
 //! Hum: lines at multiples of one frequency, such as the mains and its harmonics.
 
 use super::effect::{Effect, Parameter, Part, Quantity};
+use super::kind::Kind;
+use super::marks::Mark;
 use super::random::{self, Generator};
+use super::sinusoid::ALLAN_PEAK;
 use super::sinusoid::{Oscillator, Sinusoid};
 use super::{Line, Seed, Term};
 
@@ -73,9 +76,12 @@ impl Generator for Chord {
 }
 
 /// Hum in the catalogue.
-pub struct Kind;
+struct Entry;
 
-impl Effect for Kind {
+/// The same by its identity.
+pub const KIND: Kind = Kind::of(&Entry);
+
+impl Effect for Entry {
     fn name(&self) -> &'static str {
         "hum"
     }
@@ -112,6 +118,17 @@ impl Effect for Kind {
             values[0],
             f64::from(number) * values[0]
         )
+    }
+
+    fn marks(&self, values: &[f64]) -> Vec<Mark> {
+        let numbered = (1_u32..).zip(&values[1..]);
+        let there = numbered.filter(|(_, amplitude)| **amplitude != 0.0);
+        let lines = there.map(|(multiple, _)| Mark::Line {
+            f_hz: values[0] * f64::from(multiple),
+            multiple,
+        });
+        let peak = Mark::AveragingTime(ALLAN_PEAK / values[0]);
+        lines.chain([peak]).collect()
     }
 
     fn part(&self, values: &[f64]) -> Part {

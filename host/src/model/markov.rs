@@ -3,6 +3,8 @@
 use std::f64::consts::PI;
 
 use super::effect::{Band, Effect, Parameter, Part, Quantity};
+use super::kind::Kind;
+use super::marks::Mark;
 use super::random::{Gaussian, Generator};
 use super::{Seed, Term};
 
@@ -16,7 +18,18 @@ pub struct Markov {
     pub time_s: f64,
 }
 
+/// Correlation times at which the Allan variance of Markov noise is largest.
+const ALLAN_PEAK: f64 = 1.89;
+
 impl Markov {
+    /// Where it shows: the corner of its spectrum, and the averaging time at which it adds most.
+    pub(super) fn marks(&self) -> Vec<Mark> {
+        vec![
+            Mark::Corner(1.0 / (2.0 * PI * self.time_s)),
+            Mark::AveragingTime(ALLAN_PEAK * self.time_s),
+        ]
+    }
+
     /// Data period over correlation time.
     fn decay(&self, rate_hz: f64) -> f64 {
         1.0 / (self.time_s * rate_hz)
@@ -31,6 +44,16 @@ const SHORT: f64 = 1e-3;
 /// `1 / m^2` of sampled data and 0 of continuous time. Relative error below 1e-7 for `x` < [`SHORT`].
 fn short(x: f64, discrete: f64) -> f64 {
     x * (2.0 / 3.0 * (1.0 + 0.5 * discrete) - x * (0.5 - x * 7.0 / 30.0))
+}
+
+impl Markov {
+    /// With these parameters, in the catalogue's order.
+    pub fn of(values: &[f64]) -> Self {
+        Self {
+            deviation: values[0],
+            time_s: values[1],
+        }
+    }
 }
 
 impl Term for Markov {
@@ -103,9 +126,12 @@ impl Generator for Autoregression {
 }
 
 /// Markov noise in the catalogue.
-pub struct Kind;
+struct Entry;
 
-impl Effect for Kind {
+/// The same by its identity.
+pub const KIND: Kind = Kind::of(&Entry);
+
+impl Effect for Entry {
     fn name(&self) -> &'static str {
         "markov"
     }
@@ -140,11 +166,12 @@ impl Effect for Kind {
             .collect()
     }
 
+    fn marks(&self, values: &[f64]) -> Vec<Mark> {
+        Markov::of(values).marks()
+    }
+
     fn part(&self, values: &[f64]) -> Part {
-        Part::Term(Box::new(Markov {
-            deviation: values[0],
-            time_s: values[1],
-        }))
+        Part::Term(Box::new(Markov::of(values)))
     }
 }
 

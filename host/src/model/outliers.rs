@@ -5,6 +5,7 @@ use rand_pcg::Pcg64;
 
 use super::Seed;
 use super::effect::{Distorter, Distortion, Effect, Incoming, Parameter, Part, Quantity};
+use super::kind::Kind;
 use super::random::{self, Gaussian};
 
 /// Impulses one sample long at random times, of Gaussian height, on top of what is there.
@@ -19,11 +20,26 @@ pub struct Outliers {
     pub size: f64,
 }
 
+impl Outliers {
+    /// With these parameters, in the catalogue's order.
+    pub fn of(values: &[f64]) -> Self {
+        Self {
+            rate_hz: values[0],
+            size: values[1],
+        }
+    }
+
+    /// Two-sided density of theirs at a data rate of `rate_hz`. The number in a sample is Poisson distributed, so
+    /// their sum has the variance `size^2` times their number a sample, and neighbours know nothing of each
+    /// other.
+    pub fn density(&self, rate_hz: f64) -> f64 {
+        self.rate_hz * (self.size / rate_hz).powi(2)
+    }
+}
+
 impl Distortion for Outliers {
-    /// The number in a sample is Poisson distributed, so their sum has the variance
-    /// `size^2 rate_hz / data rate`, and neighbours know nothing of each other.
     fn floor(&self, incoming: &Incoming<'_>) -> f64 {
-        self.rate_hz * (self.size / incoming.rate_hz).powi(2)
+        self.density(incoming.rate_hz)
     }
 
     fn distorter(&self, rate_hz: f64, seed: Seed) -> Box<dyn Distorter> {
@@ -82,9 +98,12 @@ impl Distorter for Impulses {
 }
 
 /// Outliers in the catalogue.
-pub struct Kind;
+struct Entry;
 
-impl Effect for Kind {
+/// The same by its identity.
+pub const KIND: Kind = Kind::of(&Entry);
+
+impl Effect for Entry {
     fn name(&self) -> &'static str {
         "outliers"
     }
@@ -115,10 +134,7 @@ impl Effect for Kind {
     }
 
     fn part(&self, values: &[f64]) -> Part {
-        Part::Distortion(Box::new(Outliers {
-            rate_hz: values[0],
-            size: values[1],
-        }))
+        Part::Distortion(Box::new(Outliers::of(values)))
     }
 }
 

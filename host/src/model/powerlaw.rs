@@ -2,6 +2,7 @@
 
 use super::effect::{Band, Effect, Parameter, Part, Quantity};
 use super::kernel::{self, Kernel};
+use super::kind::Kind;
 use super::markov::Markov;
 use super::random::Generator;
 use super::{Seed, Term};
@@ -93,9 +94,12 @@ impl Generator for Shelves {
 }
 
 /// Power law in the catalogue.
-pub struct Kind;
+struct Entry;
 
-impl Effect for Kind {
+/// The same by its identity.
+pub const KIND: Kind = Kind::of(&Entry);
+
+impl Effect for Entry {
     fn name(&self) -> &'static str {
         "powerlaw"
     }

@@ -3,6 +3,8 @@
 use std::f64::consts::{PI, TAU};
 
 use super::effect::{Band, Effect, Parameter, Part, Quantity};
+use super::kind::Kind;
+use super::marks::Mark;
 use super::random::{Gaussian, Generator};
 use super::{Seed, Term};
 use crate::model::kernel::{self, Kernel};
@@ -84,9 +86,12 @@ impl Generator for Ringing {
 }
 
 /// Resonance in the catalogue.
-pub struct Kind;
+struct Entry;
 
-impl Effect for Kind {
+/// The same by its identity.
+pub const KIND: Kind = Kind::of(&Entry);
+
+impl Effect for Entry {
     fn name(&self) -> &'static str {
         "resonance"
     }
@@ -109,6 +114,16 @@ impl Effect for Kind {
             Parameter::new("f_hz", Quantity::Hertz, "frequency of the peak"),
             Parameter::new("width_hz", Quantity::Hertz, "width at half the power"),
             Parameter::new("amplitude", Quantity::Signal, "root mean square"),
+        ]
+    }
+
+    fn marks(&self, values: &[f64]) -> Vec<Mark> {
+        let [f_hz, width_hz] = [values[0], values[1]];
+        // As far down as an octave: what is wider is no band about it.
+        let from_hz = (f_hz - 0.5 * width_hz).max(0.5 * f_hz);
+        vec![
+            Mark::Line { f_hz, multiple: 1 },
+            Mark::Band(from_hz, f_hz + 0.5 * width_hz),
         ]
     }
 

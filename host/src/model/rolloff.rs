@@ -4,6 +4,8 @@ use std::f64::consts::PI;
 
 use super::Seed;
 use super::effect::{Band, Distorter, Distortion, Effect, Parameter, Part, Quantity};
+use super::kind::Kind;
+use super::marks::Mark;
 
 /// One pole ahead of the sampler: power `1 / (1 + (f / corner)^2)` on all that is there.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -90,9 +92,12 @@ impl Distorter for Filter {
 }
 
 /// Roll-off in the catalogue.
-pub struct Kind;
+struct Entry;
 
-impl Effect for Kind {
+/// The same by its identity.
+pub const KIND: Kind = Kind::of(&Entry);
+
+impl Effect for Entry {
     fn name(&self) -> &'static str {
         "rolloff"
     }
@@ -116,6 +121,10 @@ impl Effect for Kind {
             Quantity::Hertz,
             "frequency of half power",
         )]
+    }
+
+    fn marks(&self, values: &[f64]) -> Vec<Mark> {
+        vec![Mark::Corner(values[0])]
     }
 
     fn part(&self, values: &[f64]) -> Part {

@@ -3,6 +3,7 @@
 
 use super::Seed;
 use super::effect::{Distorter, Distortion, Effect, Incoming, Parameter, Part, Quantity};
+use super::kind::Kind;
 
 /// Samples are rounded to multiples of a step, counted from zero and not from the mean.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -11,13 +12,24 @@ pub struct Rounding {
     pub step: f64,
 }
 
+impl Rounding {
+    /// With these parameters, in the catalogue's order.
+    pub fn of(values: &[f64]) -> Self {
+        Self { step: values[0] }
+    }
+
+    /// Two-sided density of the rounding's error at a data rate of `rate_hz`: white noise of the variance
+    /// `step^2 / 12`, uncorrelated with what is rounded. W. R. Bennett, Bell Syst. Tech. J. 27 (1948) 446. It
+    /// needs a change of half a step or more (one standard deviation) from one sample to the next; below
+    /// that the error comes to depend on the level, and no stationary law describes it.
+    pub fn density(&self, rate_hz: f64) -> f64 {
+        self.step.powi(2) / 12.0 / rate_hz
+    }
+}
+
 impl Distortion for Rounding {
-    /// White noise of the variance `step^2 / 12`, uncorrelated with what is rounded. W. R.
-    /// Bennett, Bell Syst. Tech. J. 27 (1948) 446. It needs a change of half a step or more (one
-    /// standard deviation) from one sample to the next; below that the error comes to depend on
-    /// the level, and no stationary law describes it.
     fn floor(&self, incoming: &Incoming<'_>) -> f64 {
-        self.step.powi(2) / 12.0 / incoming.rate_hz
+        self.density(incoming.rate_hz)
     }
 
     fn distorter(&self, _rate_hz: f64, _seed: Seed) -> Box<dyn Distorter> {
@@ -37,9 +49,12 @@ impl Distorter for Rounding {
 }
 
 /// Coarse steps in the catalogue.
-pub struct Kind;
+struct Entry;
 
-impl Effect for Kind {
+/// The same by its identity.
+pub const KIND: Kind = Kind::of(&Entry);
+
+impl Effect for Entry {
     fn name(&self) -> &'static str {
         "quantisation"
     }
@@ -66,7 +81,7 @@ impl Effect for Kind {
     }
 
     fn part(&self, values: &[f64]) -> Part {
-        Part::Distortion(Box::new(Rounding { step: values[0] }))
+        Part::Distortion(Box::new(Rounding::of(values)))
     }
 }
 

@@ -6,6 +6,8 @@ use rand_distr::{Distribution, Uniform};
 use rand_pcg::Pcg64;
 
 use super::effect::{Effect, Parameter, Part, Quantity};
+use super::kind::Kind;
+use super::marks::Mark;
 use super::random::{self, Generator};
 use super::{Line, Seed, Term};
 
@@ -69,6 +71,10 @@ impl Sinusoid {
     }
 }
 
+/// Periods of a sinusoid at which its Allan variance is largest: the first maximum of
+/// `sin^4(pi x) / (pi x)^2`, at `tan(pi x) = 2 pi x`.
+pub(super) const ALLAN_PEAK: f64 = 0.371_0;
+
 /// Samples between two evaluations of the sine itself.
 const ANCHOR: u64 = 256;
 
@@ -100,9 +106,12 @@ impl Generator for Oscillator {
 }
 
 /// The sinusoid in the catalogue.
-pub struct Kind;
+struct Entry;
 
-impl Effect for Kind {
+/// The same by its identity.
+pub const KIND: Kind = Kind::of(&Entry);
+
+impl Effect for Entry {
     fn name(&self) -> &'static str {
         "sinusoid"
     }
@@ -124,6 +133,14 @@ impl Effect for Kind {
              rate from it: change the data rate by a percent, an alias moves",
             values[0]
         )
+    }
+
+    fn marks(&self, values: &[f64]) -> Vec<Mark> {
+        let f_hz = values[0];
+        vec![
+            Mark::Line { f_hz, multiple: 1 },
+            Mark::AveragingTime(ALLAN_PEAK / f_hz),
+        ]
     }
 
     fn part(&self, values: &[f64]) -> Part {

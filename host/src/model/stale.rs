@@ -8,6 +8,7 @@ use rand_pcg::Pcg64;
 use super::Seed;
 use super::effect::{Distorter, Distortion, Effect, Incoming, Parameter, Part, Quantity};
 use super::kernel::{self, Kernel};
+use super::kind::Kind;
 use super::random;
 
 /// Each sample repeats the one before with the same probability, whatever happened before.
@@ -96,9 +97,12 @@ impl Distorter for Repeater {
 }
 
 /// Stale samples in the catalogue.
-pub struct Kind;
+struct Entry;
 
-impl Effect for Kind {
+/// The same by its identity.
+pub const KIND: Kind = Kind::of(&Entry);
+
+impl Effect for Entry {
     fn name(&self) -> &'static str {
         "stale"
     }

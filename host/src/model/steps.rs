@@ -1,6 +1,8 @@
 //! Steps: the level jumps and stays.
 
 use super::effect::{Effect, Parameter, Part, Quantity};
+use super::kind::Kind;
+use super::marks::Mark;
 use super::random::Generator;
 use super::{Seed, Term};
 
@@ -71,9 +73,12 @@ impl Generator for Staircase {
 }
 
 /// Steps in the catalogue.
-pub struct Kind;
+struct Entry;
 
-impl Effect for Kind {
+/// The same by its identity.
+pub const KIND: Kind = Kind::of(&Entry);
+
+impl Effect for Entry {
     fn name(&self) -> &'static str {
         "steps"
     }
@@ -113,6 +118,11 @@ impl Effect for Kind {
              all axes at once are the block or the supply, jumps in one are its sensor or joint",
             largest[0], largest[1]
         )
+    }
+
+    fn marks(&self, values: &[f64]) -> Vec<Mark> {
+        let rows = values.chunks_exact(2);
+        rows.map(|row| Mark::Moment(row[0])).collect()
     }
 
     fn part(&self, values: &[f64]) -> Part {

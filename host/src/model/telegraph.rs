@@ -4,7 +4,9 @@ use rand_distr::{Bernoulli, Distribution};
 use rand_pcg::Pcg64;
 
 use super::effect::{Effect, Parameter, Part, Quantity};
+use super::kind::Kind;
 use super::markov::Markov;
+use super::marks::Mark;
 use super::random::{self, Generator};
 use super::{Seed, Term};
 
@@ -22,6 +24,28 @@ pub struct Telegraph {
 }
 
 impl Telegraph {
+    /// With these parameters, in the catalogue's order.
+    pub fn of(values: &[f64]) -> Self {
+        Self {
+            height: values[0],
+            dwell_s: values[1],
+        }
+    }
+
+    /// The one whose spectrum is that of some Markov noise: twice the deviation apart, each level kept for
+    /// twice the correlation time.
+    pub fn with_spectrum_of(markov: &Markov) -> Self {
+        Self {
+            height: Self::per_markov(markov.deviation),
+            dwell_s: Self::per_markov(markov.time_s),
+        }
+    }
+
+    /// Height of a deviation, and dwell of a correlation time.
+    pub fn per_markov(parameter: f64) -> f64 {
+        2.0 * parameter
+    }
+
     /// The Markov noise with the same covariance.
     fn gaussian(&self) -> Markov {
         Markov {
@@ -88,9 +112,12 @@ impl Generator for Switch {
 
 /// Telegraph noise in the catalogue. Its spectrum is that of Markov noise, so no search by the
 /// spectrum's shape begins with it.
-pub struct Kind;
+struct Entry;
 
-impl Effect for Kind {
+/// The same by its identity.
+pub const KIND: Kind = Kind::of(&Entry);
+
+impl Effect for Entry {
     fn name(&self) -> &'static str {
         "telegraph"
     }
@@ -119,11 +146,12 @@ impl Effect for Kind {
         Some(0)
     }
 
+    fn marks(&self, values: &[f64]) -> Vec<Mark> {
+        Telegraph::of(values).gaussian().marks()
+    }
+
     fn part(&self, values: &[f64]) -> Part {
-        Part::Term(Box::new(Telegraph {
-            height: values[0],
-            dwell_s: values[1],
-        }))
+        Part::Term(Box::new(Telegraph::of(values)))
     }
 }
 

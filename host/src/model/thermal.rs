@@ -1,12 +1,16 @@
 //! Thermal: the signal follows the temperature.
 
 use super::effect::{Effect, Parameter, Part, Quantity};
-use super::follows::{Follows, Leader};
+use super::follows::Follows;
+use super::kind::Kind;
 
 /// The signal follows the temperature column, behind a lag.
-pub struct Kind;
+struct Entry;
 
-impl Effect for Kind {
+/// The same by its identity.
+pub const KIND: Kind = Kind::of(&Entry);
+
+impl Effect for Entry {
     fn name(&self) -> &'static str {
         "thermal"
     }
@@ -41,10 +45,6 @@ impl Effect for Kind {
     }
 
     fn part(&self, values: &[f64]) -> Part {
-        Part::Follows(Follows {
-            leader: Leader::Temperature,
-            gain: values[0],
-            lag_s: values[1],
-        })
+        Part::Follows(Follows::of_temperature(values))
     }
 }

@@ -1,15 +1,19 @@
 //! Time base: the samples are not taken at the rate that the record claims.
 
 use super::effect::{Effect, Parameter, Part, Quantity};
+use super::kind::Kind;
 
 /// Wrong data rate in the catalogue: the true one is `ratio` times the nominal one, steadily.
 ///
 /// All the rest of the axis, its signal chain included, keeps true time, and what is seen by the
 /// nominal rate follows: a line at `f` is seen at `f / ratio`, a density at `f` at `f / ratio` and
 /// `ratio` times as large, and the Allan variance of `m` samples is that of the true time.
-pub struct Kind;
+struct Entry;
 
-impl Effect for Kind {
+/// The same by its identity.
+pub const KIND: Kind = Kind::of(&Entry);
+
+impl Effect for Entry {
     fn name(&self) -> &'static str {
         "timebase"
     }

@@ -1,6 +1,8 @@
 //! Warm-up: the level settles exponentially from the start of the record.
 
 use super::effect::{Effect, Parameter, Part, Quantity};
+use super::kind::Kind;
+use super::marks::Mark;
 use super::random::Generator;
 use super::{Seed, Term};
 
@@ -62,9 +64,12 @@ impl Generator for Settling {
 }
 
 /// Warm-up in the catalogue.
-pub struct Kind;
+struct Entry;
 
-impl Effect for Kind {
+/// The same by its identity.
+pub const KIND: Kind = Kind::of(&Entry);
+
+impl Effect for Entry {
     fn name(&self) -> &'static str {
         "warmup"
     }
@@ -95,6 +100,12 @@ impl Effect for Kind {
 
     fn size(&self) -> Option<usize> {
         Some(0)
+    }
+
+    fn marks(&self, values: &[f64]) -> Vec<Mark> {
+        /// Time constants after which a settling is over for the eye.
+        const SETTLED: f64 = 5.0;
+        vec![Mark::Stretch(0.0, SETTLED * values[1])]
     }
 
     fn part(&self, values: &[f64]) -> Part {

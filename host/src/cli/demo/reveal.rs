@@ -15,7 +15,7 @@ pub fn render(hidden: &Hidden, diagnosis: &Diagnosis) -> String {
 }
 
 fn write_text(text: &mut String, hidden: &Hidden, diagnosis: &Diagnosis) -> std::fmt::Result {
-    let name = hidden.effect.kind().name();
+    let name = hidden.effect.kind();
     let axis = diagnosis.axes.get(hidden.axis);
     let found = axis.and_then(|axis| axis.findings.iter().find(|one| one.effect == name));
     writeln!(
@@ -45,9 +45,10 @@ fn write_text(text: &mut String, hidden: &Hidden, diagnosis: &Diagnosis) -> std:
 fn parameters(text: &mut String, hidden: &Hidden, found: &Finding) -> std::fmt::Result {
     writeln!(text, "  {:<14} {:>12} {:>12}   95 %", "", "hidden", "found")?;
     let names = hidden.effect.parameters();
+    let known = found.estimate.named();
     for (parameter, truth) in names.iter().zip(hidden.effect.values()) {
         let name = parameter.name.as_ref();
-        let found = found.parameters.get(name);
+        let found = known.get(name);
         let ends = found.and_then(|found| Some((found.value, found.lo?, found.hi?)));
         let (value, interval) = match (found, ends) {
             (_, Some((value, lo, hi))) => {

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::diagnosis::axis::AxisState;
-use crate::diagnosis::record::residual::block_means;
+use crate::diagnosis::record::bridge::block_means;
 use crate::diagnosis::statistic::matched_filter::{Transformer, Whole};
 
 /// Points of the table of densities.
@@ -95,7 +95,7 @@ impl AxisState {
             let each = densities.iter_mut().enumerate();
             each.for_each(|(n, density)| *density = begin + slope * n as f64);
         });
-        for band in &self.apart {
+        for band in self.excluded_hz() {
             let of = |f_hz: f64| (f_hz / whole.frequency(1)).ceil().max(0.0) as usize;
             let (start, end) = (of(band.start).min(count), of(band.end).min(count));
             densities[start..end.max(start)].fill(f64::INFINITY);
@@ -105,12 +105,12 @@ impl AxisState {
 
     /// Samples that one sample of the slow copy stands for.
     pub fn slow_factor(&self) -> usize {
-        self.mended.len().div_ceil(SLOW).max(1)
+        self.residual.len().div_ceil(SLOW).max(1)
     }
 
     /// Samples that one sample of a copy stands for that holds nothing but drift.
     pub fn drift_factor(&self) -> usize {
-        self.mended.len().div_ceil(DRIFT).max(1)
+        self.residual.len().div_ceil(DRIFT).max(1)
     }
 
     /// `values` in means over `factor` samples: their transform, and what whitens it.

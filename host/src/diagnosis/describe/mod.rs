@@ -5,20 +5,23 @@ mod effects;
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::describe::effects::{finding, law_effects, named_effects};
 use crate::diagnosis::explain::{Explained, slope};
+use crate::diagnosis::explanation::{Explanation, Snapshot};
 use crate::diagnosis::held_out;
 use crate::diagnosis::held_out::allan::HeldCurve;
 use crate::diagnosis::held_out::size::Sizes;
-use crate::diagnosis::record::residual::Mended;
+use crate::diagnosis::options::Options;
+use crate::diagnosis::record::residual::Residual;
 use crate::diagnosis::result::coefficients::{coefficients, even_density, of_ramp};
 use crate::diagnosis::result::finding::{AxisDiagnosis, Base, Final, Finding, Gain};
-use crate::diagnosis::rounds::{Accepted, Options, Snapshot};
 use crate::diagnosis::statistic::ramp;
 use crate::diagnosis::views::{Models, Views};
 use crate::fft::ring::Series;
 use crate::fit::likelihood::Fit;
 use crate::fit::likelihood::components::SEEN;
 use crate::model::axis::ModelAxis;
+use crate::model::kind::Kind;
 use crate::model::{Coefficient as Letter, PerCoefficient};
+use crate::model::{steps, telegraph, thermal, warmup};
 use crate::signal::Axis;
 
 /// Diagnosis of an axis, and what is left of its record: NaN where missing or masked.
@@ -30,11 +33,10 @@ pub(crate) fn describe(
     let Explained {
         axis,
         mean,
-        base_fit,
-        before,
-        base_slope,
-        outcome,
-        nats,
+        base: bare,
+        unexplained,
+        squares_sd,
+        held_out_nats,
     } = explained;
     let judge = Judge {
         signal,
@@ -42,20 +44,16 @@ pub(crate) fn describe(
         held: HeldCurve::new(&axis),
         axis: &axis,
     };
-    let nothing = Snapshot {
-        waves: Vec::new(),
-        laws: Vec::new(),
-    };
-    let base = judge.judged(&nothing, &base_fit, base_slope);
-    let last_ramp = if takes_slope(&outcome.accepted) {
+    let base = judge.judged(&Snapshot::default(), &bare.fit, bare.slope);
+    let last_ramp = if takes_slope(axis.explanations()) {
         None
     } else {
         ramp::ramp(&axis)
     };
     let last_slope = slope(last_ramp);
-    let last = judge.judged(&Snapshot::of(&axis), &axis.fit, last_slope);
-    let findings = judge.findings(&outcome.accepted, nats, &last.model);
-    let (squares, squares_sd) = own_squares(&axis, outcome.squares_sd, &outcome.accepted);
+    let last = judge.judged(&Snapshot::of(axis.explanations()), &axis.fit, last_slope);
+    let findings = judge.findings(held_out_nats, &last.model);
+    let (squares, squares_sd) = own_squares(&axis, squares_sd);
     let whole = ModelAxis {
         coefficients: PerCoefficient {
             r: last_slope,
@@ -69,22 +67,22 @@ pub(crate) fn describe(
         noise: &last.model,
         whole: &whole,
     };
-    let views = before.map(|before| {
+    let views = bare.before.map(|before| {
         let held_out = judge.held.beside(&base.expected, &last.expected);
         Views::new(&axis, before, models, held_out, &findings, mean, options)
     });
     let passed = passed(&axis);
-    let residual = residual(&axis.into_mended(), passed);
+    let residual = residual(&axis.into_residual(), passed);
     let diagnosis = AxisDiagnosis {
         name: signal.name.clone(),
         unit: signal.unit,
         base: Base {
             model: base.model,
-            discrepancies: outcome.discrepancies,
+            discrepancies: bare.discrepancies,
             allan_error_percent: base.error_percent,
             allan_error_sampling_percent: base.sampling_percent,
         },
-        unexplained: outcome.unexplained,
+        unexplained,
         last: Final {
             model: whole,
             coefficients: PerCoefficient {
@@ -144,18 +142,15 @@ impl Judge<'_> {
     }
 
     /// What was accepted, with its gains; `last` is the noise of the last model.
-    fn findings(
-        &self,
-        accepted: &[Accepted],
-        nats: Vec<Option<f64>>,
-        last: &ModelAxis,
-    ) -> Vec<Finding> {
-        let sizes = Sizes::new(self.axis, &self.held, last, &Snapshot::of(self.axis));
+    fn findings(&self, nats: Vec<Option<f64>>, last: &ModelAxis) -> Vec<Finding> {
+        let explanations = self.axis.explanations();
+        let now = Snapshot::of(explanations);
+        let sizes = Sizes::new(self.axis, &self.held, last, &now);
         let error_percent = |snapshot: &Snapshot, fit: &Fit| {
             let judged = self.judged(snapshot, fit, last.coefficients.r);
             judged.error_percent
         };
-        let told = |(one, nats): (&Accepted, Option<f64>)| {
+        let reported = |(one, nats): (&Explanation, Option<f64>)| {
             let gain = Gain {
                 heldout_nats: nats,
                 allan_change_percent: sizes.change_percent(one),
@@ -164,20 +159,16 @@ impl Judge<'_> {
             };
             finding(one, gain)
         };
-        accepted.iter().zip(nats).map(told).collect()
+        explanations.iter().zip(nats).map(reported).collect()
     }
 }
 
 /// Squares of the five terms' components and their deviations, less what belongs to effects whose
 /// noise is as white.
-fn own_squares(
-    axis: &AxisState,
-    mut squares_sd: Vec<f64>,
-    accepted: &[Accepted],
-) -> (Vec<f64>, Vec<f64>) {
+fn own_squares(axis: &AxisState, mut squares_sd: Vec<f64>) -> (Vec<f64>, Vec<f64>) {
     let mut squares = axis.fit.squared.clone();
     if let Some(white) = SEEN.iter().position(|one| *one == Letter::N) {
-        let [even, even_sd] = even_density(axis, accepted);
+        let [even, even_sd] = even_density(axis);
         squares[white] = (squares[white] - even).max(0.0);
         squares_sd[white] = squares_sd[white].hypot(even_sd);
     }
@@ -185,10 +176,10 @@ fn own_squares(
 }
 
 /// Whether effects were taken out that go with a slope, so that what is left tells little of it.
-fn takes_slope(accepted: &[Accepted]) -> bool {
-    let slow = ["steps", "warmup", "thermal", "telegraph"];
-    let mut waves = accepted.iter().filter(|one| one.law.is_none());
-    waves.any(|one| slow.contains(&one.effect))
+fn takes_slope(explanations: &[Explanation]) -> bool {
+    const SLOW: [Kind; 4] = [steps::KIND, warmup::KIND, thermal::KIND, telegraph::KIND];
+    let mut courses = explanations.iter().filter(|one| one.law().is_none());
+    courses.any(|one| SLOW.contains(&one.kind()))
 }
 
 /// What is left of an axis without the bands that were left out, where there are any: a tone that
@@ -197,12 +188,12 @@ fn passed(axis: &AxisState) -> Option<Series> {
     let seen = axis.whole();
     let kept = |k: usize| f64::from(u8::from(seen.density[k].is_finite()));
     let passed = || seen.whole.filtered(|k| kept(k).into());
-    (!axis.apart.is_empty()).then(passed)
+    (!axis.excluded().is_empty()).then(passed)
 }
 
 /// What is left of a record, or what of that `passed`; NaN where missing or masked.
-fn residual(mended: &Mended, passed: Option<Series>) -> Vec<f32> {
-    let left = mended.values();
+fn residual(residual: &Residual, passed: Option<Series>) -> Vec<f32> {
+    let left = residual.values();
     let Some(passed) = passed else {
         return left.iter().map(|&value| value as f32).collect();
     };

@@ -5,9 +5,15 @@
 //! Carter, Proc. IEEE 75 (1987), eq. 34); over all bins together the real part of the normalised
 //! cross-spectrum, weighed by the averages, is normal.
 
+use crate::diagnosis::explanation::Estimate;
+use crate::diagnosis::result::finding::{Finding, Value};
 use crate::diagnosis::statistic::p_value;
+use crate::model::common_mode::KIND;
 use crate::spectrum::CrossCascade;
 use crate::spectrum::cross::CrossBin;
+
+/// Tests that it makes: its share of the family's level.
+pub const TESTS: u32 = 1;
 
 /// Bands an octave.
 const PER_OCTAVE: f64 = 2.0;
@@ -135,4 +141,19 @@ fn chance(bins: &[CrossBin]) -> f64 {
     }
     let together = p_value::two_sided(sum / variance.sqrt());
     p_value::searched(in_one, enough().count() as f64).min(together) * 2.0
+}
+
+/// What is shared, as a finding of one axis.
+pub fn finding(common: &Common) -> Finding {
+    let gain = common
+        .gain
+        .map(|gain| Value::normal(gain, gain.abs() * common.gain_log_sd));
+    let estimate = Estimate {
+        kind: KIND,
+        values: vec![gain],
+    };
+    Finding {
+        check: KIND.check(&[common.gain.unwrap_or(f64::NAN)]),
+        ..Finding::new(&estimate, common.p_value)
+    }
 }

@@ -1,13 +1,62 @@
-//! What each effect looks like in a record: one file an effect.
+//! What each effect looks like in a record: one file an effect, and the table of their detectors.
+//!
+//! A [`Detector`] looks at an axis and proposes what to do; it changes nothing. Their order is that of a
+//! round of the [search](crate::diagnosis::search).
 
 pub mod burst;
+pub mod clipping;
+pub mod coarse_grid;
 pub mod common_mode;
 pub mod dropped;
+pub mod level;
 pub mod lines;
 pub mod outliers;
-pub mod slow;
+pub mod spectral;
 pub mod stale;
 pub mod steps;
+pub mod strength;
 pub mod telegraph;
+pub mod thermal;
 pub mod timebase;
+pub mod unsteady_band;
 pub mod values;
+pub mod warmup;
+
+use crate::diagnosis::axis::NoFit;
+use crate::diagnosis::search::{Look, Proposal};
+
+/// Looks for one thing.
+pub struct Detector {
+    /// Tests that it makes: its share of the family's level.
+    pub tests: u32,
+    /// Looks at an axis; what it proposes is done in its order.
+    pub look: fn(&Look<'_>) -> Result<Vec<Proposal>, NoFit>,
+}
+
+/// What the values themselves say, before any model.
+pub static BEFORE_ROUNDS: &[&Detector] = &[
+    &stale::DETECTOR,
+    &clipping::DETECTOR,
+    &coarse_grid::DETECTOR,
+];
+
+/// A round, from the most local to the most general.
+pub static ROUND: &[&Detector] = &[
+    // A level that switches all the time looks like bad samples and bursts until its law is there.
+    &spectral::OF_SWITCHING,
+    // Where samples are lost the noise is cut: no bad samples, no burst.
+    &dropped::DETECTOR,
+    &outliers::DETECTOR,
+    &lines::DETECTOR,
+    &level::IN_FITTED_NOISE,
+    &unsteady_band::DETECTOR,
+    &burst::DETECTOR,
+    &strength::DETECTOR,
+    &spectral::DETECTOR,
+    // What is left may be hidden by the walk that it was taken for.
+    &level::IN_NOISE_ANEW,
+    &lines::WANDERING,
+];
+
+/// Tests of the whole record: what its axes share, and its clock.
+pub const OF_THE_RECORD: u32 = common_mode::TESTS + timebase::TESTS;

@@ -6,7 +6,17 @@
 //! there: with `c` of them within `m` steps on either side, zero itself has `c / 2m`. A long record of
 //! fine codes repeats itself a few times an hour.
 
+use std::sync::Arc;
+
+use super::Detector;
+use super::outliers::filter;
+use crate::diagnosis::axis::NoFit;
+use crate::diagnosis::explanation::{Candidate, Change, Estimate};
+use crate::diagnosis::record::wave::Wave;
+use crate::diagnosis::result::finding::Value;
+use crate::diagnosis::search::{Look, Proposal};
 use crate::diagnosis::statistic::p_value;
+use crate::model::stale::KIND;
 
 /// Increments next to zero that tell the density there, at least.
 const NEAR: usize = 64;
@@ -22,6 +32,27 @@ const NEVER: f64 = 1e-3;
 
 /// Repeats from which their number is as good as normal.
 const MANY: f64 = 1000.0;
+
+/// Looks for repeats.
+pub static DETECTOR: Detector = Detector { tests: 1, look };
+
+fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
+    let candidate = look.context.values.stale.as_ref();
+    let candidate = candidate
+        .filter(|_| !look.axis.has(KIND))
+        .map(|(stale, places)| {
+            let seen = look.axis.whole();
+            let replaced = filter::sizes_at(&seen.whole, &seen.density, places);
+            let share = Value::normal(stale.share, stale.share_sd);
+            Proposal::Explain(Box::new(Candidate::new(
+                Estimate::new(KIND, [share]),
+                stale.p_value,
+                1.0,
+                Change::Waves(vec![Wave::Replaced(Arc::new(replaced))]),
+            )))
+        });
+    Ok(candidate.into_iter().collect())
+}
 
 /// Samples that repeat the one before.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -139,8 +170,8 @@ pub fn stale(repeats: usize, pairs: usize, chance: Chance, level: f64) -> Option
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::random::Seed;
     use crate::model::random::Gaussian;
+    use crate::model::random::Seed;
 
     const LENGTH: usize = 1 << 18;
 

@@ -12,9 +12,14 @@
 
 use realfft::num_complex::Complex64;
 
-use crate::diagnosis::axis::AxisState;
+use super::{Doubt, Hearing};
+use crate::diagnosis::axis::{AxisState, NoFit};
+use crate::diagnosis::result::finding::Remark;
+use crate::diagnosis::result::place::Place;
 use crate::diagnosis::statistic::p_value;
 use crate::diagnosis::statistic::sums::sums;
+use crate::model::kind::Kind;
+use crate::model::{clipping, outliers, rounding, telegraph};
 
 /// Argument of the sine.
 const T: f64 = 1.2;
@@ -56,13 +61,50 @@ pub fn lopsided(axis: &AxisState) -> Lopsided {
     }
 }
 
+/// A law of amplitudes that is not the same on both sides; outliers that are its tail are taken back.
+pub static DOUBT: Doubt = Doubt { tests: 1, hear };
+
+/// Kinds that bend the law of amplitudes themselves.
+const BENDS: [Kind; 3] = [clipping::KIND, rounding::KIND, telegraph::KIND];
+
+fn hear(hearing: &mut Hearing<'_>) -> Result<(), NoFit> {
+    let mut explanations = hearing.axis.explanations().iter();
+    if explanations.any(|one| BENDS.contains(&one.kind())) {
+        return Ok(());
+    }
+    let found = lopsided(hearing.axis);
+    if found.p_value >= hearing.level {
+        return Ok(());
+    }
+    // Its tail passes for them.
+    if hearing.axis.withdraw(outliers::KIND) {
+        hearing.axis.refresh()?;
+    }
+    hearing.remarks.push(Remark {
+        test: "amplitude".into(),
+        place: if found.skewness > 0.0 {
+            Place::UpperSide
+        } else {
+            Place::LowerSide
+        },
+        p_value: found.p_value,
+        description: format!(
+            "the law of amplitudes is lopsided, its tail longer on that side: skewness {:.2} \
+             of the noise's whitened samples; something one-sided joins the noise behind all \
+             filters",
+            found.skewness
+        ),
+    });
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::model::random::Seed;
     use crate::model::random::Gaussian;
+    use crate::model::random::Seed;
 
     fn of(seed: u64, bend: impl Fn(f64) -> f64) -> Lopsided {
         let mut noise = Gaussian::new(Seed { seed, stream: 0 }, 1.0);

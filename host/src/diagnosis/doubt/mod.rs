@@ -1,7 +1,67 @@
-//! What speaks against a name.
+//! What speaks against a name, and what has none.
+//!
+//! Names that detectors gave are heard once more when nothing new is found: the effect explains some of
+//! what it was named for, but what is there may not behave as the effect does. What a doubt takes back it
+//! remarks on.
 
+pub mod colour;
 pub mod constancy;
+pub mod law;
+pub mod left_over;
 pub mod lopsided;
+pub mod of_band;
+pub mod of_switching;
 pub mod steadiness;
 pub mod tone;
+pub mod tops;
 pub mod wander;
+
+use crate::diagnosis::axis::{AxisState, NoFit};
+use crate::diagnosis::result::finding::Remark;
+
+/// Speaks against names of one sort.
+pub struct Doubt {
+    /// Tests that it makes: its share of the family's level.
+    pub tests: u32,
+    /// Takes names back and remarks on them.
+    pub hear: fn(&mut Hearing<'_>) -> Result<(), NoFit>,
+}
+
+/// All doubts, in the order in which they are heard.
+pub static DOUBTS: &[&Doubt] = &[
+    &tops::DOUBT,
+    &lopsided::DOUBT,
+    &law::DOUBT,
+    &colour::OF_TERMS,
+    &left_over::DOUBT,
+];
+
+/// An axis whose names are heard.
+pub struct Hearing<'a> {
+    /// The axis.
+    pub axis: &'a mut AxisState,
+    /// Level of one test.
+    pub level: f64,
+    /// Whether the strength of its noise moves all the time.
+    pub strength_moves: bool,
+    /// What there is to say.
+    pub remarks: Vec<Remark>,
+}
+
+/// Hears all doubts about an axis; what is unexplained of it.
+///
+/// # Errors
+/// [`NoFit`] where what is left without a name cannot be fitted.
+pub fn hear(axis: &mut AxisState, level: f64, strength_moves: bool) -> Result<Vec<Remark>, NoFit> {
+    let excluded = axis.excluded().iter().map(|one| one.remark.clone());
+    let mut hearing = Hearing {
+        remarks: excluded.collect(),
+        axis,
+        level,
+        strength_moves,
+    };
+    for doubt in DOUBTS {
+        (doubt.hear)(&mut hearing)?;
+    }
+    Ok(hearing.remarks)
+}

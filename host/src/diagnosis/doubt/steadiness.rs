@@ -327,8 +327,8 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::model::random::Seed;
     use crate::model::random::Gaussian;
+    use crate::model::random::Seed;
 
     const LENGTH: usize = 1 << 17;
     const RATE_HZ: f64 = 2000.0;

@@ -98,8 +98,8 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::model::random::Seed;
     use crate::model::random::Gaussian;
+    use crate::model::random::Seed;
 
     fn axis(seed: u64, line: impl Fn(f64) -> f64) -> AxisState {
         let mut noise = Gaussian::new(Seed { seed, stream: 0 }, 1.0);

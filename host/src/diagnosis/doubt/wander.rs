@@ -1,6 +1,6 @@
 //! Noise whose power moves in time, apart from single stretches.
 
-use crate::diagnosis::detect::burst::{BLOCK, Powers};
+use crate::diagnosis::record::powers::{BLOCK, Powers};
 use crate::diagnosis::statistic::{matched_filter, p_value};
 use crate::fft;
 

@@ -7,10 +7,10 @@ use serde::Serialize;
 
 use crate::bins::point::Point;
 use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::explanation::Snapshot;
 use crate::diagnosis::held_out::curve;
 use crate::diagnosis::held_out::half;
-use crate::diagnosis::record::residual::Wave;
-use crate::diagnosis::rounds::Snapshot;
+use crate::diagnosis::record::wave::Wave;
 use crate::model::axis::ModelAxis;
 
 /// Degrees of freedom from which a point of the Allan curve says how far a model is off.
@@ -58,7 +58,7 @@ pub(crate) enum AtJumps {
 impl HeldCurve {
     /// Of an axis.
     pub fn new(axis: &AxisState) -> Self {
-        let record = axis.mended.bare();
+        let record = axis.residual.with([]);
         Self {
             points: curve::of_parts(half(&record.values(), 1), axis.rate_hz),
             waveforms: Mutex::default(),
@@ -79,7 +79,8 @@ impl HeldCurve {
             let variances = sure.par_iter().map(|point| law.allan_variance(point.m));
             variances.collect()
         };
-        let waves = || self.waveform(axis, &with.waves, AtJumps::LeftOut);
+        let waves: Vec<Wave> = with.waves().cloned().collect();
+        let waves = || self.waveform(axis, &waves, AtJumps::LeftOut);
         let (noise, waves) = rayon::join(noise, waves);
         let variance = |(point, noise): (&&Point, f64)| {
             let own = waves.iter().find(|other| other.m == point.m);
@@ -98,7 +99,7 @@ impl HeldCurve {
         if waves.is_empty() {
             return Arc::default();
         }
-        let at_jumps = if axis.mended.spread.is_empty() {
+        let at_jumps = if axis.residual.spread().is_empty() {
             AtJumps::Kept
         } else {
             at_jumps
@@ -157,21 +158,20 @@ impl HeldCurve {
 /// Allan curve of waveforms, where the held-out half has samples that are not left out.
 fn waveform(axis: &AxisState, waves: &[Wave], at_jumps: AtJumps) -> Vec<Point> {
     // Its sign is no matter.
-    let mut waveform = vec![0.0; axis.mended.len()];
+    let mut waveform = vec![0.0; axis.residual.len()];
     for wave in waves {
         wave.take_out(&mut waveform);
     }
-    for (value, measured) in waveform.iter_mut().zip(axis.mended.measured()) {
+    for (value, measured) in waveform.iter_mut().zip(axis.residual.measured()) {
         if !measured.is_finite() {
             *value = f64::NAN;
         }
     }
     let spread: &[_] = match at_jumps {
-        AtJumps::LeftOut => &axis.mended.spread,
+        AtJumps::LeftOut => axis.residual.spread(),
         AtJumps::Kept => &[],
     };
-    let mended = &axis.mended;
-    for mask in mended.masked.iter().chain(&mended.lost).chain(spread) {
+    for mask in axis.residual.masked_or_cut().chain(spread) {
         waveform[mask.clone()].fill(f64::NAN);
     }
     curve::of_parts(half(&waveform, 1), axis.rate_hz)

@@ -56,8 +56,8 @@ pub fn of_parts<'a>(
 mod tests {
     use super::*;
     use crate::bins::strided::Strided;
-    use crate::model::random::Seed;
     use crate::model::random::Gaussian;
+    use crate::model::random::Seed;
 
     #[test]
     fn the_curve_is_that_of_the_finer_grid() {

@@ -19,10 +19,10 @@ pub mod laws;
 pub mod size;
 
 use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::explanation::{Explanation, Snapshot};
 use crate::diagnosis::laws::{components, search};
 use crate::diagnosis::record::bins::Frame;
-use crate::diagnosis::record::residual::Mended;
-use crate::diagnosis::rounds::{Accepted, Snapshot, laws_of};
+use crate::diagnosis::record::residual::Residual;
 use crate::fit::likelihood::components::SEEN;
 use crate::fit::likelihood::log_likelihood;
 use crate::model::PerCoefficient;
@@ -37,7 +37,7 @@ pub const SEEN_COST: f64 = 0.5;
 pub struct Halves {
     train: Frame,
     held: Frame,
-    measured: Mended,
+    measured: Residual,
 }
 
 /// Every other block of a record, with its first index: those fitted to for `parity` 0, those held
@@ -52,14 +52,15 @@ fn half(values: &[f64], parity: usize) -> impl Iterator<Item = (usize, &[f64])> 
 impl Halves {
     /// The halves of an axis, with the masks that were found at last.
     pub fn new(axis: &AxisState) -> Option<Self> {
-        let measured = axis.mended.bare();
+        let measured = axis.residual.with([]);
         let values = measured.values();
         let chain = axis.chain.as_ref();
         let frame = |parity| Frame::of_parts(half(&values, parity), axis.rate_hz, chain);
         let (train, held) = rayon::join(|| frame(0), || frame(1));
         let (mut train, mut held) = (train?, held?);
-        train.leave_out(&axis.apart);
-        held.leave_out(&axis.apart);
+        let excluded_hz = axis.excluded_hz();
+        train.leave_out(&excluded_hz);
+        held.leave_out(&excluded_hz);
         Some(Self {
             train,
             held,
@@ -69,15 +70,13 @@ impl Halves {
 
     /// Log-likelihood of the held-out half under the model of a snapshot fitted to the other.
     fn score(&self, snapshot: &Snapshot) -> Option<f64> {
-        let mut record = self.measured.clone();
-        record.waves.clone_from(&snapshot.waves);
-        let values = record.values();
+        let values = self.measured.with(snapshot.waves().cloned()).values();
         let (train, held) = rayon::join(
             || self.train.measure_parts(half(&values, 0)),
             || self.held.measure_parts(half(&values, 1)),
         );
         drop(values);
-        let mut laws = laws_of(snapshot);
+        let mut laws = snapshot.laws.clone();
         let fit = search::polish(&self.train, &train, &mut laws, 0, 0.05)?;
         let components = components(&self.held, &laws);
         let mut expected = vec![0.0; held.len()];
@@ -90,7 +89,7 @@ impl Halves {
     }
 
     /// Predictive gain of a finding, nats.
-    pub fn nats(&self, one: &Accepted) -> Option<f64> {
+    pub fn nats(&self, one: &Explanation) -> Option<f64> {
         let gain = self.score(&one.with)? - self.score(&one.without)?;
         Some(gain - SEEN_COST * one.freedom)
     }

@@ -6,8 +6,9 @@ use rayon::prelude::*;
 
 use crate::bins::point::Point;
 use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::explanation::{Explanation, Snapshot};
 use crate::diagnosis::held_out::allan::{AtJumps, HeldCurve};
-use crate::diagnosis::rounds::{Accepted, Snapshot};
+use crate::diagnosis::record::wave::Wave;
 use crate::model::axis::ModelAxis;
 
 /// Degrees of freedom from which a point of the Allan curve counts.
@@ -32,7 +33,11 @@ impl<'a> Sizes<'a> {
     ) -> Self {
         Self {
             // What a filter makes of a jump is left out of tests, but the jump is there.
-            waves: held.waveform(axis, &last.waves, AtJumps::Kept),
+            waves: held.waveform(
+                axis,
+                &last.waves().cloned().collect::<Vec<_>>(),
+                AtJumps::Kept,
+            ),
             axis,
             held,
             noise,
@@ -42,18 +47,18 @@ impl<'a> Sizes<'a> {
     /// Largest change of the model's Allan deviation, at any averaging time of ten degrees of freedom
     /// or more, when an effect is taken out and nothing else moves; percent. `None` for what a model
     /// of noise and waveforms does not hold, such as a burst.
-    pub fn change_percent(&self, one: &Accepted) -> Option<f64> {
+    pub fn change_percent(&self, one: &Explanation) -> Option<f64> {
         let law = self.noise.law(self.axis.rate_hz);
         let mut rest = self.noise.clone();
-        let mut own = one.with.waves.clone();
-        match one.law {
+        let mut own: Vec<Wave> = one.with.waves().cloned().collect();
+        match self.axis.law_number(one) {
             Some(which) if which < rest.effects.len() => {
                 rest.effects.remove(which);
                 own.clear();
             }
-            _ => own.retain(|wave| !one.without.waves.contains(wave)),
+            _ => own.retain(|wave| !one.without.waves().any(|other| other == wave)),
         }
-        if one.law.is_none() && own.is_empty() {
+        if one.law().is_none() && own.is_empty() {
             return None;
         }
         let rest = rest.law(self.axis.rate_hz);

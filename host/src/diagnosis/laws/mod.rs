@@ -10,13 +10,14 @@ pub mod spread;
 
 use crate::diagnosis::record::bins::Frame;
 use crate::fit::likelihood::{Data, Fit, maximise};
-use crate::model::effect::{Effect, Part};
+use crate::model::effect::Part;
+use crate::model::kind::Kind;
 
 /// An effect with its values; the size, if it has one, is 1 and its square is a component.
-#[derive(Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Law {
     /// The kind of effect.
-    pub effect: &'static dyn Effect,
+    pub effect: Kind,
     /// All its parameters.
     pub values: Vec<f64>,
 }

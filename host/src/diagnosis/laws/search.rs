@@ -3,13 +3,14 @@
 use rayon::prelude::*;
 
 use crate::diagnosis::laws::rise::Rise;
-use crate::diagnosis::laws::{Law, component_through, components, passed};
+use crate::diagnosis::laws::{Law, component_of, component_through, components, passed};
 use crate::diagnosis::record::bins::Frame;
 use crate::diagnosis::statistic::p_value;
 use crate::fit::likelihood::scoring::{Range, greatest_beside, maximise_beside};
 use crate::fit::likelihood::{Data, Fit};
 use crate::model::catalogue::CATALOGUE;
-use crate::model::effect::{Band, Effect};
+use crate::model::effect::Band;
+use crate::model::kind::Kind;
 
 /// Smallest step in the logarithm of a shape.
 const FINEST: f64 = 2e-3;
@@ -99,7 +100,7 @@ fn moved(
     let components = if laws[which].adds() {
         let mut components = from.components.clone();
         let power = passed(frame, laws);
-        components[crate::diagnosis::laws::component_of(frame, laws, which)] =
+        components[component_of(frame, laws, which)] =
             component_through(frame, &laws[which], power)?;
         components
     } else {
@@ -150,9 +151,9 @@ impl Starts {
 
 impl Starts {
     /// The least of each value of an effect.
-    fn lowest(&self, effect: &'static dyn Effect) -> Vec<f64> {
+    fn lowest(&self, effect: Kind) -> Vec<f64> {
         let own = self.starts.iter();
-        own.filter(|start| start.law.effect.name() == effect.name())
+        own.filter(|start| start.law.effect == effect)
             .map(|start| start.law.values.clone())
             .reduce(|a, b| a.iter().zip(&b).map(|(a, b)| a.min(*b)).collect())
             .unwrap_or_default()
@@ -164,10 +165,10 @@ impl Starts {
         frame: &Frame,
         laws: &[Law],
         base: &Fit,
-        effect: &'static dyn Effect,
+        effect: Kind,
     ) -> impl Iterator<Item = Vec<f64>> {
         let own = self.starts.iter();
-        own.filter(move |start| start.law.effect.name() == effect.name())
+        own.filter(move |start| start.law.effect == effect)
             .map(move |start| match &start.component {
                 Some(component) => component.clone(),
                 None => {
@@ -191,13 +192,11 @@ impl Starts {
         data: &Data,
         base: &Fit,
         present: &[Vec<f64>],
-        effect: &'static dyn Effect,
+        effect: Kind,
         unfiltered: bool,
     ) -> Vec<&Start> {
         let own = self.starts.iter();
-        let mut own: Vec<&Start> = own
-            .filter(|start| start.law.effect.name() == effect.name())
-            .collect();
+        let mut own: Vec<&Start> = own.filter(|start| start.law.effect == effect).collect();
         // Of a filter no first rise is known.
         let adds = own.iter().all(|start| start.component.is_some());
         if !unfiltered || !adds || own.len() <= TRIED {
@@ -233,7 +232,7 @@ pub fn search(
     laws: &[Law],
     base: &Fit,
     starts: &Starts,
-    effect: &'static dyn Effect,
+    effect: Kind,
 ) -> Option<Found> {
     let unfiltered = laws.iter().all(Law::adds);
     let mut present = components(frame, laws);

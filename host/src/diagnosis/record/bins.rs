@@ -5,6 +5,7 @@
 //! are made once.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use crate::chain::Chain;
 use crate::fit::design::Design;
@@ -21,10 +22,11 @@ const NOTHING: f64 = 1e-9;
 const BINS_PER_OCTAVE: f64 = 16.0;
 
 /// What the spectra of one axis have in common: bins, and what they are expected to be.
+#[derive(Clone)]
 pub struct Frame {
     settings: Settings,
     estimate: Estimate,
-    design: Design,
+    design: Arc<Design>,
     /// Expectations of the bins for each of [`SEEN`] at coefficient 1; behind a converter also for
     /// white noise that joins after its filter, such as rounding.
     units: Vec<Vec<f64>>,
@@ -60,7 +62,7 @@ impl Frame {
         let plan = Plan::new();
         let cascade = filled(&plan, parts);
         let estimate = Estimate::new(&cascade, rate_hz, &settings);
-        let design = Design::new(rate_hz, chain);
+        let design = Arc::new(Design::new(rate_hz, chain));
         let nodes = estimate.operator.nodes_hz();
         let chain_power: Vec<f64> = nodes.iter().map(|&f_hz| design.power(f_hz)).collect();
         let densities: Vec<Vec<f64>> = SEEN

@@ -1,6 +1,10 @@
-//! A record on its way to being explained: samples, residual, spectral bins. Knows no effect by name.
+//! A record on its way to being explained: samples, waveforms, residual, spectral bins. Knows no effect by
+//! name.
 
 pub mod bins;
+pub mod bridge;
+pub mod powers;
 pub mod residual;
 pub mod samples;
 pub mod spill;
+pub mod wave;

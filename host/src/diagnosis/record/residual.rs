@@ -1,139 +1,70 @@
-//! A record with what has been explained taken out of it.
+//! What is left of a record once what has been explained is taken out of it.
 //!
-//! Waveforms are subtracted, single bad samples bridged, stretches that follow another law masked.
-//! What the measured record and the mended one differ by is the model's deterministic part.
+//! Waveforms are subtracted, single bad samples replaced, stretches that follow another law left out.
+//! All of it follows from the explanations of the axis: none of it is kept by itself.
 
 use std::ops::Range;
 use std::sync::Arc;
 
-use realfft::num_complex::Complex64;
+use crate::diagnosis::record::wave::{Jump, Outlier, Wave};
 
-use crate::diagnosis::detect::outliers::Outlier;
-use crate::diagnosis::detect::steps::Jump;
-use crate::fft::phasor::Phasor;
-
-/// A waveform in the record.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Wave {
-    /// Jumps of the level that stay.
-    Steps(Vec<Jump>),
-    /// Exponential settling from the start of the record.
-    WarmUp {
-        /// Size at the start.
-        amplitude: f64,
-        /// Time constant, samples.
-        samples: f64,
-    },
-    /// A line: `cosine cos(w n) + sine sin(w n)`.
-    Line {
-        /// Frequency, cycles a sample.
-        cycles: f64,
-        /// Size of the cosine.
-        cosine: f64,
-        /// Size of the sine.
-        sine: f64,
-        /// Samples that were lost on the way, and the first index after them: from there on the
-        /// phase is that many samples ahead.
-        lost: Option<(usize, u32)>,
-    },
-    /// A covariate, one value a sample, times a gain.
-    Follows {
-        /// Gain.
-        gain: f64,
-        /// The covariate, about its mean.
-        column: Arc<Vec<f32>>,
-    },
-    /// Single samples that do not belong.
-    Outliers(Vec<Outlier>),
-    /// Single samples that were not measured (repeats of the one before), in place of which the
-    /// others' prediction stands.
-    Replaced(Vec<Outlier>),
-}
-
-impl Wave {
-    /// Takes the waveform out of `values`, whose first sample has index 0.
-    pub fn take_out(&self, values: &mut [f64]) {
-        match self {
-            Self::Steps(jumps) => {
-                let mut level = 0.0;
-                let mut from = 0;
-                for jump in jumps {
-                    let end = jump.index.min(values.len());
-                    values[from..end]
-                        .iter_mut()
-                        .for_each(|value| *value -= level);
-                    level += jump.height;
-                    from = end;
-                }
-                values[from..].iter_mut().for_each(|value| *value -= level);
-            }
-            Self::WarmUp { amplitude, samples } => {
-                // Beyond 40 time constants nothing is left.
-                let end = ((40.0 * samples) as usize).min(values.len());
-                for (index, value) in values[..end].iter_mut().enumerate() {
-                    *value -= amplitude * (-(index as f64) / samples).exp();
-                }
-            }
-            Self::Line {
-                cycles,
-                cosine,
-                sine,
-                lost,
-            } => {
-                let (after, samples) = lost.unwrap_or((values.len(), 0));
-                let (before, later) = values.split_at_mut(after.min(values.len()));
-                let phasor = Phasor::new(*cycles);
-                let amplitude = Complex64::new(*cosine, -sine);
-                let out = |value: &mut f64, line: Complex64| *value -= line.re;
-                phasor.zip(0, before, amplitude, out);
-                phasor.zip(after + samples as usize, later, amplitude, out);
-            }
-            Self::Follows { gain, column } => {
-                for (value, column) in values.iter_mut().zip(column.iter()) {
-                    *value -= gain * f64::from(*column);
-                }
-            }
-            Self::Outliers(outliers) | Self::Replaced(outliers) => {
-                for outlier in outliers {
-                    if let Some(value) = values.get_mut(outlier.index) {
-                        *value -= outlier.size;
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// A record on its way to being explained.
-#[derive(Debug, Clone)]
-pub struct Mended {
-    /// As measured, about the mean; missing samples are NaN.
-    measured: Arc<Vec<f64>>,
-    /// What is taken out.
+/// What is done to a record.
+#[derive(Debug, Clone, Default)]
+pub struct TakenOut {
+    /// Waveforms that are subtracted.
     pub waves: Vec<Wave>,
-    /// Stretches of other noise, which the stationary law does not speak for.
+    /// Stretches of another noise, which the stationary law does not speak for.
     pub masked: Vec<Range<usize>>,
     /// Moments at which samples were lost.
-    pub lost: Vec<Range<usize>>,
-    /// Jumps as wide as a converter's filter spreads them.
-    pub spread: Vec<Range<usize>>,
+    pub cut: Vec<Range<usize>>,
 }
 
-impl Mended {
-    /// A record as measured.
+/// A record and what is done to it.
+#[derive(Debug, Clone)]
+pub struct Residual {
+    /// As measured, about the mean; missing samples are NaN.
+    measured: Arc<Vec<f64>>,
+    taken: TakenOut,
+    /// Jumps as wide as a converter's filter spreads them.
+    spread: Vec<Range<usize>>,
+}
+
+impl Residual {
+    /// A record as measured, with nothing done to it.
     pub fn new(measured: Arc<Vec<f64>>) -> Self {
         Self {
             measured,
-            waves: Vec::new(),
-            masked: Vec::new(),
-            lost: Vec::new(),
+            taken: TakenOut::default(),
             spread: Vec::new(),
         }
     }
 
+    /// What is left of the same record when this is `taken` out; a jump is spread over `spread` samples on
+    /// either side, where a converter's filter stands before them.
+    pub fn after(&self, taken: TakenOut, spread: Option<usize>) -> Self {
+        let mut left = Self {
+            taken,
+            ..Self::new(Arc::clone(&self.measured))
+        };
+        left.spread = spread.map_or_else(Vec::new, |samples| left.about_jumps(samples).collect());
+        left
+    }
+
+    /// The same record with other waveforms taken out, and the same stretches left out.
+    pub fn with(&self, waves: impl IntoIterator<Item = Wave>) -> Self {
+        let mut other = self.clone();
+        other.taken.waves = waves.into_iter().collect();
+        other
+    }
+
+    /// What is taken out.
+    pub fn waves(&self) -> &[Wave] {
+        &self.taken.waves
+    }
+
     /// Single samples that are taken out of it.
     pub fn outliers(&self) -> &[Outlier] {
-        let all = self.waves.iter().find_map(|wave| match wave {
+        let all = self.taken.waves.iter().find_map(|wave| match wave {
             Wave::Outliers(all) => Some(all.as_slice()),
             _ => None,
         });
@@ -155,11 +86,11 @@ impl Mended {
         self.measured.is_empty()
     }
 
-    /// What is left; NaN where missing or masked. The measured values themselves where nothing was
+    /// What is left; NaN where missing or left out. The measured values themselves where nothing was
     /// taken out.
     pub fn values(&self) -> Arc<Vec<f64>> {
         let mut left = Arc::clone(&self.measured);
-        for wave in &self.waves {
+        for wave in &self.taken.waves {
             wave.take_out(Arc::make_mut(&mut left).as_mut_slice());
         }
         for mask in self.left_out() {
@@ -171,21 +102,28 @@ impl Mended {
 
     /// All that is left out.
     pub fn left_out(&self) -> impl Iterator<Item = &Range<usize>> {
-        self.masked.iter().chain(&self.lost).chain(&self.spread)
+        self.masked_or_cut().chain(&self.spread)
     }
 
-    /// The same record with nothing explained but the stretches that are left out.
-    pub fn bare(&self) -> Self {
-        Self {
-            waves: Vec::new(),
-            ..self.clone()
-        }
+    /// The same without what a filter makes of jumps.
+    pub fn masked_or_cut(&self) -> impl Iterator<Item = &Range<usize>> {
+        self.taken.masked.iter().chain(&self.taken.cut)
+    }
+
+    /// Whether stretches of it are masked.
+    pub fn is_masked(&self) -> bool {
+        !self.taken.masked.is_empty()
+    }
+
+    /// What a converter's filter makes of the jumps.
+    pub fn spread(&self) -> &[Range<usize>] {
+        &self.spread
     }
 
     /// All that is taken out of it, as it is in the record.
     pub fn waveform(&self) -> Vec<f64> {
         let mut values = vec![0.0; self.measured.len()];
-        for wave in &self.waves {
+        for wave in &self.taken.waves {
             wave.take_out(&mut values);
         }
         values.iter_mut().for_each(|value| *value = -*value);
@@ -194,7 +132,7 @@ impl Mended {
 
     /// Jumps that are taken out of it.
     pub fn jumps(&self) -> impl Iterator<Item = &Jump> {
-        self.waves.iter().flat_map(|wave| match wave {
+        self.taken.waves.iter().flat_map(|wave| match wave {
             Wave::Steps(jumps) => jumps.as_slice(),
             _ => &[],
         })
@@ -209,48 +147,6 @@ impl Mended {
     }
 }
 
-/// Bridges what is not finite by straight lines between means on either side, of more samples the
-/// longer the bridge: the ends' own noise must not become a slow wave. Returns the ranges bridged.
-pub fn bridge(values: &mut [f64]) -> Vec<Range<usize>> {
-    /// Samples on either side that a line rests on, at least and at most.
-    const FEW: usize = 16;
-    const MANY: usize = 1 << 16;
-    let mut gaps = Vec::new();
-    let mut from = 0;
-    while let Some(start) = (from..values.len()).find(|&index| !values[index].is_finite()) {
-        let end = (start..values.len())
-            .find(|&index| values[index].is_finite())
-            .unwrap_or(values.len());
-        let mean = |part: &[f64]| {
-            let good: Vec<f64> = part.iter().copied().filter(|v| v.is_finite()).collect();
-            (!good.is_empty()).then(|| good.iter().sum::<f64>() / good.len() as f64)
-        };
-        let count = (4 * (end - start)).clamp(FEW, MANY);
-        let before = mean(&values[start.saturating_sub(count)..start]);
-        let after = mean(&values[end..(end + count).min(values.len())]);
-        let (a, b) = match (before, after) {
-            (Some(a), Some(b)) => (a, b),
-            (Some(a), None) | (None, Some(a)) => (a, a),
-            (None, None) => (0.0, 0.0),
-        };
-        let length = (end - start + 1) as f64;
-        for (step, value) in values[start..end].iter_mut().enumerate() {
-            *value = a + (b - a) * (step + 1) as f64 / length;
-        }
-        gaps.push(start..end);
-        from = end;
-    }
-    gaps
-}
-
-/// Means over `factor` samples each.
-pub fn block_means(values: &[f64], factor: usize) -> Vec<f64> {
-    values
-        .chunks_exact(factor)
-        .map(|block| block.iter().sum::<f64>() / factor as f64)
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -258,7 +154,7 @@ mod tests {
     #[test]
     fn waves_are_taken_out_and_given_back() {
         let measured: Vec<f64> = (0..1000).map(|n| f64::from(n % 7)).collect();
-        let mut record = Mended::new(Arc::new(measured.clone()));
+
         let jump = |index, height| Jump {
             index,
             height,
@@ -267,7 +163,7 @@ mod tests {
             z: 10.0,
             p_value: 0.0,
         };
-        record.waves = vec![
+        let waves = vec![
             Wave::Steps(vec![jump(100, 2.0), jump(400, -3.0)]),
             Wave::WarmUp {
                 amplitude: 5.0,
@@ -280,9 +176,14 @@ mod tests {
                 lost: None,
             },
         ];
-        record.masked = vec![10..20];
+        let taken_out = TakenOut {
+            waves,
+            masked: vec![10..20],
+            cut: Vec::new(),
+        };
+        let record = Residual::new(Arc::new(measured.clone())).after(taken_out, None);
         let (left, mut taken) = (record.values(), vec![0.0; 1000]);
-        for wave in &record.waves {
+        for wave in record.waves() {
             wave.take_out(&mut taken);
         }
         for n in 0..1000 {
@@ -295,32 +196,5 @@ mod tests {
         // Between these the level rises by 2, the line by 2, and the settling falls.
         let settled = 5.0 * (f64::exp(-1.0) - f64::exp(-6.0));
         assert!((taken[50] - taken[300] - (4.0 - settled)).abs() < 1e-9);
-    }
-
-    #[test]
-    fn a_line_runs_ahead_after_a_loss() {
-        let line = |lost| Wave::Line {
-            cycles: 0.013,
-            cosine: 1.0,
-            sine: -2.0,
-            lost,
-        };
-        let (mut whole, mut shorter) = (vec![0.0; 300], vec![0.0; 293]);
-        line(None).take_out(&mut whole);
-        line(Some((120, 7))).take_out(&mut shorter);
-        whole.drain(120..127);
-        for (n, (one, other)) in whole.iter().zip(&shorter).enumerate() {
-            assert!((one - other).abs() < 1e-12, "{n}: {one} {other}");
-        }
-        assert_eq!(whole.len(), shorter.len());
-    }
-
-    #[test]
-    fn bridges_are_straight() {
-        let mut values = vec![1.0; 40];
-        values[10..13].fill(f64::NAN);
-        values[13..].fill(5.0);
-        assert_eq!(bridge(&mut values), [10..13]);
-        assert_eq!(&values[9..14], [1.0, 2.0, 3.0, 4.0, 5.0]);
     }
 }

@@ -1,12 +1,14 @@
 //! The five coefficients of a fit, with intervals.
 
 use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::explanation::Estimate;
 use crate::diagnosis::result::finding::{Coefficient, Value};
-use crate::diagnosis::rounds::Accepted;
 use crate::fit::likelihood::Fit;
 use crate::fit::likelihood::components::SEEN;
 use crate::fit::likelihood::ramp::Ramp;
 use crate::model::PerCoefficient;
+use crate::model::outliers;
+use crate::model::rounding::{self, Rounding};
 
 /// Standard deviations of a one-sided 5 % test, and of a 95 % interval.
 const ONE_SIDED: f64 = 1.644_854;
@@ -60,29 +62,27 @@ pub fn coefficients(squared: &[f64], squares_sd: &[f64]) -> PerCoefficient<Coeff
 /// Density that named effects add evenly to the noise, where it shows as white noise of the sensor's,
 /// and its standard deviation: the rounding of a step that was found, and outliers too small to be
 /// taken out one by one.
-pub fn even_density(axis: &AxisState, accepted: &[Accepted]) -> [f64; 2] {
+pub fn even_density(axis: &AxisState) -> [f64; 2] {
     // Behind a converter's filter they have a component of their own.
     if axis.frame.units().len() > SEEN.len() {
         return [0.0; 2];
     }
-    let find = |effect: &str| accepted.iter().find(|one| one.effect == effect);
-    let value = |one: &Accepted, name: &str| one.parameters.get(name).copied();
-    let rounding = find("quantisation")
-        .and_then(|one| value(one, "step"))
-        .map_or(0.0, |step| step.value * step.value / 12.0 / axis.rate_hz);
-    let [small, small_sd] = find("outliers")
-        .and_then(|one| Some([value(one, "rate_hz")?, value(one, "size")?]))
-        .map_or([0.0; 2], |[rate_hz, size]| {
-            small_outliers(axis, rate_hz, size)
-        });
+    let rounding = axis.explanation(rounding::KIND).map_or(0.0, |one| {
+        Rounding::of(&one.effect.plain()).density(axis.rate_hz)
+    });
+    let small = axis.explanation(outliers::KIND);
+    let [small, small_sd] = small.map_or([0.0; 2], |one| small_outliers(axis, &one.effect));
     [rounding + small, small_sd]
 }
 
-/// Of outliers of a law, `rate_hz` of them a second, those that are still in the record: their density
-/// and its standard deviation.
-fn small_outliers(axis: &AxisState, rate_hz: Value, size: Value) -> [f64; 2] {
-    let duration_s = axis.mended.len() as f64 / axis.rate_hz;
-    let seen = axis.mended.outliers().iter().map(|one| one.size * one.size);
+/// Of outliers of a law, those that are still in the record: their density and its standard deviation.
+fn small_outliers(axis: &AxisState, effect: &Estimate) -> [f64; 2] {
+    let [Some(rate_hz), Some(size)] = effect.values[..] else {
+        return [0.0; 2];
+    };
+    let duration_s = axis.residual.len() as f64 / axis.rate_hz;
+    let seen = axis.residual.outliers().iter();
+    let seen = seen.map(|one| one.size * one.size);
     let all = rate_hz.value * size.value * size.value;
     let small = (all - seen.sum::<f64>() / duration_s).max(0.0);
     let log_sd = |value: Value| {

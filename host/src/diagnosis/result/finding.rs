@@ -1,14 +1,15 @@
 //! The result of a diagnosis, as `--json` writes it.
 
-use std::collections::BTreeMap;
-
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 use crate::analyse::SourceSummary;
+use crate::diagnosis::explanation::Estimate;
 use crate::diagnosis::result::place::Place;
 use crate::diagnosis::views::Views;
 use crate::model::PerCoefficient;
 use crate::model::axis::ModelAxis;
+use crate::model::kind::Kind;
+use crate::model::marks::Mark;
 use crate::model::whole::{Model, SCHEMA};
 use crate::signal::Unit;
 
@@ -94,14 +95,15 @@ pub struct Remark {
 /// An effect that was found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Finding {
-    /// Its name in the catalogue.
-    pub effect: String,
+    /// Which of the catalogue.
+    pub effect: Kind,
     /// What it is physically.
     pub cause: String,
     /// What to look at on the bench.
     pub check: String,
     /// Its parameters.
-    pub parameters: BTreeMap<String, Value>,
+    #[serde(rename = "parameters", serialize_with = "named")]
+    pub estimate: Estimate,
     /// Probability of as much in data without it, the search included.
     pub p_value: f64,
     /// Other effects that explain the same, with the logarithm of the odds for this one.
@@ -112,11 +114,36 @@ pub struct Finding {
     pub without: PerCoefficient<Option<f64>>,
 }
 
+/// By the catalogue's names.
+fn named<S: Serializer>(estimate: &Estimate, serializer: S) -> Result<S::Ok, S::Error> {
+    estimate.named().serialize(serializer)
+}
+
 /// Change of the Allan deviation below which an effect is small, percent: a quarter of what the
 /// source's simulation was off by (Pavlov and Petrov: 4 %).
 pub const SMALL_PERCENT: f64 = 1.0;
 
 impl Finding {
+    /// An effect by itself: nothing is known of its gain yet.
+    pub fn new(estimate: &Estimate, p_value: f64) -> Self {
+        let kind = estimate.kind;
+        Self {
+            effect: kind,
+            cause: kind.meaning().to_owned(),
+            check: kind.check(&estimate.plain()),
+            estimate: estimate.clone(),
+            p_value,
+            rivals: Vec::new(),
+            gain: Gain::default(),
+            without: PerCoefficient::default(),
+        }
+    }
+
+    /// Where it shows in pictures.
+    pub fn marks(&self) -> Vec<Mark> {
+        self.effect.marks(&self.estimate.plain())
+    }
+
     /// Whether it hardly changes the Allan deviation, however sure it is.
     pub fn is_small(&self) -> bool {
         let change = self.gain.allan_change_percent;
@@ -159,6 +186,15 @@ impl Value {
         }
     }
 
+    /// The same of what grows with it: value and ends through an increasing function.
+    pub fn map(self, through: impl Fn(f64) -> f64) -> Self {
+        Self {
+            value: through(self.value),
+            lo: self.lo.map(&through),
+            hi: self.hi.map(&through),
+        }
+    }
+
     /// Known as it is.
     pub const fn exact(value: f64) -> Self {
         Self {
@@ -172,8 +208,8 @@ impl Value {
 /// Another explanation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Rival {
-    /// Its name in the catalogue.
-    pub effect: String,
+    /// Which of the catalogue.
+    pub effect: Kind,
     /// Natural logarithm of the odds for the finding against it.
     pub log_odds: f64,
 }

@@ -409,8 +409,8 @@ pub fn held_out_gain(record: &Whole, density: &[f64], wave: &Whole) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::random::Seed;
     use crate::model::random::Gaussian;
+    use crate::model::random::Seed;
 
     #[test]
     fn both_halves_are_in_the_whole_answer() {

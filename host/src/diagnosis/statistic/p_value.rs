@@ -120,8 +120,8 @@ mod tests {
 
     #[test]
     fn the_best_on_a_path_is_as_rare_as_it_says() {
-        use crate::model::random::Seed;
         use crate::model::random::Gaussian;
+        use crate::model::random::Seed;
         // The largest of a cos t + b sin t, 0 < t < length, for standard normal a and b, at a height
         // that few reach: the bound is within some percent there, 40 000 draws tell it to 5 %.
         let (length, nats, draws) = (1.5_f64, 4.0_f64, 40_000);

@@ -17,7 +17,7 @@ const MOST: f64 = 0.5;
 pub fn ramp(axis: &AxisState) -> Option<Ramp> {
     let mut slope = Slope::new(&blocks(axis), &axis.fit.squared[..SEEN.len()])?;
     // Over the length of the record laws are as good as white.
-    let slow_hz = axis.rate_hz / axis.mended.len() as f64;
+    let slow_hz = axis.rate_hz / axis.residual.len() as f64;
     let power = axis.filters(slow_hz);
     for unit in SEEN.len()..axis.frame.units().len() {
         slope.beside(axis.frame.unit_density(unit, slow_hz, power));
@@ -32,7 +32,7 @@ pub fn ramp(axis: &AxisState) -> Option<Ramp> {
 }
 
 fn blocks(axis: &AxisState) -> Vec<Block> {
-    let values = axis.mended.values();
+    let values = axis.residual.values();
     let length = values.len().div_ceil(BLOCKS).max(1);
     let parts = values.chunks(length).enumerate();
     let block = |(number, part): (usize, &[f64])| {
@@ -53,8 +53,8 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::model::random::Seed;
     use crate::model::random::Gaussian;
+    use crate::model::random::Seed;
 
     const RATE_HZ: f64 = 100.0;
 

@@ -47,7 +47,7 @@ pub(crate) fn points(
     let rate_hz = axis.rate_hz;
     let (before, after) = (models.base.law(rate_hz), models.noise.law(rate_hz));
     let (measured, waves) = rayon::join(
-        || curve::allan(axis.mended.measured(), rate_hz),
+        || curve::allan(axis.residual.measured(), rate_hz),
         || curve::allan(wave, rate_hz),
     );
     let point = |one: Point| {

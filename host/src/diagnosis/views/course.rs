@@ -4,17 +4,16 @@
 use rayon::prelude::*;
 
 use crate::diagnosis::axis::AxisState;
-use crate::diagnosis::record::residual::Wave;
+use crate::diagnosis::record::wave::Wave;
 use crate::diagnosis::result::finding::Finding;
+use crate::model::kind::Kind;
+use crate::model::marks;
 
 /// Columns at most.
 const COLUMNS: usize = 1000;
 
 /// Moments of one effect at most.
 const MOST: usize = 200;
-
-/// Time constants after which a settling is over for the eye.
-const SETTLED: f64 = 5.0;
 
 /// The record in time.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -53,11 +52,13 @@ pub struct Extent {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mark {
     /// Effect.
-    pub effect: String,
+    pub effect: Kind,
     /// Begin, seconds.
     pub from_s: f64,
     /// End, seconds; the same as the begin for a moment.
     pub to_s: f64,
+    /// Whether it is a single sample.
+    pub is_sample: bool,
 }
 
 impl Extent {
@@ -82,7 +83,7 @@ impl Extent {
 impl Course {
     /// Of an axis with what was found in it; `mean` is that of the record.
     pub(crate) fn new(axis: &AxisState, findings: &[Finding], mean: f64) -> Self {
-        let measured = axis.mended.measured();
+        let measured = axis.residual.measured();
         let modelled = modelled(axis);
         let column = measured.len().div_ceil(COLUMNS).max(1);
         let columns = measured.par_chunks(column).zip(modelled.par_chunks(column));
@@ -108,8 +109,8 @@ impl Course {
 /// The deterministic part of the model, about its mean as the record is about its own. Single
 /// samples that do not belong are marked, not drawn.
 fn modelled(axis: &AxisState) -> Vec<f64> {
-    let mut values = vec![0.0; axis.mended.len()];
-    for wave in &axis.mended.waves {
+    let mut values = vec![0.0; axis.residual.len()];
+    for wave in axis.residual.waves() {
         if !matches!(wave, Wave::Outliers(_) | Wave::Replaced(_)) {
             wave.take_out(&mut values);
         }
@@ -119,44 +120,44 @@ fn modelled(axis: &AxisState) -> Vec<f64> {
     values
 }
 
+/// What findings say of moments and stretches: by their parameters, or, where these hold no moment, by what was
+/// taken out of the record for them.
 fn marks(axis: &AxisState, findings: &[Finding]) -> Vec<Mark> {
     let mut marks = Vec::new();
     for finding in findings {
-        let value = |name: &str| finding.parameters.get(name).map(|one| one.value);
-        let mut add = |from_s: f64, to_s: f64| {
-            marks.push(Mark {
-                effect: finding.effect.clone(),
-                from_s,
-                to_s,
-            });
-        };
-        if let (Some(from_s), Some(to_s)) = (value("from_s"), value("to_s")) {
-            add(from_s, to_s);
-        }
-        if let ("warmup", Some(time_s)) = (finding.effect.as_str(), value("time_s")) {
-            add(0.0, SETTLED * time_s);
-        }
-        let numbered = (1..=MOST).map_while(|number| value(&format!("time_s_{number}")));
-        numbered.for_each(|time_s| add(time_s, time_s));
-    }
-    let moment = |effect: &str, index: usize| Mark {
-        effect: effect.to_owned(),
-        from_s: index as f64 / axis.rate_hz,
-        to_s: index as f64 / axis.rate_hz,
-    };
-    let switches = findings.iter().any(|one| one.effect == "telegraph");
-    for wave in &axis.mended.waves {
-        match wave {
-            Wave::Outliers(all) => {
-                let all = all.iter().take(MOST);
-                marks.extend(all.map(|one| moment("outliers", one.index)));
-            }
-            Wave::Steps(jumps) if switches => {
-                let jumps = jumps.iter().take(MOST);
-                marks.extend(jumps.map(|one| moment("telegraph", one.index)));
-            }
-            _ => {}
+        let effect = finding.effect;
+        let spans = finding.marks().into_iter().filter_map(|mark| match mark {
+            marks::Mark::Moment(at_s) => Some((at_s, at_s)),
+            marks::Mark::Stretch(from_s, to_s) => Some((from_s, to_s)),
+            _ => None,
+        });
+        let before = marks.len();
+        marks.extend(spans.take(MOST).map(|(from_s, to_s)| Mark {
+            effect,
+            from_s,
+            to_s,
+            is_sample: false,
+        }));
+        if marks.len() == before
+            && let Some(explanation) = axis.explanation(effect)
+        {
+            let all = explanation.waves().iter().flat_map(events);
+            marks.extend(all.take(MOST).map(|(index, is_sample)| Mark {
+                effect,
+                from_s: index as f64 / axis.rate_hz,
+                to_s: index as f64 / axis.rate_hz,
+                is_sample,
+            }));
         }
     }
     marks
+}
+
+/// Samples at which a waveform has events, and whether these are single samples.
+fn events(wave: &Wave) -> Vec<(usize, bool)> {
+    match wave {
+        Wave::Outliers(all) => all.iter().map(|one| (one.index, true)).collect(),
+        Wave::Steps(all) => all.iter().map(|one| (one.index, false)).collect(),
+        _ => Vec::new(),
+    }
 }

@@ -51,14 +51,14 @@ pub struct VelocityError {
 /// Observed and predicted errors of an axis; none for times that leave too few windows.
 pub(crate) fn compare(axis: &AxisState, models: Models<'_>, wave: &[f64]) -> Vec<VelocityError> {
     let rate_hz = axis.rate_hz;
-    let block = axis.mended.len().div_ceil(BLOCKS).max(1);
+    let block = axis.residual.len().div_ceil(BLOCKS).max(1);
     let alignment_s = ALIGNMENT_S.min(ALIGNED * block as f64 / rate_hz);
     let windows = TIMES_S.map(|t_s| Window {
         aligned: (alignment_s * rate_hz).round() as usize,
         integrated: (t_s * rate_hz).round() as usize,
         rate_hz,
     });
-    let observed = mean_squares(&windows, axis.mended.measured(), block);
+    let observed = mean_squares(&windows, axis.residual.measured(), block);
     let of_wave = mean_squares(&windows, wave, block);
     let (before, after) = rayon::join(
         || predict(models.base, &windows),

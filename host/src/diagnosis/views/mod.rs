@@ -14,10 +14,11 @@ use serde::Serialize;
 
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::held_out::allan::HeldPoint;
+use crate::diagnosis::options::Options;
 use crate::diagnosis::result::finding::Finding;
-use crate::diagnosis::rounds::Options;
 use crate::fit::likelihood::Fit;
 use crate::model::axis::ModelAxis;
+use crate::model::burst;
 use crate::model::whole::{Model, SCHEMA};
 use crate::simulate::source::Simulation;
 use allan::AllanPoint;
@@ -54,6 +55,7 @@ pub struct Views {
 }
 
 /// What has to be noted down before anything is taken out of the record.
+#[derive(Clone)]
 pub struct Before {
     fit: Fit,
     amplitudes: Counts,
@@ -115,7 +117,7 @@ impl Views {
         // One more record's worth of memory at a time.
         let course = Course::new(axis, findings, mean);
         let after = Counts::new(axis);
-        let bursts = bursts(findings, axis.mended.len() as f64 / axis.rate_hz);
+        let bursts = bursts(findings, axis.residual.len() as f64 / axis.rate_hz);
         let wave = deterministic(axis);
         let (mut allan, (mut spectrum, velocity_error)) = rayon::join(
             || allan::points(axis, models, &wave, &bursts),
@@ -151,11 +153,11 @@ impl Views {
 /// The deterministic part of the model in this record, samples that were no measurement included: the
 /// measured record holds them too. Missing samples are NaN; empty where there is none.
 fn deterministic(axis: &AxisState) -> Vec<f64> {
-    if axis.mended.waves.is_empty() {
+    if axis.residual.waves().is_empty() {
         return Vec::new();
     }
-    let mut wave = axis.mended.waveform();
-    for (value, measured) in wave.iter_mut().zip(axis.mended.measured()) {
+    let mut wave = axis.residual.waveform();
+    for (value, measured) in wave.iter_mut().zip(axis.residual.measured()) {
         *value += 0.0 * measured;
     }
     wave
@@ -163,16 +165,16 @@ fn deterministic(axis: &AxisState) -> Vec<f64> {
 
 fn bursts(findings: &[Finding], record_s: f64) -> Vec<Burst> {
     let burst = |finding: &Finding| {
-        let value = |name: &str| finding.parameters.get(name).map(|one| one.value);
-        let duration_s = value("to_s")? - value("from_s")?;
-        Some(Burst {
+        let burst = burst::Burst::of(&finding.estimate.plain());
+        let duration_s = burst.to_s - burst.from_s;
+        Burst {
             share: duration_s / record_s,
             duration_s,
-            factor: value("factor")?.powi(2),
-        })
+            factor: burst.factor.powi(2),
+        }
     };
-    let bursts = findings.iter().filter(|one| one.effect == "burst");
-    bursts.filter_map(burst).collect()
+    let bursts = findings.iter().filter(|one| one.effect == burst::KIND);
+    bursts.map(burst).collect()
 }
 
 /// A record of `model` as long as that of `axis`, with the same samples missing, about its mean, at
@@ -185,7 +187,7 @@ fn simulate(axis: &AxisState, model: &ModelAxis, temperature: Option<&[f64]>) ->
         axes: vec![model.clone()],
         correlation: None,
     };
-    let length = axis.mended.len();
+    let length = axis.residual.len();
     let simulation = match temperature {
         Some(column) => Simulation::at_temperature(&model, length as u64, SEED, column.to_vec()),
         None => Simulation::new(&model, length as u64, SEED),
@@ -195,7 +197,7 @@ fn simulate(axis: &AxisState, model: &ModelAxis, temperature: Option<&[f64]>) ->
     while values.len() < length {
         values.append(&mut simulation.next_columns(BLOCK).remove(0));
     }
-    for (value, measured) in values.iter_mut().zip(axis.mended.measured()) {
+    for (value, measured) in values.iter_mut().zip(axis.residual.measured()) {
         // Missing where the record misses one.
         *value += 0.0 * measured - mean;
     }

@@ -75,8 +75,10 @@ impl<'a> Pooled<'a> {
     /// Of an axis whose five terms alone were fitted as `before`, with the deterministic part `wave`;
     /// the simulated densities are not yet among them.
     pub fn new(axis: &'a AxisState, before: &Fit, wave: &[f64], bursts: &[Burst]) -> Self {
-        let measured = axis.mended.measured();
-        let whole = (!axis.mended.masked.is_empty())
+        let measured = axis.residual.measured();
+        let whole = axis
+            .residual
+            .is_masked()
             .then(|| Frame::new(measured, axis.rate_hz, axis.chain.as_ref()))
             .flatten();
         let held = whole.map_or(Held::Axis(&axis.frame), |frame| Held::Own(Box::new(frame)));

@@ -5,14 +5,10 @@ use std::fmt::{Result, Write};
 use super::super::number::{estimated, probability, significant};
 use super::super::svg::{escape, typeset};
 use crate::diagnosis::result::finding::{AxisDiagnosis, Finding, Remark, Value};
-use crate::model::catalogue;
 use crate::model::{Coefficient, PerCoefficient};
 
 /// Numbers of one finding that are listed, at most; JSON has all.
 const MOST_PARAMETERS: usize = 12;
-
-/// Parameters of an effect with rows that are known by name, at least.
-const ROWS: usize = 64;
 
 /// Rivals that are named at most.
 const MOST_RIVALS: usize = 3;
@@ -24,7 +20,7 @@ pub fn finding(page: &mut String, axis: &AxisDiagnosis, index: usize) -> Result 
         page,
         "<article class=\"card\"><h3><span class=\"number\">{}</span> {}</h3><p>{}</p>",
         index + 1,
-        escape(&one.effect),
+        escape(one.effect.name()),
         escape(&one.cause)
     )?;
     parameters(page, axis, one)?;
@@ -70,17 +66,14 @@ fn with(axis: &AxisDiagnosis, index: usize) -> PerCoefficient<Option<f64>> {
 }
 
 fn parameters(page: &mut String, axis: &AxisDiagnosis, one: &Finding) -> Result {
-    let kind = catalogue::find(&one.effect);
-    let known = kind.map_or_else(Vec::new, |kind| {
-        // Of effects with rows as many as it may take: rows that were not found are missing.
-        kind.parameters(&vec![0.0; ROWS.max(one.parameters.len())])
-    });
+    let known = one.effect.parameters(&one.estimate.plain());
+    let parameters = one.estimate.named();
     write!(
         page,
         "<div class=\"scroll\"><table><tr><th>parameter</th><th class=\"words\">what it is</th>\
          <th>value</th><th>95 % interval</th><th class=\"words\">unit</th></tr>"
     )?;
-    for (name, value) in one.parameters.iter().take(MOST_PARAMETERS) {
+    for (name, value) in parameters.iter().take(MOST_PARAMETERS) {
         let parameter = known.iter().find(|one| one.name == name.as_str());
         let [number, interval] = shown(value);
         let unit = parameter.map_or(String::new(), |one| one.quantity.unit(axis.unit));
@@ -94,7 +87,7 @@ fn parameters(page: &mut String, axis: &AxisDiagnosis, one: &Finding) -> Result 
         )?;
     }
     write!(page, "</table></div>")?;
-    let more = one.parameters.len().saturating_sub(MOST_PARAMETERS);
+    let more = parameters.len().saturating_sub(MOST_PARAMETERS);
     if more > 0 {
         write!(page, "<p>and {more} more numbers, in the JSON</p>")?;
     }
@@ -146,7 +139,7 @@ fn evidence(page: &mut String, one: &Finding) -> Result {
     }
     for rival in one.rivals.iter().take(MOST_RIVALS) {
         entry(
-            &format!("or {}", escape(&rival.effect)),
+            &format!("or {}", escape(rival.effect.name())),
             format!(
                 "e<sup>{}</sup> times less likely",
                 significant(rival.log_odds, 3)

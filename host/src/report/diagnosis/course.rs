@@ -122,11 +122,11 @@ fn marks(frame: &mut Frame<'_>, course: &Course) {
     let mut names: Vec<(f64, String)> = Vec::new();
     let mut dots = Vec::new();
     let mut marks: Vec<_> = course.marks.iter().collect();
-    marks.sort_by(|a, b| a.effect.cmp(&b.effect));
+    marks.sort_by_key(|mark| mark.effect.name());
     for same in marks.chunk_by(|a, b| a.effect == b.effect) {
         for mark in same {
             let index = (mark.from_s / course.column_s) as usize;
-            if mark.effect == "outliers" {
+            if mark.is_sample {
                 let column = course.columns.get(index).map(|column| column.measured);
                 dots.extend(column.map(|one| {
                     let above = one.hi - one.mean > one.mean - one.lo;
@@ -138,13 +138,15 @@ fn marks(frame: &mut Frame<'_>, course: &Course) {
                 frame.upright(mark.from_s, Stroke::dashed(red, 1.0, "3 3"));
             }
         }
-        if let Some(first) = same.first().filter(|first| first.effect != "outliers") {
-            names.push((first.from_s, first.effect.clone()));
+        if let Some(first) = same.first().filter(|first| !first.is_sample) {
+            names.push((first.from_s, first.effect.to_string()));
         }
     }
     if !dots.is_empty() {
         frame.dots(Field::Main, dots, 2.2, red);
-        frame.explain(Mark::DotOnBand(red, 0.0), "outliers");
+        let samples = course.marks.iter().find(|mark| mark.is_sample);
+        let name = samples.map_or("", |mark| mark.effect.name());
+        frame.explain(Mark::DotOnBand(red, 0.0), name);
     }
     frame.tags(names, red);
 }

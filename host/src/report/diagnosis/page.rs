@@ -77,11 +77,7 @@ fn axis(page: &mut String, diagnosis: &Diagnosis, index: usize, axis: &AxisDiagn
 
 /// What came out, in a sentence.
 fn verdict(axis: &AxisDiagnosis, level: f64) -> String {
-    let names: Vec<&str> = axis
-        .findings
-        .iter()
-        .map(|one| one.effect.as_str())
-        .collect();
+    let names: Vec<&str> = axis.findings.iter().map(|one| one.effect.name()).collect();
     let found = match names.len() {
         0 => format!(
             "Nothing beside the five terms (any finding in clean data: {} %)",

@@ -62,11 +62,12 @@ fn axis(text: &mut String, axis: &AxisDiagnosis, level: f64) -> std::fmt::Result
 
 fn finding(text: &mut String, number: u32, finding: &Finding) -> std::fmt::Result {
     writeln!(text, "  {number}. {}: {}", finding.effect, finding.cause)?;
-    for (name, value) in finding.parameters.iter().take(MOST_PARAMETERS) {
+    let parameters = finding.estimate.named();
+    for (name, value) in parameters.iter().take(MOST_PARAMETERS) {
         writeln!(text, "       {name:<14} {}", interval(value))?;
     }
-    if finding.parameters.len() > MOST_PARAMETERS {
-        let more = finding.parameters.len() - MOST_PARAMETERS;
+    if parameters.len() > MOST_PARAMETERS {
+        let more = parameters.len() - MOST_PARAMETERS;
         writeln!(text, "       and {more} more numbers, in the JSON")?;
     }
     write!(text, "     by chance: {}", probability(finding.p_value))?;
@@ -98,8 +99,8 @@ fn finding(text: &mut String, number: u32, finding: &Finding) -> std::fmt::Resul
 
 /// In one line.
 fn brief(text: &mut String, number: u32, finding: &Finding) -> std::fmt::Result {
-    let values: Vec<String> = finding
-        .parameters
+    let parameters = finding.estimate.named();
+    let values: Vec<String> = parameters
         .iter()
         .take(MOST_PARAMETERS)
         .map(|(name, value)| format!("{name} {}", significant(value.value, 4)))

@@ -59,8 +59,8 @@ mod tests {
 
     use super::*;
     use crate::diagnosis::axis::AxisState;
-    use crate::model::random::Seed;
     use crate::model::random::Gaussian;
+    use crate::model::random::Seed;
 
     const STRETCH: Range<usize> = 20_000..30_000;
 

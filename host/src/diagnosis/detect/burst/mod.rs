@@ -1,303 +1,144 @@
-//! Noise whose size changes in time, where its level does not.
-//!
-//! The record is whitened by its own spectrum; the squares of what comes out are summed in short
-//! blocks, each chi-squared with as many degrees of freedom as it has samples. Windows of all
-//! lengths and places are then compared with the rest.
+//! Burst: for a while the noise is larger, or smaller, at the same level.
 
 pub mod even;
+mod stretch;
 
-use std::ops::Range;
+use super::{Detector, coarse_grid, strength, telegraph};
+use crate::diagnosis::axis::{AxisState, NoFit};
+use crate::diagnosis::doubt::of_band::is_of_excluded;
+use crate::diagnosis::explanation::{Candidate, Change, Estimate};
+use crate::diagnosis::result::finding::Value;
+use crate::diagnosis::search::{Look, Proposal};
+use crate::model::burst::KIND;
+use crate::model::{outliers, rounding};
+pub use stretch::{Burst, burst};
 
-use rayon::prelude::*;
-use realfft::num_complex::Complex64;
+/// Stretches at most: with more, it comes and goes all the time.
+const MOST: usize = 3;
 
-use crate::diagnosis::detect::outliers::middle_spread;
-use crate::diagnosis::statistic::matched_filter::Whole;
-use crate::diagnosis::statistic::p_value;
+/// Samples from the end of a burst within which a short stretch belongs to it.
+const NEAR: f64 = 4096.0;
 
-/// Samples of a block.
-pub const BLOCK: usize = 64;
+/// Samples about an outlier where something of it may stay.
+const REMAINS: usize = 64;
 
-/// Places at which a window of each length begins, a window's length.
-const PLACES: usize = 4;
+/// Samples of a stretch that is no shock.
+pub const LONG: usize = 1024;
 
-/// Sums of squares of the whitened record.
-#[derive(Debug, Clone)]
-pub struct Powers {
-    /// Mean square of each block, over the mean of all.
-    pub powers: Vec<f64>,
-    /// Samples that count, of each block.
-    pub counts: Vec<f64>,
-}
+/// Looks for the stretch that departs most from the rest.
+pub static DETECTOR: Detector = Detector { tests: 1, look };
 
-/// A stretch of the record that is noisier, or quieter, than the rest.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Burst {
-    /// First sample and the one after the last.
-    pub range: Range<usize>,
-    /// Standard deviation within it over that outside.
-    pub factor: f64,
-    /// Standard deviation of the logarithm of the factor.
-    pub log_factor_sd: f64,
-    /// Uncertainty of both ends, samples.
-    pub end_sd: f64,
-    /// Gain in log-likelihood.
-    pub nats: f64,
-    /// The same on blocks that the factor was not fitted to, if the stretch has some of both.
-    pub held_nats: Option<f64>,
-    /// Probability of as large a gain anywhere in steady noise.
-    pub p_value: f64,
-}
-
-/// Whitens `whole` by `density` and sums squares over blocks; `usable` tells samples that count.
-pub fn powers(whole: &Whole, density: &[f64], usable: impl Fn(usize) -> bool + Sync) -> Powers {
-    // What is left out of the band leaves that many degrees of freedom less.
-    let seen = density.iter().filter(|density| density.is_finite()).count();
-    let share = seen as f64 / density.len() as f64;
-    // Of whatever variance: what counts is how it changes.
-    let white = whole.filtered(|k| Complex64::new(density[k].sqrt().recip(), 0.0));
-    let blocks = white.par_chunks_exact(BLOCK).enumerate();
-    let both = blocks.map(|(block, values)| {
-        let (mut sum, mut count) = (0.0, 0.0);
-        for (offset, value) in values.iter().enumerate() {
-            if usable(block * BLOCK + offset) {
-                sum += value * value;
-                count += 1.0;
-            }
-        }
-        let power = if count > 0.0 { sum / count } else { 0.0 };
-        (power, count * share)
-    });
-    let (mut powers, mut counts): (Vec<f64>, Vec<f64>) = both.unzip();
-    let total: f64 = counts.iter().sum();
-    let mean = powers.iter().zip(&counts).map(|(p, n)| p * n).sum::<f64>() / total.max(1.0);
-    powers.iter_mut().for_each(|power| *power /= mean);
-    let scatter = scatter(&powers, &counts);
-    counts.iter_mut().for_each(|count| *count /= scatter);
-    Powers { powers, counts }
-}
-
-/// Scatter of the powers of most blocks over what their degrees of freedom say, at least one: squares
-/// of a law with long tails scatter by more.
-fn scatter(powers: &[f64], counts: &[f64]) -> f64 {
-    // A power of chi-squared law to the third is normal (E. B. Wilson and M. M. Hilferty 1931).
-    let normal = powers.iter().zip(counts).filter(|(_, count)| **count > 8.0);
-    let normal = normal.map(|(power, count)| {
-        let part = 2.0 / (9.0 * count);
-        (power.cbrt() - (1.0 - part)) / part.sqrt()
-    });
-    middle_spread(&normal.collect::<Vec<f64>>())
-        .powi(2)
-        .max(1.0)
-}
-
-impl Powers {
-    /// Deviation of the noise about a sample over that of the record, from the middle of the blocks
-    /// about it: a single large sample does not make its own.
-    pub fn local(&self) -> impl Fn(usize) -> f64 + use<> {
-        /// Blocks on either side.
-        const REACH: usize = 7;
-        let blocks = self.powers.len();
-        let local: Vec<f64> = (0..blocks)
-            .map(|block| {
-                let near = block.saturating_sub(REACH)..(block + REACH + 1).min(blocks);
-                let mut near = self.powers[near].to_vec();
-                let middle = near.len() / 2;
-                let (_, median, _) = near.select_nth_unstable_by(middle, f64::total_cmp);
-                median.max(0.0).sqrt()
-            })
-            .collect();
-        move |sample| {
-            local
-                .get(sample / BLOCK)
-                .map_or(1.0, |local| local.max(1.0))
-        }
+fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
+    if !look.is_open(KIND) {
+        return Ok(Vec::new());
     }
+    let Some(burst) = even(look) else {
+        return Ok(Vec::new());
+    };
+    let axis = look.axis;
+    let known = axis.explanations().iter().filter(|one| one.kind() == KIND);
+    if known.count() == MOST {
+        return Ok(strength::moves());
+    }
+    // Where the level switches, a stretch shorter than its dwell is two jumps too close to be
+    // told apart.
+    let dwell_s = telegraph::levels(axis).map_or(0.0, |levels| levels.dwell_s);
+    if (burst.range.len() as f64) < dwell_s * axis.rate_hz {
+        return Ok(Vec::new());
+    }
+    let mut candidate = candidate(axis, &burst);
+    // Large samples of the stretch may have passed for them.
+    candidate.supersedes.push(outliers::KIND);
+    Ok(vec![Proposal::Explain(Box::new(candidate))])
 }
 
-/// The stretch that departs most from the rest, if it does so at a family-wise `level`.
-pub fn burst(powers: &Powers, level: f64) -> Option<Burst> {
-    let blocks = powers.powers.len();
-    let sums = Sums::new(powers);
-    let mut best = (0.0, 0..0);
-    let mut trials = 0.0;
-    let mut length = 1;
-    while length <= blocks / 2 {
-        let stride = (length / PLACES).max(1);
-        for start in (0..=blocks - length).step_by(stride) {
-            trials += 1.0;
-            let gain = sums.gain(start..start + length);
-            if gain > best.0 {
-                best = (gain, start..start + length);
-            }
-        }
-        length *= 2;
-    }
-    let (_, mut range) = best;
-    if range.is_empty() {
+/// The stretch that departs most from the rest, if it is a burst: not most of the record, not of a
+/// band alone, and no rest on a coarse grid.
+pub fn even(look: &Look<'_>) -> Option<Burst> {
+    let axis = look.axis;
+    if look.character.strength_moves || coarse_grid::decides(axis) {
         return None;
     }
-    // Both ends by themselves, until neither moves.
-    for _ in 0..8 {
-        let before = range.clone();
-        let reach = range.len().max(4);
-        let starts = range.start.saturating_sub(reach)..range.end;
-        range.start = starts
-            .max_by(|&a, &b| sums.gain(a..range.end).total_cmp(&sums.gain(b..range.end)))
-            .unwrap_or(range.start);
-        let ends = range.start + 1..=(range.end + reach).min(blocks);
-        range.end = ends
-            .max_by(|&a, &b| {
-                sums.gain(range.start..a)
-                    .total_cmp(&sums.gain(range.start..b))
-            })
-            .unwrap_or(range.end);
-        if range == before {
-            break;
-        }
-    }
-    let nats = sums.gain(range.clone());
-    // The blocks at both ends are its own in part only.
-    let whole_blocks = match range.len() {
-        0..=2 => range.clone(),
-        _ => range.start + 1..range.end - 1,
+    let burst = burst(&axis.powers(), look.level())?;
+    let seen = axis.whole();
+    let range = &burst.range;
+    // A stretch that is most of the record is its law.
+    let is_law = range.len() > seen.whole.len() / 2;
+    let rests = burst.factor < 1.0 && axis.has(rounding::KIND);
+    // Of samples that were taken out close together, something stays.
+    let near = range.start.saturating_sub(REMAINS)..range.end + REMAINS;
+    let mut outliers = axis.residual.outliers().iter();
+    let remains = range.len() <= 4 * REMAINS && outliers.any(|one| near.contains(&one.index));
+    // What is stronger in some band only is something else.
+    let of_band = || {
+        is_of_excluded(axis, std::slice::from_ref(range))
+            || even::p_value(&seen, range) < look.level()
     };
-    let (inside, outside) = (sums.both(whole_blocks).0, sums.both(range.clone()).1);
-    let ratio = inside.0 / outside.0;
-    // Free ends make each of the trials some tens: the search's own maximum is judged.
-    let one = sums.tail(range.clone());
-    let p_value = p_value::searched(one, 16.0 * trials);
-    let log_factor_sd = (0.5 / inside.1 + 0.5 / outside.1).sqrt();
-    (p_value < level).then(|| Burst {
-        range: range.start * BLOCK..range.end * BLOCK,
-        factor: ratio.sqrt(),
-        log_factor_sd,
-        // A change of variance is placed to within a few of 1 / Kullback-Leibler divergence.
-        end_sd: (BLOCK as f64).hypot(2.0 / (0.5 * (ratio - 1.0 - ratio.ln())).max(1e-6)),
-        nats,
-        held_nats: held_out(powers, &range),
-        p_value,
-    })
+    (!is_law && !rests && !remains && !of_band()).then_some(burst)
 }
 
-/// Gain in log-likelihood of the odd blocks for variances within and outside of `range` that are
-/// fitted to the even ones, over one variance for all; `None` where a part has no such blocks.
-fn held_out(powers: &Powers, range: &Range<usize>) -> Option<f64> {
-    let half = |parity: usize| {
-        let mut half = powers.clone();
-        for count in half.counts.iter_mut().skip(1 - parity).step_by(2) {
-            *count = 0.0;
-        }
-        Sums::new(&half).both(range.clone())
-    };
-    let ((inside, n), (outside, m)) = half(0);
-    let all = (inside * n + outside * m) / (n + m);
-    let ((held_inside, n), (held_outside, m)) = half(1);
-    let score =
-        |count: f64, square: f64, variance: f64| -0.5 * count * (variance.ln() + square / variance);
-    let gain = score(n, held_inside, inside) + score(m, held_outside, outside)
-        - score(n, held_inside, all)
-        - score(m, held_outside, all);
-    gain.is_finite().then_some(gain)
-}
-
-/// Cumulative sums over blocks.
-struct Sums {
-    squares: Vec<f64>,
-    counts: Vec<f64>,
-}
-
-impl Sums {
-    fn new(powers: &Powers) -> Self {
-        let cumulate = |values: &mut dyn Iterator<Item = f64>| {
-            let mut sum = 0.0;
-            std::iter::once(0.0)
-                .chain(values.map(|value| {
-                    sum += value;
-                    sum
-                }))
-                .collect::<Vec<f64>>()
+/// A burst, or what is left of one that is known: noise that is switched behind the converter's filter leaves
+/// what the filter shuts out.
+fn candidate(axis: &AxisState, burst: &Burst) -> Candidate {
+    let rate_hz = axis.rate_hz;
+    let end = |index: usize| Value::normal(index as f64 / rate_hz, burst.end_sd / rate_hz);
+    let factor = Value::log_normal(burst.factor, burst.log_factor_sd);
+    let ends = [end(burst.range.start), end(burst.range.end)];
+    let known = axis.explanations().iter().enumerate();
+    let mut known = known.filter(|(_, one)| one.kind() == KIND);
+    let near = known.find(|(_, one)| {
+        let old = crate::model::burst::Burst::of(&one.effect.plain());
+        let [from, to] = [old.from_s * rate_hz, old.to_s * rate_hz];
+        let [start, end] = [burst.range.start as f64, burst.range.end as f64];
+        let apart = (start - to).max(from - end);
+        (to - from).min(end - start) <= LONG as f64 && apart < NEAR
+    });
+    let Some((place, old)) = near else {
+        // The ends are known to within some blocks.
+        let wide = 3.0 * burst.end_sd;
+        let from = (burst.range.start as f64 - wide).max(0.0) as usize;
+        let to = ((burst.range.end as f64 + wide) as usize).min(axis.residual.len());
+        let effect = Estimate::new(KIND, [ends[0], ends[1], factor]);
+        return Candidate {
+            held_out_nats: burst.held_nats,
+            ..Candidate::new(effect, burst.p_value, 3.0, Change::Mask(vec![from..to]))
         };
-        let pairs = || powers.powers.iter().zip(&powers.counts);
-        Self {
-            squares: cumulate(&mut pairs().map(|(power, count)| power * count)),
-            counts: cumulate(&mut powers.counts.iter().copied()),
-        }
-    }
-
-    /// Mean square and samples, within and outside.
-    fn both(&self, range: Range<usize>) -> ((f64, f64), (f64, f64)) {
-        let within = |sums: &[f64]| sums[range.end] - sums[range.start];
-        let (square, count) = (within(&self.squares), within(&self.counts));
-        let all = (
-            self.squares[self.squares.len() - 1],
-            self.counts[self.counts.len() - 1],
-        );
-        let rest = (all.0 - square, all.1 - count);
-        (
-            (square / count.max(1.0), count),
-            (rest.0 / rest.1.max(1.0), rest.1),
+    };
+    let mut stretches = match &old.change {
+        Change::Mask(stretches) => stretches.clone(),
+        _ => Vec::new(),
+    };
+    stretches.push(burst.range.clone());
+    Candidate {
+        held_out_nats: burst.held_nats.or(old.held_out_nats),
+        amends: Some(place),
+        ..Candidate::new(
+            joined(
+                &old.effect,
+                ends,
+                factor,
+                burst.range.len() as f64 / rate_hz,
+            ),
+            old.p_value,
+            old.freedom,
+            Change::Mask(stretches),
         )
     }
-
-    /// Gain in log-likelihood of a variance of its own.
-    fn gain(&self, range: Range<usize>) -> f64 {
-        let ((inside, n), (outside, m)) = self.both(range);
-        if n < 1.0 || m < 1.0 || inside <= 0.0 || outside <= 0.0 {
-            return 0.0;
-        }
-        let all = (inside * n + outside * m) / (n + m);
-        0.5 * ((n + m) * all.ln() - n * inside.ln() - m * outside.ln())
-    }
-
-    /// Probability of a mean square as far off, either way, for steady noise.
-    fn tail(&self, range: Range<usize>) -> f64 {
-        let ((inside, n), (outside, _)) = self.both(range);
-        p_value::mean_square(inside / outside, n)
-    }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::model::random::Seed;
-    use crate::model::random::Gaussian;
-
-    #[test]
-    fn a_short_burst_is_as_loud_as_its_whole_blocks() {
-        /// A stretch that begins and ends within a block, of four times the power.
-        const STRETCH: Range<usize> = 100_040..100_700;
-        const RECORDS: u64 = 40;
-        let mut logs = Vec::new();
-        for seed in 0..RECORDS {
-            let mut noise = Gaussian::new(Seed { seed, stream: 0 }, 1.0);
-            let mut values = (0..1 << 18).map(|n| {
-                let factor = if STRETCH.contains(&n) { 2.0 } else { 1.0 };
-                factor * noise.draw()
-            });
-            let blocks = (1 << 18) / BLOCK;
-            let power = |_| {
-                values
-                    .by_ref()
-                    .take(BLOCK)
-                    .map(|one| one * one)
-                    .sum::<f64>()
-            };
-            let powers = Powers {
-                powers: (0..blocks)
-                    .map(power)
-                    .map(|sum| sum / BLOCK as f64)
-                    .collect(),
-                counts: vec![BLOCK as f64; blocks],
-            };
-            let burst = burst(&powers, 1e-3).expect("four times the power is plain");
-            logs.push((burst.factor / 2.0).ln() / burst.log_factor_sd);
-        }
-        // Mean of 40 in units of their own deviation: 4 sigma. With the ends it is at -0.8.
-        let mean = logs.iter().sum::<f64>() / RECORDS as f64;
-        assert!(
-            mean.abs() < 4.0 / (RECORDS as f64).sqrt(),
-            "{mean}, seeds 0 to 39"
-        );
-    }
+/// A burst and a stretch that is a part of it: of the longer one's factor, between the outer ends of both.
+fn joined(old: &Estimate, ends: [Value; 2], factor: Value, length_s: f64) -> Estimate {
+    let of_old = |place: usize| old.values[place].unwrap_or(Value::exact(0.0));
+    let is_longer = of_old(1).value - of_old(0).value > length_s;
+    let from = if of_old(0).value < ends[0].value {
+        of_old(0)
+    } else {
+        ends[0]
+    };
+    let to = if of_old(1).value < ends[1].value {
+        ends[1]
+    } else {
+        of_old(1)
+    };
+    Estimate::new(KIND, [from, to, if is_longer { of_old(2) } else { factor }])
 }

@@ -1,420 +1,109 @@
-//! Samples lost without a trace: every line's phase jumps at one moment, by what it would have
-//! turned in the samples that are missing.
-//!
-//! A line of frequency `f` runs on by `2 pi f d / rate` where `d` samples are lost. All lines are
-//! looked at together for one moment `t` and one whole number `d`; each has its own amplitude,
-//! phase and small offset in frequency, with the loss as without it. `G(t, d)` is the gain in
-//! log-likelihood over steady lines (S. M. Kay, *Fundamentals of Statistical Signal Processing* II,
-//! 1998, ch. 6).
-//!
-//! **Level.** The likelihood ratio averaged over all `n` moments and lengths tried, each with the
-//! same weight, `m = (1/n) sum e^G`, has mean 1 without a loss, so that `1 / m` bounds the
-//! probability of as much (A. A. Markov's inequality). It counts the trials by itself; amplitudes
-//! and offsets are fitted on both sides of the ratio.
-//!
-//! **Look-alikes.** One line that changes its phase by itself: without the line that speaks loudest
-//! for the loss the others must still be for it, over the lengths which that one leaves open. Lines
-//! that wander or beat: the loss must explain nearly all that steady lines leave.
+//! Dropped: samples lost without a trace, told by the lines that jump with them.
 
 mod demodulate;
+mod loss;
 mod peaks;
 mod ratio;
-#[cfg(test)]
-mod tests;
 
-use std::borrow::Cow;
-use std::f64::consts::PI;
+use super::Detector;
+use super::lines::{self, Group, Measured};
+use crate::diagnosis::axis::NoFit;
+use crate::diagnosis::explanation::{Candidate, Change, Estimate};
+use crate::diagnosis::record::wave::Wave;
+use crate::diagnosis::result::finding::Value;
+use crate::diagnosis::search::{Lesson, Look, Proposal};
+use crate::model::dropped::KIND;
+use crate::spectrum::Line;
+use loss::Loss;
 
-use rustfft::num_complex::Complex64;
+/// Samples on either side of a loss that no law of a whole record speaks for: the noise itself is
+/// cut there, and a steep filter remembers that many.
+const CUT: f64 = 64.0;
 
-use crate::diagnosis::axis::AxisState;
-use crate::diagnosis::detect::dropped::demodulate::Blocks;
-use crate::diagnosis::record::residual::Wave;
-use crate::spectrum::Line as Peak;
-
-use peaks::{Place, SPLIT};
-use ratio::{Best, Line, Posterior, Quiet, Tables, Turned, fitted, held, zoom};
-
-/// Blocks that a record is cut into, at most and at least.
-const BLOCKS: usize = 512;
-const FEWEST_BLOCKS: usize = 64;
-
-/// Cycles of a line in a block, at least: fewer are not told from drift.
-const CYCLES: f64 = 8.0;
-
-/// Samples lost that are looked for, at most: as many as the slowest line has to a cycle, but
-/// within these.
-const LONGEST: [f64; 2] = [64.0, 256.0];
-
-/// How far from a steady line's best frequency the line may be, cycles a record.
-const REACH: f64 = 3.0;
-
-/// Log-likelihood that a line gains, at least, to be one.
-const LEAST_LINE: f64 = 8.0;
-
-/// Lines that are looked at; the strongest if there are more.
+/// Lines that are followed: the strongest tell it, and a record of many lines has no time for all of them.
 const MOST_LINES: usize = 16;
 
-/// Logarithm of the odds that the lines but the loudest must give, 20 to 1.
-const ODDS: f64 = 3.0;
+/// Standard deviations of the moment that are left out as well.
+const UNSURE: f64 = 3.0;
 
-/// Log-likelihood within which a length or a moment is as good as the best: 95 %.
-const AS_GOOD: f64 = 2.0;
+/// Looks for lines that all jump in phase at one moment. The moment is left out: where noise is cut there
+/// are bad samples and bursts that are nothing of their own.
+pub static DETECTOR: Detector = Detector { tests: 1, look };
 
-/// Cycles a record on either side of a line where the loss must explain what is there.
-const NEAR: usize = 16;
-
-/// Times that the lines are freed of one another.
-const CLEANINGS: usize = 2;
-
-/// Largest share of what a loss explains that may remain unexplained.
-const LEFT_SHARE: f64 = 0.1;
-
-/// Samples lost without a trace.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Loss {
-    /// Index of the first sample after the loss.
-    pub index: usize,
-    /// Standard deviation of it, samples.
-    pub index_sd: f64,
-    /// Its 95 % interval.
-    pub index_lo: f64,
-    /// Upper end.
-    pub index_hi: f64,
-    /// Samples lost. Numbers that differ by a common period of all lines cannot be told apart:
-    /// the smallest.
-    pub samples: u32,
-    /// 95 % interval of that number, half a sample beyond the whole numbers that it holds.
-    pub samples_lo: f64,
-    /// Its upper end.
-    pub samples_hi: f64,
-    /// Gain in log-likelihood over steady lines.
-    pub nats: f64,
-    /// The same on blocks that nothing was fitted to.
-    pub held_nats: f64,
-    /// Bound for the probability of as much in steady lines, trials counted.
-    pub p_value: f64,
-    /// The lines, steady once the loss is taken into account.
-    pub lines: Vec<SteadyLine>,
+fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
+    let axis = look.axis;
+    // Once lines are out, what a loss leaves of them is no measure of it.
+    let is_line = |wave: &Wave| matches!(wave, Wave::Line { .. });
+    if !look.is_open(KIND) || axis.residual.waves().iter().any(is_line) {
+        return Ok(Vec::new());
+    }
+    let found = strongest(lines::lines(axis, look.level()));
+    let lines_hz: Vec<f64> = found.iter().map(|line| line.frequency_hz).collect();
+    if look.character.lines_without_loss == lines_hz {
+        return Ok(Vec::new());
+    }
+    let Some(loss) = loss::lost_samples(axis, &found, look.level()) else {
+        return Ok(vec![Proposal::Learn(Lesson::LinesWithoutLoss(lines_hz))]);
+    };
+    let mut proposals = lines::proposals(look, lines::with_hum(measured(look, &loss)), |_| false);
+    proposals.push(Proposal::Explain(Box::new(candidate(look, &loss))));
+    Ok(proposals)
 }
 
-/// A line: `cosine cos(2 pi cycles n) + sine sin(2 pi cycles n)` for sample `n` ahead of the loss,
-/// with `n + samples` in place of `n` from [`Loss::index`] on.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SteadyLine {
-    /// Frequency, cycles a sample.
-    pub cycles: f64,
-    /// Size of the cosine.
-    pub cosine: f64,
-    /// Size of the sine.
-    pub sine: f64,
-    /// Standard deviation of the frequency for not knowing how many samples are lost.
-    pub cycles_sd: f64,
-    /// The same of the amplitude.
-    pub amplitude_sd: f64,
-    /// Gain in log-likelihood over no line: its power over the noise.
-    pub nats: f64,
-}
-
-impl SteadyLine {
-    /// As a search of the whole record, loss repaired, would report it.
-    pub fn peak(&self, rate_hz: f64, duration_s: f64) -> Peak {
-        Peak {
-            frequency_hz: self.cycles * rate_hz,
-            // Cramer-Rao bound of a single tone (Rife and Boorstyn 1974, eq. 16).
-            frequency_sd_hz: ((1.5 / (PI * PI * self.nats)).sqrt() / duration_s)
-                .hypot(self.cycles_sd * rate_hz),
-            amplitude: self.cosine.hypot(self.sine),
-            ratio: self.nats,
-            false_alarm: self.false_alarm(),
-        }
-    }
-
-    /// Probability of as much at one of the places tried: a cycle a record is one trial, and
-    /// Rice's formula adds a factor of a few.
-    fn false_alarm(&self) -> f64 {
-        let trials = f64::from(peaks::HARMONICS) * 4.0 * REACH * (PI * self.nats / 3.0).sqrt();
-        (trials * (-self.nats).exp()).min(1.0)
-    }
-}
-
-impl Loss {
-    /// The lines as [`Wave::take_out`] takes them out.
-    pub fn waves(&self) -> impl Iterator<Item = Wave> + '_ {
-        self.lines.iter().map(|line| Wave::Line {
-            cycles: line.cycles,
-            cosine: line.cosine,
-            sine: line.sine,
-            lost: Some((self.index, self.samples)),
-        })
-    }
-}
-
-/// Looks for samples lost in an axis at a family-wise `level`, by the lines `found` and what else
-/// there is at multiples of a mains frequency among them; the side lobes into which a jump splits
-/// a line count as one with it. Lines that were taken out of the record already are put back for
-/// the look, and are among the result's. `None` without two lines.
-pub fn lost_samples(axis: &AxisState, found: &[Peak], level: f64) -> Option<Loss> {
-    let mut values = Cow::from(axis.filled.as_slice());
-    let near = SPLIT * axis.rate_hz / values.len() as f64;
-    for wave in &axis.mended.waves {
-        let Wave::Line {
-            cycles,
-            cosine,
-            sine,
-            lost,
-        } = *wave
-        else {
-            continue;
-        };
-        let f_hz = cycles * axis.rate_hz;
-        if found
-            .iter()
-            .any(|line| (line.frequency_hz - f_hz).abs() < near)
-        {
-            let (cosine, sine) = (-cosine, -sine);
-            let back = Wave::Line {
-                cycles,
-                cosine,
-                sine,
-                lost,
-            };
-            back.take_out(values.to_mut());
-        }
-    }
-    let peaks = peaks::merged(found, axis.rate_hz, values.len());
-    let places = peaks::with_harmonics(peaks, axis.rate_hz, values.len());
-    if places.len() < 2 {
-        return None;
-    }
-    let usable = |index: usize| axis.usable(index);
-    let quiet = quiet(axis, &places);
-    search(&values, &quiet, &places, level, usable)
-}
-
-/// The record with loud noise brought down to what is under the lines.
-fn quiet(axis: &AxisState, places: &[Place]) -> Quiet {
-    let least = places
-        .iter()
-        .map(|place| axis.density(place.cycles * axis.rate_hz))
-        .fold(f64::INFINITY, f64::min);
-    let seen = axis.whole();
-    let (whole, density) = (&seen.whole, &seen.density);
-    let mut values = whole.filtered(|k| Complex64::new((least / density[k]).min(1.0), 0.0));
-    for (index, value) in values.iter_mut().enumerate() {
-        if !axis.usable(index) {
-            *value = 0.0;
-        }
-    }
-    Quiet {
-        values,
-        variance: least * axis.rate_hz,
-    }
-}
-
-/// [`lost_samples`] in a plain series.
-fn search(
-    values: &[f64],
-    quiet: &Quiet,
-    places: &[Place],
-    level: f64,
-    usable: impl Fn(usize) -> bool,
-) -> Option<Loss> {
-    // The slowest line decides how fine the blocks are; what is slower than any allows is left.
-    let places: Vec<&Place> = places
-        .iter()
-        .filter(|place| {
-            place.cycles * values.len() as f64 >= CYCLES * FEWEST_BLOCKS as f64
-                && place.cycles < 0.5
-        })
-        .collect();
-    let slowest = places
-        .iter()
-        .map(|place| place.cycles)
-        .min_by(f64::total_cmp)?;
-    let count = ((slowest * values.len() as f64 / CYCLES) as usize).min(BLOCKS);
-    let blocks = Blocks::new(values, count, usable);
-    let mut lines: Vec<Line> = places
-        .iter()
-        .map(|place| Line::new(blocks.at(place.cycles), 0.5 * place.width + 2.0 * REACH))
-        .filter(|line| line.gain > LEAST_LINE)
-        .collect();
-    lines.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    let mut apart: Vec<Line> = Vec::new();
-    for line in lines {
-        let place = |line: &Line| line.cycles(line.offset, blocks.len) * values.len() as f64;
-        let alone = |other: &Line| (place(other) - place(&line)).abs() > NEAR as f64;
-        if apart.iter().all(alone) {
-            apart.push(line);
-        }
-    }
-    let mut lines = apart;
-    lines.truncate(MOST_LINES);
-    if lines.len() < 2 {
-        return None;
-    }
-    let longest = (1.0 / slowest).clamp(LONGEST[0], LONGEST[1]) as usize;
-    let (mut tables, mut found) = looked(&blocks, quiet, &lines, longest);
-    // A strong line that jumps is noise to the others and, by its skirts, to itself: each is looked
-    // at again without the rest, against the noise that all of them leave.
-    for _ in 0..CLEANINGS {
-        let (chosen, ..) = smallest_of_the_best(&found)?;
-        if found[chosen].nats(&lines) < LEAST_LINE {
-            return None;
-        }
-        let chosen = &found[chosen];
-        lines = ratio::cleaned(&blocks, &lines, &chosen.turned, chosen.index());
-        (tables, found) = looked(&blocks, quiet, &lines, longest);
-    }
-    let table_highest = tables.sum.iter().copied().fold(f64::MIN, f64::max);
-    let (chosen, samples_lo, samples_hi) = smallest_of_the_best(&found)?;
-    let Found {
-        best,
-        moment,
-        ref turned,
-        ..
-    } = found[chosen];
-
-    let gains: Vec<f64> = turned
-        .iter()
-        .zip(&lines)
-        .map(|(turned, line)| turned.gain - line.gain)
-        .collect();
-    let nats: f64 = gains.iter().sum();
-    // The tables rest on blocks and on a parabola in frequency; the last word is the fit's.
-    let p_value = (table_highest - tables.mean_ratio() - nats).exp().min(1.0);
-    let loudest = gains
-        .iter()
-        .enumerate()
-        .max_by(|a, b| a.1.total_cmp(b.1))
-        .map(|(line, _)| line)?;
-    let others = ratio::others(&lines, loudest, moment.middle / blocks.len as f64, longest);
-    let left: f64 = turned
-        .iter()
-        .zip(&lines)
-        .map(|(turned, line)| line.seen.left_over(turned.offset, Some(turned.turn), NEAR))
-        .sum();
-    // Noise leaves as many as there are ordinates, with that variance.
-    let spread = ((2 * NEAR + 1) as f64 * lines.len() as f64).sqrt();
-    let explained = left < LEFT_SHARE * nats + 3.0 * spread;
-    if !(p_value < level && others > ODDS && explained) {
-        return None;
-    }
-    Some(Loss {
-        index: found[chosen].index(),
-        index_sd: moment.sd,
-        index_lo: moment.lo,
-        index_hi: moment.hi,
-        samples: best.samples as u32,
-        samples_lo,
-        samples_hi,
-        nats,
-        held_nats: held(&lines, longest),
-        p_value,
-        lines: turned
-            .iter()
-            .zip(&lines)
-            .enumerate()
-            .map(|(which, (turned, line))| SteadyLine {
-                cycles: line.cycles(turned.offset, blocks.len),
-                cycles_sd: between(&found, chosen, |one| {
-                    line.cycles(one.turned[which].offset, blocks.len)
-                })
-                .sqrt(),
-                cosine: turned.amplitude.re,
-                sine: -turned.amplitude.im,
-                amplitude_sd: between(&found, chosen, |one| one.turned[which].amplitude.norm())
-                    .sqrt(),
-                nats: turned.gain,
-            })
-            // A harmonic that was only tried for is one if it is no chance.
-            .filter(|line| line.false_alarm() < level)
-            .collect(),
-    })
-}
-
-/// Gains of all moments and lengths, and the best of them looked at closely.
-fn looked(blocks: &Blocks, quiet: &Quiet, lines: &[Line], longest: usize) -> (Tables, Vec<Found>) {
-    let tables = Tables::new(lines, longest);
-    let found = tables
-        .candidates()
+/// The strongest of the lines in some groups.
+fn strongest(groups: Vec<Group>) -> Vec<Line> {
+    let mut found: Vec<Line> = groups
         .into_iter()
-        .map(|best| Found::new(blocks, quiet, lines, &tables, best))
+        .flat_map(|group| match group {
+            Group::Single(one) => vec![one.line],
+            Group::Hum { lines, .. } => lines.into_iter().map(|(_, one)| one.line).collect(),
+            Group::Cluster { lines, .. } => lines,
+        })
         .collect();
-    (tables, found)
+    found.sort_by(|a, b| b.ratio.total_cmp(&a.ratio));
+    found.truncate(MOST_LINES);
+    found
 }
 
-/// A length looked at closely.
-struct Found {
-    best: Best,
-    /// The moment, samples.
-    moment: Posterior,
-    turned: Vec<Turned>,
-    /// Gain in log-likelihood over no lines at all.
-    gain: f64,
-}
-
-impl Found {
-    /// Gain over steady lines.
-    fn nats(&self, lines: &[Line]) -> f64 {
-        self.gain - lines.iter().map(|line| line.gain).sum::<f64>()
-    }
-
-    fn new(blocks: &Blocks, quiet: &Quiet, lines: &[Line], tables: &Tables, best: Best) -> Self {
-        let mut moment = tables.moment(best.samples, blocks.len);
-        let mut turned = fitted(lines, best.place as f64, best.samples);
-        if moment.sd < blocks.len as f64 {
-            moment = zoom(blocks, quiet, lines, &turned, best);
-            turned = fitted(lines, moment.middle / blocks.len as f64, best.samples);
+/// The lines of a loss as any others are measured.
+fn measured(look: &Look<'_>, loss: &Loss) -> Vec<Measured> {
+    let (rate_hz, duration_s) = (look.axis.rate_hz, look.duration_s());
+    let both = loss.waves().zip(&loss.lines);
+    both.map(|(wave, steady)| {
+        let density = look.axis.density(steady.cycles * rate_hz);
+        Measured {
+            line: steady.peak(rate_hz, duration_s),
+            wave,
+            amplitude_sd: (4.0 * density / duration_s)
+                .sqrt()
+                .hypot(steady.amplitude_sd),
         }
-        Self {
-            best,
-            moment,
-            gain: turned.iter().map(|turned| turned.gain).sum(),
-            turned,
-        }
-    }
-
-    /// First sample after the loss.
-    fn index(&self) -> usize {
-        self.moment.middle.round() as usize
-    }
+    })
+    .collect()
 }
 
-/// Mean square distance of `value` among all that was looked at, each by its likelihood, from that
-/// of the one chosen.
-fn between(found: &[Found], chosen: usize, value: impl Fn(&Found) -> f64) -> f64 {
-    let here = value(&found[chosen]);
-    let (mut sum, mut weights) = (0.0, 0.0);
-    for one in found {
-        let weight = (one.gain - found[chosen].gain).exp();
-        sum += weight * (value(one) - here).powi(2);
-        weights += weight;
+fn candidate(look: &Look<'_>, loss: &Loss) -> Candidate {
+    let rate_hz = look.axis.rate_hz;
+    let time_s = Value {
+        value: loss.index as f64 / rate_hz,
+        lo: Some(loss.index_lo / rate_hz),
+        hi: Some(loss.index_hi / rate_hz),
+    };
+    let samples = Value {
+        value: f64::from(loss.samples),
+        lo: Some(loss.samples_lo),
+        hi: Some(loss.samples_hi),
+    };
+    let wide = CUT + UNSURE * loss.index_sd;
+    let from = (loss.index as f64 - wide).max(0.0) as usize;
+    let to = ((loss.index as f64 + wide) as usize).min(look.axis.residual.len());
+    Candidate {
+        held_out_nats: Some(loss.held_nats),
+        ..Candidate::new(
+            Estimate::new(KIND, [time_s, samples]),
+            loss.p_value,
+            2.0,
+            Change::Cut(from..to),
+        )
     }
-    sum / weights
-}
-
-/// Which of the lengths, ascending, to name: the best of the smallest that are as good and adjoin
-/// one another; with the interval that these make.
-fn smallest_of_the_best(found: &[Found]) -> Option<(usize, f64, f64)> {
-    let highest = found
-        .iter()
-        .map(|one| one.gain)
-        .fold(f64::NEG_INFINITY, f64::max);
-    let good: Vec<usize> = (0..found.len())
-        .filter(|&one| found[one].gain > highest - AS_GOOD)
-        .collect();
-    let samples = |one: usize| found[one].best.samples;
-    let run = good
-        .chunk_by(|&a, &b| samples(b) == samples(a) + 1)
-        .next()?;
-    let chosen = run
-        .iter()
-        .copied()
-        .max_by(|&a, &b| found[a].gain.total_cmp(&found[b].gain))?;
-    Some((
-        chosen,
-        samples(run[0]) as f64 - 0.5,
-        samples(run[run.len() - 1]) as f64 + 0.5,
-    ))
 }

@@ -4,8 +4,8 @@ use rustfft::num_complex::Complex64;
 use std::f64::consts::TAU;
 
 use crate::diagnosis::detect::dropped::demodulate::{Blocks, Demodulated, Turn};
-use crate::diagnosis::detect::dropped::{AS_GOOD, REACH};
-use crate::diagnosis::record::residual::Wave;
+use crate::diagnosis::detect::dropped::loss::{AS_GOOD, REACH};
+use crate::diagnosis::record::wave::Wave;
 use crate::fft::ring::Series;
 
 /// Share of the record at each end in which no loss is looked for.

@@ -2,8 +2,8 @@ use std::f64::consts::TAU;
 
 use super::*;
 use crate::fft::ring::Series;
-use crate::model::random::Seed;
 use crate::model::random::Gaussian;
+use crate::model::random::Seed;
 
 const LENGTH: usize = 60_000;
 const RATE_HZ: f64 = 2000.0;

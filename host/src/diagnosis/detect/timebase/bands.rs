@@ -173,8 +173,8 @@ mod tests {
     use std::f64::consts::TAU;
 
     use super::*;
-    use crate::model::random::Seed;
     use crate::model::random::Gaussian;
+    use crate::model::random::Seed;
 
     const LEN: usize = 1 << 18;
     const RATE_HZ: f64 = 100.0;

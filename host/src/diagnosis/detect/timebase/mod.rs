@@ -14,11 +14,15 @@ use crate::diagnosis::detect::lines::{self, Group};
 use crate::diagnosis::detect::timebase::bands::Band;
 use crate::diagnosis::detect::timebase::ratio::{Mark, Rate};
 use crate::diagnosis::doubt::tone;
+use crate::diagnosis::explanation::Estimate;
 use crate::diagnosis::record::samples::Samples;
-use crate::diagnosis::result::finding::{Finding, Gain, Rival, Value};
-use crate::model::PerCoefficient;
-use crate::model::catalogue;
+use crate::diagnosis::result::finding::{Finding, Rival, Value};
+use crate::model::sinusoid;
+use crate::model::timebase::KIND;
 use crate::spectrum::Line;
+
+/// Tests that it makes: its share of the family's level.
+pub const TESTS: u32 = 1;
 
 /// Share of a band's power that a line within it must hold to stand for it.
 const HOLDS: f64 = 0.5;
@@ -36,40 +40,28 @@ pub fn clock(samples: &Samples, reference: &Samples, level: f64) -> Vec<(usize, 
     let Some(rate) = ratio::ratio(&merged(&here), &merged(&there), level) else {
         return Vec::new();
     };
-    let Some(finding) = finding(&rate) else {
-        return Vec::new();
-    };
+    let finding = finding(&rate);
     (0..count)
         .filter(|&axis| ratio::agree(&here[axis], &there[axis], &rate))
         .map(|axis| (axis, finding.clone()))
         .collect()
 }
 
-fn finding(rate: &Rate) -> Option<Finding> {
-    let kind = catalogue::find("timebase")?;
-    let mut check = kind.check(&[rate.ratio]);
-    let mut rivals = Vec::new();
+fn finding(rate: &Rate) -> Finding {
+    let ratio = Value::normal(rate.ratio, rate.ratio_sd);
+    let mut finding = Finding::new(&Estimate::new(KIND, [ratio]), rate.p_value);
     if rate.sources < 2 {
         // Both say exactly the same about every line.
-        rivals.push(Rival {
-            effect: "sinusoid".into(),
+        finding.rivals.push(Rival {
+            effect: sinusoid::KIND,
             log_odds: 0.0,
         });
-        check.push_str(
+        finding.check.push_str(
             "; all lines that moved may come from one machine, which then itself turned slower by \
              as much: only a line of another source, or that clock, can tell",
         );
     }
-    Some(Finding {
-        effect: kind.name().to_owned(),
-        cause: kind.meaning().to_owned(),
-        check,
-        parameters: [("ratio".to_owned(), Value::normal(rate.ratio, rate.ratio_sd))].into(),
-        p_value: rate.p_value,
-        rivals,
-        gain: Gain::default(),
-        without: PerCoefficient::default(),
-    })
+    finding
 }
 
 /// The marks of all axes: what stands at the same place in several is one, by the surest.

@@ -302,8 +302,8 @@ fn sources(lines: &[Log]) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::random::Seed;
     use crate::model::random::Gaussian;
+    use crate::model::random::Seed;
 
     /// Lines at `f_hz` over `ratio`, measured to the share `sd`.
     fn seen(random: &mut Gaussian, f_hz: &[f64], ratio: f64, sd: f64) -> Vec<Mark> {

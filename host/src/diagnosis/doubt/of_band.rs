@@ -6,8 +6,8 @@
 
 use std::ops::Range;
 
+use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::doubt::steadiness;
-use crate::diagnosis::rounds::Rounds;
 use crate::diagnosis::statistic::p_value;
 
 /// How many times the average a band's power is where events are its own.
@@ -22,27 +22,30 @@ const ASIDE: usize = 3;
 /// Probability below which events do not stand by chance where a band's power changes.
 const AT_EDGES: f64 = 0.01;
 
-impl Rounds<'_> {
-    /// Whether what happens at `samples` belongs to a band that was left out: its power is several
-    /// times as large there as on average, or it changes there more than elsewhere.
-    pub(crate) fn is_of_band(&self, samples: &[Range<usize>]) -> bool {
-        let length = self.axis.whole().whole.len() as f64;
-        self.axis.apart.iter().any(|band| {
-            let course = steadiness::course(self.axis, band);
-            if course.is_empty() || samples.is_empty() {
-                return false;
-            }
-            let moment = |sample: usize| {
-                let at = sample as f64 / length * course.len() as f64;
-                (at as usize).min(course.len() - 1)
-            };
-            let moments: Vec<_> = samples
-                .iter()
-                .map(|range| moment(range.start)..moment(range.end) + 1)
-                .collect();
-            power_at(&course, &moments) > SEVERAL || at_edges(&course, &moments) < AT_EDGES
-        })
-    }
+/// Whether what happens at `samples` belongs to a band that is excluded.
+pub fn is_of_excluded(axis: &AxisState, samples: &[Range<usize>]) -> bool {
+    is_of_band(axis, &axis.excluded_hz(), samples)
+}
+
+/// Whether what happens at `samples` belongs to one of the `bands_hz`: its power is several times as large
+/// there as on average, or it changes there more than elsewhere.
+pub fn is_of_band(axis: &AxisState, bands_hz: &[Range<f64>], samples: &[Range<usize>]) -> bool {
+    let length = axis.ring_len() as f64;
+    bands_hz.iter().any(|band| {
+        let course = steadiness::course(axis, band);
+        if course.is_empty() || samples.is_empty() {
+            return false;
+        }
+        let moment = |sample: usize| {
+            let at = sample as f64 / length * course.len() as f64;
+            (at as usize).min(course.len() - 1)
+        };
+        let moments: Vec<_> = samples
+            .iter()
+            .map(|range| moment(range.start)..moment(range.end) + 1)
+            .collect();
+        power_at(&course, &moments) > SEVERAL || at_edges(&course, &moments) < AT_EDGES
+    })
 }
 
 /// Mean power of a course over the events at `moments`.

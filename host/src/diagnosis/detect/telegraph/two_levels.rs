@@ -12,8 +12,8 @@ use realfft::num_complex::Complex64;
 
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::statistic::matched_filter::{Transformer, Whole};
-use crate::model::random::Seed;
 use crate::model::random::Gaussian;
+use crate::model::random::Seed;
 
 /// Simulated records of each kind.
 const RECORDS: usize = 8;

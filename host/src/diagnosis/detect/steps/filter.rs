@@ -1,27 +1,10 @@
 //! Jumps of the level that stay: the matched filter for a step, at every moment.
 
 use crate::diagnosis::axis::AxisState;
-use crate::diagnosis::detect::outliers::Outlier;
+use crate::diagnosis::record::wave::{Jump, Outlier};
 use crate::diagnosis::statistic::matched_filter::{Match, Step, Transformer, Whole, matched};
 use crate::diagnosis::statistic::p_value;
 use crate::diagnosis::statistic::profile::Profile;
-
-/// A jump of the level.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Jump {
-    /// Index of the first sample after it.
-    pub index: usize,
-    /// Its height, in the unit of the record.
-    pub height: f64,
-    /// Standard deviation of the height.
-    pub height_sd: f64,
-    /// Standard deviation of the index, samples.
-    pub index_sd: f64,
-    /// In standard deviations.
-    pub z: f64,
-    /// Probability of as large a statistic anywhere without a jump.
-    pub p_value: f64,
-}
 
 /// The largest jump, significant or not.
 pub fn largest_jump(

@@ -1,37 +1,68 @@
-//! Slow deterministic changes of the level: settling from the start, and what follows a covariate.
-//! Seen on the record's slow copy, where each waveform is compared with the noise at all
-//! frequencies at once.
-
-use std::sync::Arc;
+//! Warm-up: the level settles exponentially from the start.
+//!
+//! Seen on the record's slow copy, where each settling is compared with the noise at all frequencies at
+//! once.
 
 use rayon::prelude::*;
 
 use crate::diagnosis::axis::AxisState;
-use crate::diagnosis::record::residual::{Wave, block_means};
+use crate::diagnosis::detect::{telegraph, thermal};
+use crate::diagnosis::explanation::{Candidate, Change, Estimate};
+use crate::diagnosis::record::wave::Wave;
+use crate::diagnosis::result::finding::Value;
+use crate::diagnosis::search::{Look, Proposal};
 use crate::diagnosis::statistic::matched_filter::{
     Half, Projection, Settling, Transformer, Whole, held_out_gain,
 };
 use crate::diagnosis::statistic::p_value;
 use crate::diagnosis::statistic::profile::{Noise, Profile};
-
-/// A waveform that is in the record.
-pub struct SlowChange {
-    /// It.
-    pub wave: Wave,
-    /// Its size over its standard deviation.
-    pub z: f64,
-    /// Standard deviation of its size.
-    pub size_sd: f64,
-    /// Standard deviation of the logarithm of its time constant, where it has one.
-    pub time_log_sd: f64,
-    /// Probability of as large a statistic without it.
-    pub p_value: f64,
-    /// Gain in log-likelihood on ordinates that it was not fitted to.
-    pub nats: f64,
-}
+use crate::diagnosis::statistic::slow_change::SlowChange;
+use crate::model::warmup::KIND;
 
 /// Time constants of a settling tried an octave.
 const PER_OCTAVE: f64 = 3.0;
+
+/// The settling of an axis, if there is one that is not known yet.
+pub fn find(look: &Look<'_>, noise: Noise) -> Option<SlowChange> {
+    if !look.is_open(KIND) || look.axis.has(KIND) {
+        return None;
+    }
+    warm_up(look.axis, look.level(), noise).filter(|change| !is_dwelling(look.axis, change))
+}
+
+/// What is to be done about it.
+pub fn proposal(look: &Look<'_>, change: SlowChange) -> Option<Proposal> {
+    let Wave::WarmUp { amplitude, samples } = change.wave else {
+        return None;
+    };
+    let time_s = samples / look.axis.rate_hz;
+    if let Some(lag) = thermal::with_settling_lag(look, time_s, &change.wave) {
+        return Some(lag);
+    }
+    let amplitude = Value::normal(amplitude, change.size_sd);
+    let time_s = Value::log_normal(time_s, change.time_log_sd);
+    Some(Proposal::Explain(Box::new(Candidate {
+        held_out_nats: Some(change.nats),
+        ..Candidate::new(
+            Estimate::new(KIND, [amplitude, time_s]),
+            change.p_value,
+            2.0,
+            Change::Waves(vec![change.wave]),
+        )
+    })))
+}
+
+/// Whether a settling is as quick as the level switches: a dwell at the start.
+fn is_dwelling(axis: &AxisState, change: &SlowChange) -> bool {
+    /// Dwell times that make a settling of its own.
+    const DWELLS: f64 = 5.0;
+    match (&change.wave, telegraph::levels(axis)) {
+        (Wave::WarmUp { samples, .. }, Some(levels)) => {
+            samples / axis.rate_hz < DWELLS * levels.dwell_s
+        }
+        _ => false,
+    }
+}
 
 /// Exponential settling from the start.
 pub fn warm_up(axis: &AxisState, level: f64, noise: Noise) -> Option<SlowChange> {
@@ -171,135 +202,13 @@ impl Settlings {
     }
 }
 
-/// Whether the level follows `column`, one value a sample, `lag` samples behind at most some.
-pub fn follows(
-    axis: &AxisState,
-    column: &[f64],
-    level: f64,
-    noise: Noise,
-) -> Option<(SlowChange, f64)> {
-    let factor = axis.drift_factor();
-    let (mut record, mut density) = axis.slow(&axis.filled, factor);
-    let transformer = Transformer::new(record.len());
-    let rate_hz = axis.rate_hz / factor as f64;
-    let means = block_means(column, factor);
-    // First-order lags from none to an eighth of the record.
-    let mut lags = vec![0.0];
-    let mut lag = 4.0;
-    while lag < means.len() as f64 / 8.0 {
-        lags.push(lag);
-        lag *= 2.0;
-    }
-    let lagged = |lag: f64| -> Vec<f64> {
-        let keep = if lag > 0.0 { (-1.0 / lag).exp() } else { 0.0 };
-        let mut state = means[0];
-        means
-            .iter()
-            .map(|value| {
-                state = keep * state + (1.0 - keep) * value;
-                state
-            })
-            .collect()
-    };
-    let open = |lag: f64| transformer.transform(&lagged(lag), rate_hz);
-    let wave = |lag: f64, density: &[f64]| {
-        let mut wave = open(lag);
-        wave.close(density);
-        wave
-    };
-    let trials = lags.len() as f64;
-    let p_of = |z: f64| p_value::searched(p_value::two_sided(z), trials);
-    let at = |lag: f64, record: &Whole, density: &[f64]| {
-        Projection::new(record, density, &wave(lag, density), Half::Both)
-    };
-    let larger =
-        |a: &(Projection, f64), b: &(Projection, f64)| a.0.z().abs().total_cmp(&b.0.z().abs());
-    let first = |record: &Whole, density: &[f64]| {
-        let all = lags.par_iter().map(|&lag| (at(lag, record, density), lag));
-        let all: Vec<_> = all.collect();
-        all.into_iter().max_by(larger)
-    };
-    let (mut projection, mut lag) = first(&record, &density)?;
-    let mut told = None;
-    if noise == Noise::Anew && p_of(projection.z()) >= level {
-        // Walk and flicker may have been taken for it.
-        let profile = Profile::new(axis, &record, &density);
-        let joints = lags.par_iter();
-        let joints: Vec<_> = joints
-            .map(|&lag| profile.fit(&wave(lag, &density)))
-            .collect();
-        let joint = joints
-            .into_iter()
-            .max_by(|a, b| a.z.abs().total_cmp(&b.z.abs()))?;
-        let beside = profile.density(&joint);
-        told = Some(joint.z);
-        density = beside;
-        record.close(&density);
-        (projection, lag) = first(&record, &density)?;
-    }
-    // The top between the steps.
-    let mut step = 0.35;
-    while lag > 0.0 && step > 5e-3 {
-        let best = [f64::exp(step), f64::exp(-step)]
-            .map(|factor| (at(lag * factor, &record, &density), lag * factor))
-            .into_iter()
-            .max_by(larger)?;
-        if best.0.z().abs() > projection.z().abs() {
-            (projection, lag) = best;
-        } else {
-            step *= 0.5;
-        }
-    }
-    let z = told.unwrap_or(projection.z());
-    let p_value = p_of(z);
-    if p_value >= level || !z.is_finite() {
-        return None;
-    }
-    // The square of z falls as a parabola in the logarithm of the lag.
-    let lag_log_sd = if lag > 0.0 {
-        let h = 0.1_f64;
-        let square = |lag: f64| at(lag, &record, &density).z().powi(2);
-        let top = projection.z().powi(2);
-        let bend = (2.0 * top - square(lag * h.exp()) - square(lag * (-h).exp())) / (2.0 * h * h);
-        bend.max(1e-9).recip().sqrt()
-    } else {
-        f64::INFINITY
-    };
-    let keep = if lag > 0.0 {
-        (-1.0 / (lag * factor as f64)).exp()
-    } else {
-        0.0
-    };
-    let mean = column.iter().sum::<f64>() / column.len() as f64;
-    let mut state = column[0];
-    let full: Vec<f32> = column
-        .iter()
-        .map(|value| {
-            state = keep * state + (1.0 - keep) * value;
-            (state - mean) as f32
-        })
-        .collect();
-    Some((
-        SlowChange {
-            wave: Wave::Follows {
-                gain: projection.size(),
-                column: Arc::new(full),
-            },
-            z,
-            size_sd: projection.size_sd(),
-            time_log_sd: lag_log_sd,
-            p_value,
-            nats: held_out_gain(&record, &density, &wave(lag, &density)),
-        },
-        lag * factor as f64 / axis.rate_hz,
-    ))
-}
-
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
-    use crate::model::random::Seed;
     use crate::model::random::Gaussian;
+    use crate::model::random::Seed;
 
     const LENGTH: usize = 1 << 15;
     const RATE_HZ: f64 = 100.0;

@@ -4,9 +4,9 @@
 //! height. In noise that rises with the frequency, where single samples are seen best by what they
 //! leave in the sum, that is what a sample of the size `d h` leaves.
 
-use crate::diagnosis::detect::outliers::Outlier;
-use crate::diagnosis::laws;
-use crate::diagnosis::rounds::Rounds;
+use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::detect::telegraph;
+use crate::diagnosis::record::wave::Outlier;
 use crate::diagnosis::statistic::p_value;
 
 /// Share of a mean dwell up to which one counts as short.
@@ -19,33 +19,15 @@ const SPREAD: f64 = 2.0;
 /// Probability of as many short dwells from which all the large samples may be such.
 const MAY_BE: f64 = 1e-3;
 
-impl Rounds<'_> {
-    /// Whether there is a switching of which so many dwells are so short.
-    pub(crate) fn is_of_switching(&self, found: &[Outlier]) -> bool {
-        let Some([height, dwell_s]) = self.height_and_dwell() else {
-            return false;
-        };
-        let seconds = |size: f64| size.abs() / (height * self.axis.rate_hz);
-        let dwells_s: Vec<f64> = found.iter().map(|one| seconds(one.size)).collect();
-        may_be_short(&dwells_s, dwell_s, self.duration_s())
-    }
-
-    /// Distance of two levels and their mean dwell, seconds.
-    fn height_and_dwell(&self) -> Option<[f64; 2]> {
-        let telegraph = self.accepted.iter().find(|one| one.effect == "telegraph")?;
-        match telegraph.law {
-            // Its deviation is half the height, its correlation time half a dwell.
-            Some(law) => {
-                let axis = &*self.axis;
-                let values = laws::sized(&axis.frame, &axis.laws, law, &axis.fit);
-                Some([2.0 * values[0], 2.0 * values[1]])
-            }
-            None => {
-                let value = |name| Some(telegraph.parameters.get(name)?.value);
-                Some([value("height")?, value("dwell_s")?])
-            }
-        }
-    }
+/// Whether an axis switches between two levels and so many dwells are so short.
+pub fn is_of_switching(axis: &AxisState, found: &[Outlier]) -> bool {
+    let Some(levels) = telegraph::levels(axis) else {
+        return false;
+    };
+    let seconds = |size: f64| size.abs() / (levels.height * axis.rate_hz);
+    let dwells_s: Vec<f64> = found.iter().map(|one| seconds(one.size)).collect();
+    let duration_s = axis.filled.len() as f64 / axis.rate_hz;
+    may_be_short(&dwells_s, levels.dwell_s, duration_s)
 }
 
 /// Whether as many as `dwells_s`, by their sums, may be so short among all those of a record of

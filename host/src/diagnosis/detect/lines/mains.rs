@@ -1,0 +1,97 @@
+//! Lines at multiples of a mains frequency: one cause.
+
+use super::measure::{Group, Measured};
+
+/// Largest distance of a mains frequency from its nominal value, as a share.
+const MAINS_SHARE: f64 = 0.005;
+
+/// Nominal mains frequencies, hertz.
+const MAINS_HZ: [f64; 2] = [50.0, 60.0];
+
+/// Mains frequency that a line at `f_hz` is a multiple of, hertz, and which: a low one, for any
+/// frequency above a kilohertz is near one.
+pub fn mains_base(f_hz: f64) -> Option<(f64, u32)> {
+    MAINS_HZ
+        .iter()
+        .filter_map(|&nominal_hz| base_near(f_hz, nominal_hz))
+        .min_by_key(|(_, number)| *number)
+}
+
+fn base_near(f_hz: f64, nominal_hz: f64) -> Option<(f64, u32)> {
+    let number = (f_hz / nominal_hz).round();
+    let base_hz = f_hz / number;
+    let is_near = (base_hz / nominal_hz - 1.0).abs() <= MAINS_SHARE;
+    ((1.0..=20.0).contains(&number) && is_near).then_some((base_hz, number as u32))
+}
+
+/// What a tone at `f_hz` that does not keep its frequency may be.
+pub fn wandering(f_hz: f64) -> String {
+    let mains = MAINS_HZ.into_iter().find(|nominal_hz| {
+        let number = (f_hz / nominal_hz).round();
+        number >= 1.0 && (f_hz / (number * nominal_hz) - 1.0).abs() < MAINS_SHARE
+    });
+    match mains {
+        Some(nominal_hz) => format!(
+            "pick-up from {nominal_hz} Hz mains, whose frequency wanders with the grid, or another \
+             tone that wanders or is switched"
+        ),
+        None => "a tone that wanders or is switched".into(),
+    }
+}
+
+/// Gathers what fits one mains frequency; a mains line may be alone.
+pub fn with_hum(singles: Vec<Measured>) -> Vec<Group> {
+    // The base frequency that most lines are multiples of, by the strongest line that is one.
+    let mut best: Option<(f64, f64, Vec<usize>)> = None;
+    for nominal_hz in MAINS_HZ {
+        for (index, seed) in singles.iter().enumerate() {
+            let Some((base_hz, number)) = base_near(seed.line.frequency_hz, nominal_hz) else {
+                continue;
+            };
+            let number = f64::from(number);
+            let fits: Vec<usize> = (0..singles.len())
+                .filter(|&other| {
+                    let one = &singles[other].line;
+                    let k = (one.frequency_hz / base_hz).round();
+                    let sd = (seed.line.frequency_sd_hz * k / number).hypot(one.frequency_sd_hz);
+                    k >= 1.0 && (one.frequency_hz - k * base_hz).abs() < 4.0 * sd
+                })
+                .collect();
+            // A line by itself is mains only where its base is: not any line between 50 and 1000.
+            let alone = fits.len() == 1 && number > 2.0;
+            let more = best.as_ref().is_none_or(|(_, _, before)| {
+                fits.len() > before.len()
+                    || (fits.len() == before.len()
+                        && singles[index].line.ratio > singles[before[0]].line.ratio)
+            });
+            if !alone && more && !fits.is_empty() {
+                best = Some((base_hz, seed.line.frequency_sd_hz / number, fits));
+            }
+        }
+    }
+    let Some((rough_hz, _, members)) = best else {
+        return singles.into_iter().map(Group::Single).collect();
+    };
+    let (mut lines, mut others) = (Vec::new(), Vec::new());
+    for (index, one) in singles.into_iter().enumerate() {
+        if members.contains(&index) {
+            let number = (one.line.frequency_hz / rough_hz).round() as u32;
+            lines.push((number, one));
+        } else {
+            others.push(Group::Single(one));
+        }
+    }
+    // One base through all of them, each by its own certainty.
+    let (mut sum, mut weight) = (0.0, 0.0);
+    for (number, one) in &lines {
+        let sd = one.line.frequency_sd_hz / f64::from(*number);
+        sum += one.line.frequency_hz / f64::from(*number) / (sd * sd);
+        weight += 1.0 / (sd * sd);
+    }
+    others.push(Group::Hum {
+        base_hz: sum / weight,
+        base_sd_hz: weight.sqrt().recip(),
+        lines,
+    });
+    others
+}

@@ -1,0 +1,175 @@
+//! Single samples that do not belong: the matched filter for one sample, at every moment.
+//!
+//! The filter `1/S` measures how far a sample lies from what all others predict for it, in
+//! standard deviations of that prediction (the interpolation error; A. N. Kolmogorov 1941). In
+//! differenced noise it is far smaller than the noise itself.
+
+use super::pursuit::Pursuit;
+use crate::diagnosis::record::wave::Outlier;
+use crate::diagnosis::statistic::matched_filter::{Impulse, Whole, matched};
+use crate::diagnosis::statistic::p_value;
+use crate::diagnosis::statistic::spread::middle_spread;
+
+/// Largest number of outliers that are looked for; beyond it is another kind of record.
+const MOST: usize = 1 << 14;
+
+/// Samples to either side that an outlier's own answer of the filter is taken out of, at most: where
+/// the density rises with the frequency the filter sums up, and remembers long.
+const REACH: usize = 1 << 14;
+
+/// Share of the answer's peak that does not matter any more.
+const NOTHING: f64 = 1e-3;
+
+/// The outliers of a record, ascending, and the p-value of the largest.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Found {
+    /// All beyond the threshold.
+    pub outliers: Vec<Outlier>,
+    /// Probability that noise has a sample as far out anywhere.
+    pub p_value: f64,
+    /// Size from which one is seen.
+    pub threshold: f64,
+    /// Gain in log-likelihood on ordinates that the sizes were not fitted to.
+    pub nats: f64,
+}
+
+/// Looks for outliers at a family-wise `level`, in noise of the densities `density` at the
+/// ordinates of `whole`; `usable` tells samples that count, `local` the deviation of the noise about
+/// a sample over that of the record.
+///
+/// The filter's output is measured in units of its own middle spread where that is wider than the
+/// model says, so that a model that is wrong elsewhere makes no outliers.
+pub fn outliers(
+    whole: &Whole,
+    density: &[f64],
+    level: f64,
+    usable: impl Fn(usize) -> bool,
+    local: impl Fn(usize) -> f64,
+) -> Found {
+    let filter = matched(whole, density, &Impulse);
+    let middle = middle_spread(&filter.z).max(1.0);
+    let spread = |index: usize| middle * local(index);
+    let threshold = p_value::threshold(level, whole.len(), f64::INFINITY);
+    let z = &filter.z;
+    let mut candidates: Vec<usize> = (0..z.len())
+        .filter(|&index| z[index].abs() > threshold * spread(index) && usable(index))
+        .collect();
+    let highest = candidates
+        .iter()
+        .map(|&index| z[index].abs() / spread(index))
+        .fold(0.0, f64::max);
+    candidates.sort_by(|&a, &b| z[b].abs().total_cmp(&z[a].abs()));
+    let size_sd = filter.size_sd;
+    // One record's worth of memory at a time: the output is made again beside the short answer.
+    drop(filter);
+    if candidates.is_empty() {
+        return Found {
+            outliers: Vec::new(),
+            p_value: 1.0,
+            threshold: threshold * middle * size_sd,
+            nats: 0.0,
+        };
+    }
+    let answer = answer(whole, density);
+    let filter = matched(whole, density, &Impulse);
+    let mut pursuit = Pursuit::new(filter.z, answer);
+    // Largest first; each takes its own tails out of its neighbours.
+    for index in candidates.into_iter().take(4 * MOST) {
+        if pursuit.left()[index].abs() > threshold * spread(index) && pursuit.len() < MOST {
+            pursuit.take(index, &usable);
+        }
+    }
+    pursuit.settle();
+    let outlier = |(index, height): (usize, f64)| Outlier {
+        index,
+        size: height * size_sd,
+        size_sd: size_sd * spread(index),
+    };
+    // One that was moved aside may have nothing left to explain.
+    let found: Vec<Outlier> = pursuit
+        .heights()
+        .filter(|&(index, height)| height.abs() > threshold * spread(index))
+        .map(outlier)
+        .collect();
+    drop(pursuit);
+    let nats = if found.is_empty() {
+        0.0
+    } else {
+        let filter = matched(whole, density, &Impulse);
+        let gain = |one: &Outlier| {
+            let [even, odd] = filter.halves(one.index);
+            odd.gain(even.size())
+        };
+        found.iter().map(gain).sum()
+    };
+    Found {
+        p_value: p_value::highest(highest, whole.len(), f64::INFINITY),
+        threshold: threshold * middle * size_sd,
+        nats,
+        outliers: found,
+    }
+}
+
+/// Probability that as many outliers stand close to one another as do, if each came by itself:
+/// what rings, or a tone that is switched on, goes beyond the threshold several times.
+pub fn together(found: &[Outlier], len: usize) -> f64 {
+    /// Samples that count as close.
+    const CLOSE: usize = 64;
+    let close = found
+        .windows(2)
+        .filter(|pair| pair[1].index - pair[0].index <= CLOSE);
+    let count = found.len() as f64;
+    p_value::poisson(
+        close.count() as u64,
+        count * count * CLOSE as f64 / len as f64,
+    )
+}
+
+/// How much the samples at `indices`, ascending, differ from what all others predict for them. Those behind
+/// the length that transforms fast are predicted by nobody and left out.
+pub fn sizes_at(whole: &Whole, density: &[f64], indices: &[usize]) -> Vec<Outlier> {
+    /// Rounds in which neighbours settle what is whose.
+    const ROUNDS: usize = 4;
+    /// Samples to either side that count as such.
+    const NEIGHBOURS: usize = 512;
+    let indices = &indices[..indices.partition_point(|&index| index < whole.len())];
+    let mut answer = answer(whole, density);
+    answer.truncate(NEIGHBOURS);
+    let filter = matched(whole, density, &Impulse);
+    let mut heights = vec![0.0; indices.len()];
+    for _ in 0..ROUNDS {
+        for (number, &index) in indices.iter().enumerate() {
+            let mut height = filter.z[index];
+            let before = indices[..number].iter().zip(&heights).rev();
+            let after = indices[number + 1..].iter().zip(&heights[number + 1..]);
+            let near = |(other, height): (&usize, &f64)| {
+                Some(height * answer.get(index.abs_diff(*other))?)
+            };
+            height -= before.map_while(near).sum::<f64>();
+            height -= after.map_while(near).sum::<f64>();
+            heights[number] = height;
+        }
+    }
+    indices
+        .iter()
+        .zip(heights)
+        .map(|(&index, height)| Outlier {
+            index,
+            size: height * filter.size_sd,
+            size_sd: filter.size_sd,
+        })
+        .collect()
+}
+
+/// The filter's answer to one sample of size one, from that moment on, over its peak, as far as it
+/// matters.
+fn answer(whole: &Whole, density: &[f64]) -> Vec<f64> {
+    let answer = whole.answer(|k| density[k].recip());
+    let peak = answer[0];
+    let mut answer = answer[..REACH.min(answer.len() / 2)].to_vec();
+    let matters = |value: &f64| value.abs() > NOTHING * peak;
+    let end = answer.iter().rposition(matters).map_or(0, |last| last + 1);
+    answer.truncate(end);
+    answer.iter_mut().for_each(|value| *value /= peak);
+    answer
+}

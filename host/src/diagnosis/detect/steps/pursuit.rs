@@ -1,0 +1,114 @@
+//! Jumps one after the other, largest first, each taken out before the next is looked for.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::{MOST, filter, is_of_burst};
+use crate::diagnosis::axis::{AxisState, SPREAD};
+use crate::diagnosis::record::bridge::block_means;
+use crate::diagnosis::record::wave::{Jump, Wave};
+use crate::diagnosis::search::Look;
+use crate::diagnosis::statistic::matched_filter::{Match, Transformer, held_out_gain};
+use crate::diagnosis::statistic::profile::Noise;
+
+/// Samples in one of the slow copy up to which jumps are placed to the sample.
+const FINE: usize = 8;
+
+/// A copy of a record out of which jumps are taken.
+pub struct Pursuit<'a> {
+    look: &'a Look<'a>,
+    left: Arc<Vec<f64>>,
+    /// What a converter's filter makes of the jumps that were taken out.
+    about: Vec<Range<usize>>,
+}
+
+impl<'a> Pursuit<'a> {
+    /// Of an axis as it is.
+    pub fn new(look: &'a Look<'a>) -> Self {
+        Self {
+            look,
+            left: Arc::clone(&look.axis.filled),
+            about: Vec::new(),
+        }
+    }
+
+    const fn axis(&self) -> &'a AxisState {
+        self.look.axis
+    }
+
+    /// The largest jump that is left, if it is significant and no business of a loud stretch.
+    pub fn largest(&self, noise: Noise) -> Option<Jump> {
+        let axis = self.axis();
+        let factor = axis.slow_factor();
+        let (whole, density) = axis.slow(&self.left, factor);
+        let usable = |n: usize| self.usable(n * factor) && self.usable((n + 1) * factor - 1);
+        let mut jump = filter::largest_jump(&whole, &density, usable)?;
+        if noise == Noise::Anew && jump.p_value >= self.look.level() {
+            jump = filter::beside_walk(axis, whole, &density, &jump, usable)?;
+        }
+        let index = jump.index * factor;
+        if jump.p_value >= self.look.level() || is_of_burst(self.look, &jump, index) {
+            return None;
+        }
+        Some(Jump {
+            index,
+            index_sd: (jump.index_sd * factor as f64).max(0.3 * factor as f64),
+            ..jump
+        })
+    }
+
+    fn usable(&self, index: usize) -> bool {
+        self.axis().usable(index) && !self.about.iter().any(|range| range.contains(&index))
+    }
+
+    /// All jumps, beginning with `first`; no more than can be named beside those that are `known`.
+    pub fn all(&mut self, first: Jump, known: usize) -> Vec<Jump> {
+        let filter = self.placing();
+        let reach = 2 * self.axis().slow_factor();
+        let mut next = Some(first);
+        let mut all = Vec::new();
+        while let Some(jump) = next.filter(|_| known + all.len() <= MOST) {
+            let jump = match &filter {
+                Some(statistic) => filter::place(statistic, jump, reach),
+                None => jump,
+            };
+            Wave::Steps(vec![jump]).take_out(Arc::make_mut(&mut self.left).as_mut_slice());
+            if self.axis().is_filtered() {
+                let from = jump.index.saturating_sub(SPREAD);
+                self.about.push(from..jump.index + SPREAD);
+            }
+            all.push(jump);
+            next = self.largest(Noise::Fitted);
+        }
+        all.sort_by_key(|jump| jump.index);
+        all
+    }
+
+    /// What places a jump of the slow copy among the samples themselves.
+    fn placing(&self) -> Option<Match> {
+        let factor = self.axis().slow_factor();
+        (factor > 1 && factor <= FINE).then(|| {
+            let seen = self.axis().whole();
+            filter::statistic(&seen.whole, &seen.density)
+        })
+    }
+
+    /// Gain of the jumps that were taken out on data that they were not fitted to, nats.
+    pub fn gain(&self, jumps: &[Jump]) -> f64 {
+        let axis = self.axis();
+        let factor = axis.slow_factor();
+        let mut waveform = vec![0.0; self.left.len()];
+        Wave::Steps(jumps.to_vec()).take_out(&mut waveform);
+        let means = block_means(&waveform, factor);
+        // They are taken out already; for a comparison they go back in.
+        let mut before = waveform;
+        for (before, left) in before.iter_mut().zip(self.left.iter()) {
+            *before = left - *before;
+        }
+        let (record, density) = axis.slow(&before, factor);
+        let rate_hz = axis.rate_hz / factor as f64;
+        let mut wave = Transformer::new(means.len()).transform(&means, rate_hz);
+        wave.close(&density);
+        held_out_gain(&record, &density, &wave)
+    }
+}

@@ -1,0 +1,80 @@
+//! Noise whose colour changes in time, which a law or the five terms describe on average.
+
+use std::ops::Range;
+
+use super::constancy::{self, Change};
+use super::{Doubt, Hearing};
+use crate::diagnosis::axis::{AxisState, NoFit};
+use crate::diagnosis::result::finding::Remark;
+use crate::model::kind::Kind;
+use crate::model::{clipping, dropped, outliers, rounding, stale, telegraph};
+
+/// Kinds that bend the law of amplitudes, or have what is too small to be taken out one by one: their
+/// strengths are not those of Gaussian noise.
+const BENDS: [Kind; 6] = [
+    clipping::KIND,
+    rounding::KIND,
+    telegraph::KIND,
+    outliers::KIND,
+    stale::KIND,
+    dropped::KIND,
+];
+
+/// The five terms themselves, where their sizes change against one another and nothing else is said of the
+/// axis. One test, with that of the laws.
+pub static OF_TERMS: Doubt = Doubt {
+    tests: 1,
+    hear: of_terms,
+};
+
+fn of_terms(hearing: &mut Hearing<'_>) -> Result<(), NoFit> {
+    let mut explanations = hearing.axis.explanations().iter();
+    if !hearing.remarks.is_empty() || explanations.any(|one| BENDS.contains(&one.kind())) {
+        return Ok(());
+    }
+    let change = constancy::change_of_terms(hearing.axis);
+    let change = change.filter(|one| one.p_value < hearing.level);
+    hearing.remarks.extend(change.map(|change| {
+        let band_hz = 0.0..0.5 * hearing.axis.rate_hz;
+        let what = format!("as if {}", change.parameter);
+        changing(&change, &band_hz, &what)
+    }));
+    Ok(())
+}
+
+/// A law of the name `kind` whose parameters change in time, which noise of another kind makes whose colour
+/// does, and by how much, as the standard deviation of a logarithm.
+pub fn of_law(
+    axis: &AxisState,
+    level: f64,
+    which: usize,
+    kind: Kind,
+    band_hz: &Range<f64>,
+) -> Option<(Remark, f64)> {
+    // Two levels are not Gaussian.
+    if kind == telegraph::KIND {
+        return None;
+    }
+    let change = constancy::change_of_law(axis, which);
+    let change = change.filter(|one| one.p_value < level)?;
+    let what = format!("as a {kind} whose {}", change.parameter);
+    Some((changing(&change, band_hz, &what), change.log_sd))
+}
+
+fn changing(change: &Change, band: &Range<f64>, what: &str) -> Remark {
+    let time_s = change.time_s;
+    let when = if change.cyclic {
+        format!("in cycles of {time_s:.3} s")
+    } else {
+        format!("over {time_s:.2} s")
+    };
+    Remark {
+        test: "steadiness".into(),
+        place: band.clone().into(),
+        p_value: change.p_value,
+        description: format!(
+            "noise whose colour and strength change {when}: {what} moved by {:.0} %",
+            100.0 * change.log_sd
+        ),
+    }
+}

@@ -1,0 +1,157 @@
+//! Laws of the noise that are given back: the spectrum has their shape, but what is there does not behave as
+//! they do.
+
+use std::ops::Range;
+
+use super::{Doubt, Hearing, colour, left_over, steadiness};
+use crate::diagnosis::axis::{AxisState, NoFit};
+use crate::diagnosis::detect::{spectral, unsteady_band};
+use crate::diagnosis::laws::departure::Departure;
+use crate::diagnosis::result::finding::Remark;
+use crate::model::kind::Kind;
+use crate::model::{resonance, telegraph};
+
+/// Shares of the density, the largest that a law reaches somewhere tells its band.
+const SHARES: [f64; 4] = [0.5, 0.25, 0.1, 0.03];
+
+/// Standard deviation of a parameter's logarithm that is little.
+const LITTLE: f64 = 0.15;
+
+/// Hears every law. Its test of the colour is counted with that of the five terms, and its test of steadiness
+/// with the detector of unsteady bands.
+pub static DOUBT: Doubt = Doubt { tests: 0, hear };
+
+/// What becomes of a law's name, and what there is to say.
+enum Verdict {
+    /// It stays.
+    Keeps(Option<Remark>),
+    /// It is none.
+    GivesBack(Option<Remark>),
+}
+
+/// A law with its name.
+struct Case<'a> {
+    axis: &'a AxisState,
+    level: f64,
+    strength_moves: bool,
+    /// Where the model still fails.
+    left: Option<Departure>,
+    which: usize,
+    kind: Kind,
+    p_value: f64,
+}
+
+fn hear(hearing: &mut Hearing<'_>) -> Result<(), NoFit> {
+    let axis = &*hearing.axis;
+    let left = left_over::of_spectrum(axis, hearing.level);
+    let laws = axis.explanations().iter();
+    let laws = laws.filter(|one| one.law().is_some()).enumerate();
+    let verdicts = laws.map(|(which, one)| {
+        let case = Case {
+            axis,
+            level: hearing.level,
+            strength_moves: hearing.strength_moves,
+            left,
+            which,
+            kind: one.kind(),
+            p_value: one.p_value,
+        };
+        case.verdict()
+    });
+    let verdicts: Vec<Verdict> = verdicts.collect();
+    let mut gone = Vec::new();
+    for (which, verdict) in verdicts.into_iter().enumerate() {
+        hearing.remarks.extend(match verdict {
+            Verdict::Keeps(remark) => remark,
+            Verdict::GivesBack(remark) => {
+                gone.push(which);
+                remark
+            }
+        });
+    }
+    if gone.is_empty() {
+        return Ok(());
+    }
+    // Fitted without: the model holds what has a name, and no more.
+    hearing.axis.withdraw_laws(&gone);
+    hearing.axis.refresh()
+}
+
+impl Case<'_> {
+    /// What the record says of the law's name.
+    fn verdict(&self) -> Verdict {
+        if self.kind == resonance::KIND && self.is_skirt() {
+            return Verdict::GivesBack(None);
+        }
+        // Where all of the noise is unsteady, what moves a little may still be what it is.
+        let unsteady = self.strength_moves || !self.axis.excluded().is_empty();
+        let band_hz = self.main_band_hz();
+        let moves = colour::of_law(self.axis, self.level, self.which, self.kind, &band_hz);
+        let moves = match moves {
+            Some((remark, log_sd)) if !unsteady || log_sd > LITTLE => {
+                return Verdict::GivesBack(Some(remark));
+            }
+            other => other.map(|(remark, _)| remark),
+        };
+        let doubt = self.unsteady(&band_hz).or_else(|| self.misfit(&band_hz));
+        doubt.map_or(Verdict::Keeps(moves), |doubt| {
+            Verdict::GivesBack(Some(doubt))
+        })
+    }
+
+    /// Whether a resonance is what is left beside a band that is excluded.
+    fn is_skirt(&self) -> bool {
+        let [f_hz, width_hz, ..] = self.axis.laws[self.which].values[..] else {
+            return false;
+        };
+        let mut excluded = self.axis.excluded().iter().map(|one| &one.band_hz);
+        excluded.any(|band| band.start < f_hz + width_hz && f_hz - width_hz < band.end)
+    }
+
+    /// Where the law makes most of the spectrum, or what it makes at most.
+    fn main_band_hz(&self) -> Range<f64> {
+        let bands = SHARES.map(|share| spectral::band_of(self.axis, self.which, share));
+        let mut bands = bands.into_iter();
+        bands.find(|band| band.end > band.start).unwrap_or(0.0..0.0)
+    }
+
+    /// A law of steady noise where the noise is not steady.
+    fn unsteady(&self, band_hz: &Range<f64>) -> Option<Remark> {
+        // Filters act on all noise alike; two levels are not Gaussian.
+        let adds = self.axis.laws[self.which].effect.size().is_some();
+        if !adds || self.kind == telegraph::KIND {
+            return None;
+        }
+        let excluded_hz = self.axis.excluded_hz();
+        let unsteady = |band_hz| steadiness::unsteady(self.axis, band_hz, &excluded_hz, self.level);
+        let half_hz = 0.5 * self.axis.rate_hz;
+        let found = unsteady(band_hz.clone())?;
+        // What moves everywhere is no matter of this law.
+        if self.strength_moves {
+            let outside = unsteady(0.0..band_hz.start).or(unsteady(band_hz.end..half_hz));
+            if outside.is_some_and(|one| 2.0 * one.variance.abs() > found.variance.abs()) {
+                return None;
+            }
+        }
+        let mut remark = unsteady_band::remark(&found);
+        remark.description = format!(
+            "{}; a {} has the same mean spectrum, but would be steady",
+            remark.description, self.kind
+        );
+        Some(remark)
+    }
+
+    /// A law in whose band the model still fails.
+    fn misfit(&self, band_hz: &Range<f64>) -> Option<Remark> {
+        let left = self.left.as_ref()?;
+        (band_hz.start < left.to_hz && left.from_hz < band_hz.end).then(|| Remark {
+            test: "spectrum".into(),
+            place: band_hz.clone().into(),
+            p_value: self.p_value,
+            description: format!(
+                "power that a {} comes nearest to, without agreeing with it",
+                self.kind
+            ),
+        })
+    }
+}

@@ -1,0 +1,205 @@
+//! What the model of an axis holds beyond the five terms: its explanations, and what each does.
+//!
+//! A detector proposes a [`Candidate`]; taken in, it is an [`Explanation`]. What is left of the record,
+//! the stretches that no fit looks at and the laws of the noise all follow from the list of
+//! explanations, so that taking one back is taking it off the list.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use crate::diagnosis::laws::Law;
+use crate::diagnosis::record::wave::Wave;
+use crate::diagnosis::result::finding::{Rival, Value};
+use crate::fit::likelihood::Fit;
+use crate::model::kind::Kind;
+
+/// An effect of the catalogue with what is known of its parameters.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate {
+    /// Which effect.
+    pub kind: Kind,
+    /// In the catalogue's order; `None` where the record does not tell, as of a harmonic that was not
+    /// found. Empty for a law of the noise until the last fit has its values.
+    pub values: Vec<Option<Value>>,
+}
+
+impl Estimate {
+    /// An effect with all of its parameters known.
+    pub fn new(kind: Kind, values: impl IntoIterator<Item = Value>) -> Self {
+        Self {
+            kind,
+            values: values.into_iter().map(Some).collect(),
+        }
+    }
+
+    /// A law of the noise, whose values the last fit will have.
+    pub const fn of_law(kind: Kind) -> Self {
+        Self {
+            kind,
+            values: Vec::new(),
+        }
+    }
+
+    /// The parameters without their intervals, zero where not known.
+    pub fn plain(&self) -> Vec<f64> {
+        let plain = |value: &Option<Value>| value.map_or(0.0, |value| value.value);
+        self.values.iter().map(plain).collect()
+    }
+
+    /// The parameters that are known, by the catalogue's names.
+    pub fn named(&self) -> BTreeMap<String, Value> {
+        let names = self.kind.parameters(&self.plain()).into_iter();
+        let pairs = names.zip(&self.values);
+        pairs
+            .filter_map(|(parameter, value)| Some((parameter.name.into_owned(), (*value)?)))
+            .collect()
+    }
+}
+
+/// What an explanation does to the record or to the model of its noise.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Change {
+    /// Waveforms that are taken out of the record.
+    Waves(Vec<Wave>),
+    /// Stretches of another noise: no fit looks at them.
+    Mask(Vec<Range<usize>>),
+    /// A moment at which samples were lost: the noise itself is cut there.
+    Cut(Range<usize>),
+    /// A law of the noise; its size is 1, its square a component of the fit.
+    Law(Law),
+    /// Nothing: the values themselves lie on a grid. Whether the noise spans so few steps of it that where the
+    /// level lies between two of them decides how strong the noise looks.
+    Grid {
+        /// See above.
+        decides: bool,
+    },
+}
+
+/// What a detector proposes.
+#[derive(Debug, Clone)]
+pub struct Candidate {
+    /// The effect.
+    pub effect: Estimate,
+    /// Probability of as much without it, the search included.
+    pub p_value: f64,
+    /// Other names for it.
+    pub rivals: Vec<Rival>,
+    /// Numbers that were fitted to all of the record for it.
+    pub freedom: f64,
+    /// Gain in log-likelihood on data that it was not fitted to, where its detector measures it.
+    pub held_out_nats: Option<f64>,
+    /// What it does.
+    pub change: Change,
+    /// The explanation that it takes the place of, by its number.
+    pub amends: Option<usize>,
+    /// Kinds that are taken back as it comes in: what they were found for is explained by it.
+    pub supersedes: Vec<Kind>,
+    /// Kinds that are taken back once it is in and looked for again: they may have been found for it.
+    pub reopens: Vec<Kind>,
+}
+
+impl Candidate {
+    /// A candidate that leaves all others as they are.
+    pub fn new(effect: Estimate, p_value: f64, freedom: f64, change: Change) -> Self {
+        Self {
+            effect,
+            p_value,
+            rivals: Vec::new(),
+            freedom,
+            held_out_nats: None,
+            change,
+            amends: None,
+            supersedes: Vec::new(),
+            reopens: Vec::new(),
+        }
+    }
+}
+
+/// An effect that is in the model.
+#[derive(Debug, Clone)]
+pub struct Explanation {
+    /// The effect.
+    pub effect: Estimate,
+    /// Probability of as much without it.
+    pub p_value: f64,
+    /// Other names for it.
+    pub rivals: Vec<Rival>,
+    /// Numbers that were fitted to all of the record for it.
+    pub freedom: f64,
+    /// Gain in log-likelihood on held-out data, where its detector measured it.
+    pub held_out_nats: Option<f64>,
+    /// What it does.
+    pub change: Change,
+    /// Fit without it.
+    pub before: Fit,
+    /// Fit with it, as it was found.
+    pub after: Fit,
+    /// What the model was with it.
+    pub with: Snapshot,
+    /// And without.
+    pub without: Snapshot,
+}
+
+impl Explanation {
+    /// Its kind.
+    pub const fn kind(&self) -> Kind {
+        self.effect.kind
+    }
+
+    /// Its law, where it is one.
+    pub const fn law(&self) -> Option<&Law> {
+        match &self.change {
+            Change::Law(law) => Some(law),
+            _ => None,
+        }
+    }
+
+    /// What it takes out of the record.
+    pub fn waves(&self) -> &[Wave] {
+        match &self.change {
+            Change::Waves(waves) => waves,
+            _ => &[],
+        }
+    }
+
+    /// Whether a likelihood of the noise does not see it.
+    pub fn changes_nothing(&self) -> bool {
+        self.with == self.without
+    }
+}
+
+/// Waveforms and laws of a model at some moment.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Snapshot {
+    waves: Vec<(Kind, Wave)>,
+    /// Laws beyond the five terms.
+    pub laws: Vec<Law>,
+}
+
+impl Snapshot {
+    /// Of a list of explanations.
+    pub fn of(explanations: &[Explanation]) -> Self {
+        let waves = explanations.iter().flat_map(|one| {
+            let waves = one.waves().iter();
+            waves.map(|wave| (one.kind(), wave.clone()))
+        });
+        Self {
+            waves: waves.collect(),
+            laws: explanations
+                .iter()
+                .filter_map(Explanation::law)
+                .cloned()
+                .collect(),
+        }
+    }
+
+    /// The waveforms.
+    pub fn waves(&self) -> impl Iterator<Item = &Wave> {
+        self.waves.iter().map(|(_, wave)| wave)
+    }
+
+    /// Takes the waveforms of a kind out of it.
+    pub fn forget(&mut self, kind: Kind) {
+        self.waves.retain(|(other, _)| *other != kind);
+    }
+}

@@ -1,0 +1,13 @@
+//! What a diagnosis is asked for.
+
+/// What a diagnosis is asked for.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// Probability at most of any finding or remark where nothing is hidden.
+    pub family_level: f64,
+    /// A covariate, such as the temperature, one value a sample.
+    pub covariate: Option<Vec<f64>>,
+    /// Whether views are wanted, with a simulated record of the last model beside the measured one: text
+    /// needs none.
+    pub views: bool,
+}

@@ -1,0 +1,88 @@
+//! Power of a whitened record over time.
+//!
+//! The squares of what whitening leaves are summed in short blocks, each chi-squared with as many
+//! degrees of freedom as it has samples.
+
+use rayon::prelude::*;
+use realfft::num_complex::Complex64;
+
+use crate::diagnosis::statistic::matched_filter::Whole;
+use crate::diagnosis::statistic::spread::middle_spread;
+
+/// Samples of a block.
+pub const BLOCK: usize = 64;
+
+/// Sums of squares of the whitened record.
+#[derive(Debug, Clone)]
+pub struct Powers {
+    /// Mean square of each block, over the mean of all.
+    pub powers: Vec<f64>,
+    /// Samples that count, of each block.
+    pub counts: Vec<f64>,
+}
+
+/// Whitens `whole` by `density` and sums squares over blocks; `usable` tells samples that count.
+pub fn powers(whole: &Whole, density: &[f64], usable: impl Fn(usize) -> bool + Sync) -> Powers {
+    // What is left out of the band leaves that many degrees of freedom less.
+    let seen = density.iter().filter(|density| density.is_finite()).count();
+    let share = seen as f64 / density.len() as f64;
+    // Of whatever variance: what counts is how it changes.
+    let white = whole.filtered(|k| Complex64::new(density[k].sqrt().recip(), 0.0));
+    let blocks = white.par_chunks_exact(BLOCK).enumerate();
+    let both = blocks.map(|(block, values)| {
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (offset, value) in values.iter().enumerate() {
+            if usable(block * BLOCK + offset) {
+                sum += value * value;
+                count += 1.0;
+            }
+        }
+        let power = if count > 0.0 { sum / count } else { 0.0 };
+        (power, count * share)
+    });
+    let (mut powers, mut counts): (Vec<f64>, Vec<f64>) = both.unzip();
+    let total: f64 = counts.iter().sum();
+    let mean = powers.iter().zip(&counts).map(|(p, n)| p * n).sum::<f64>() / total.max(1.0);
+    powers.iter_mut().for_each(|power| *power /= mean);
+    let scatter = scatter(&powers, &counts);
+    counts.iter_mut().for_each(|count| *count /= scatter);
+    Powers { powers, counts }
+}
+
+/// Scatter of the powers of most blocks over what their degrees of freedom say, at least one: squares
+/// of a law with long tails scatter by more.
+fn scatter(powers: &[f64], counts: &[f64]) -> f64 {
+    // A power of chi-squared law to the third is normal (E. B. Wilson and M. M. Hilferty 1931).
+    let normal = powers.iter().zip(counts).filter(|(_, count)| **count > 8.0);
+    let normal = normal.map(|(power, count)| {
+        let part = 2.0 / (9.0 * count);
+        (power.cbrt() - (1.0 - part)) / part.sqrt()
+    });
+    middle_spread(&normal.collect::<Vec<f64>>())
+        .powi(2)
+        .max(1.0)
+}
+
+impl Powers {
+    /// Deviation of the noise about a sample over that of the record, from the middle of the blocks
+    /// about it: a single large sample does not make its own.
+    pub fn local(&self) -> impl Fn(usize) -> f64 + use<> {
+        /// Blocks on either side.
+        const REACH: usize = 7;
+        let blocks = self.powers.len();
+        let local: Vec<f64> = (0..blocks)
+            .map(|block| {
+                let near = block.saturating_sub(REACH)..(block + REACH + 1).min(blocks);
+                let mut near = self.powers[near].to_vec();
+                let middle = near.len() / 2;
+                let (_, median, _) = near.select_nth_unstable_by(middle, f64::total_cmp);
+                median.max(0.0).sqrt()
+            })
+            .collect();
+        move |sample| {
+            local
+                .get(sample / BLOCK)
+                .map_or(1.0, |local| local.max(1.0))
+        }
+    }
+}

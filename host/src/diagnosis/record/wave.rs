@@ -1,0 +1,150 @@
+//! Waveforms that are taken out of a record, and the events that they are made of.
+
+use std::sync::Arc;
+
+use realfft::num_complex::Complex64;
+
+use crate::fft::phasor::Phasor;
+
+/// A sample that does not belong.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outlier {
+    /// Its index.
+    pub index: usize,
+    /// How much it is too large, in the unit of the record.
+    pub size: f64,
+    /// Standard deviation of that.
+    pub size_sd: f64,
+}
+
+/// A jump of the level.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Jump {
+    /// Index of the first sample after it.
+    pub index: usize,
+    /// Its height, in the unit of the record.
+    pub height: f64,
+    /// Standard deviation of the height.
+    pub height_sd: f64,
+    /// Standard deviation of the index, samples.
+    pub index_sd: f64,
+    /// In standard deviations.
+    pub z: f64,
+    /// Probability of as large a statistic anywhere without a jump.
+    pub p_value: f64,
+}
+
+/// A waveform in the record.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Wave {
+    /// Jumps of the level that stay.
+    Steps(Vec<Jump>),
+    /// Exponential settling from the start of the record.
+    WarmUp {
+        /// Size at the start.
+        amplitude: f64,
+        /// Time constant, samples.
+        samples: f64,
+    },
+    /// A line: `cosine cos(w n) + sine sin(w n)`.
+    Line {
+        /// Frequency, cycles a sample.
+        cycles: f64,
+        /// Size of the cosine.
+        cosine: f64,
+        /// Size of the sine.
+        sine: f64,
+        /// Samples that were lost on the way, and the first index after them: from there on the
+        /// phase is that many samples ahead.
+        lost: Option<(usize, u32)>,
+    },
+    /// A covariate, one value a sample, times a gain.
+    Follows {
+        /// Gain.
+        gain: f64,
+        /// The covariate, about its mean.
+        column: Arc<Vec<f32>>,
+    },
+    /// Single samples that do not belong.
+    Outliers(Arc<Vec<Outlier>>),
+    /// Single samples that were not measured (repeats of the one before), in place of which the
+    /// others' prediction stands.
+    Replaced(Arc<Vec<Outlier>>),
+}
+
+impl Wave {
+    /// Takes the waveform out of `values`, whose first sample has index 0.
+    pub fn take_out(&self, values: &mut [f64]) {
+        match self {
+            Self::Steps(jumps) => {
+                let mut level = 0.0;
+                let mut from = 0;
+                for jump in jumps {
+                    let end = jump.index.min(values.len());
+                    values[from..end]
+                        .iter_mut()
+                        .for_each(|value| *value -= level);
+                    level += jump.height;
+                    from = end;
+                }
+                values[from..].iter_mut().for_each(|value| *value -= level);
+            }
+            Self::WarmUp { amplitude, samples } => {
+                // Beyond 40 time constants nothing is left.
+                let end = ((40.0 * samples) as usize).min(values.len());
+                for (index, value) in values[..end].iter_mut().enumerate() {
+                    *value -= amplitude * (-(index as f64) / samples).exp();
+                }
+            }
+            Self::Line {
+                cycles,
+                cosine,
+                sine,
+                lost,
+            } => {
+                let (after, samples) = lost.unwrap_or((values.len(), 0));
+                let (before, later) = values.split_at_mut(after.min(values.len()));
+                let phasor = Phasor::new(*cycles);
+                let amplitude = Complex64::new(*cosine, -sine);
+                let out = |value: &mut f64, line: Complex64| *value -= line.re;
+                phasor.zip(0, before, amplitude, out);
+                phasor.zip(after + samples as usize, later, amplitude, out);
+            }
+            Self::Follows { gain, column } => {
+                for (value, column) in values.iter_mut().zip(column.iter()) {
+                    *value -= gain * f64::from(*column);
+                }
+            }
+            Self::Outliers(outliers) | Self::Replaced(outliers) => {
+                for outlier in outliers.iter() {
+                    if let Some(value) = values.get_mut(outlier.index) {
+                        *value -= outlier.size;
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_runs_ahead_after_a_loss() {
+        let line = |lost| Wave::Line {
+            cycles: 0.013,
+            cosine: 1.0,
+            sine: -2.0,
+            lost,
+        };
+        let (mut whole, mut shorter) = (vec![0.0; 300], vec![0.0; 293]);
+        line(None).take_out(&mut whole);
+        line(Some((120, 7))).take_out(&mut shorter);
+        whole.drain(120..127);
+        for (n, (one, other)) in whole.iter().zip(&shorter).enumerate() {
+            assert!((one - other).abs() < 1e-12, "{n}: {one} {other}");
+        }
+        assert_eq!(whole.len(), shorter.len());
+    }
+}

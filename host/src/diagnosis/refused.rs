@@ -1,0 +1,60 @@
+//! Why a record cannot be diagnosed.
+
+/// Samples below which no spectrum is worth the name.
+pub const LEAST: usize = 1 << 13;
+
+/// A record that cannot be diagnosed.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum Refused {
+    /// Too short.
+    #[error(
+        "axis {axis} has {samples} samples that count; a diagnosis needs {LEAST} or more; record longer"
+    )]
+    TooShort {
+        /// Name of the axis.
+        axis: String,
+        /// Samples.
+        samples: usize,
+    },
+    /// Nowhere enough samples in a row.
+    #[error(
+        "axis {axis}: no stretch without a missing sample is long enough for a spectrum; fill gaps of single samples, or choose a part of the record with --from and --to"
+    )]
+    Broken {
+        /// Name of the axis.
+        axis: String,
+    },
+    /// No model could be fitted.
+    #[error(
+        "axis {axis}: no mix of the five terms fits its spectrum; look at it with 'inm analyze', and choose a part of the record with --from and --to"
+    )]
+    Unfitted {
+        /// Name of the axis.
+        axis: String,
+    },
+    /// What waited out of memory is lost.
+    #[error(
+        "what waited in a file in {folder} cannot be read: {cause}; free space there, or set TMPDIR to another folder"
+    )]
+    Lost {
+        /// Folder for temporary files.
+        folder: String,
+        /// Why.
+        cause: String,
+    },
+    /// All the same, or nothing to fit.
+    #[error("axis {axis}: all samples are the same, there is no noise to diagnose")]
+    Constant {
+        /// Name of the axis.
+        axis: String,
+    },
+}
+
+impl From<std::io::Error> for Refused {
+    fn from(error: std::io::Error) -> Self {
+        Self::Lost {
+            folder: std::env::temp_dir().display().to_string(),
+            cause: error.to_string(),
+        }
+    }
+}

@@ -1,0 +1,19 @@
+//! A slow change of the level, as its detectors measure it on the record's slow copy.
+
+use crate::diagnosis::record::wave::Wave;
+
+/// A waveform that is in the record.
+pub struct SlowChange {
+    /// It.
+    pub wave: Wave,
+    /// Its size over its standard deviation.
+    pub z: f64,
+    /// Standard deviation of its size.
+    pub size_sd: f64,
+    /// Standard deviation of the logarithm of its time constant, where it has one.
+    pub time_log_sd: f64,
+    /// Probability of as large a statistic without it.
+    pub p_value: f64,
+    /// Gain in log-likelihood on ordinates that it was not fitted to.
+    pub nats: f64,
+}
