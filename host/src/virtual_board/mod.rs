@@ -4,13 +4,21 @@
 //! The thread is the other machine: it shares nothing with the host but the bytes of the link,
 //! whose speed is kept in virtual time. Where the host reads slower than the board sends, virtual
 //! time waits; nothing is lost that a real host of unlimited speed would have received.
+//!
+//! What the host writes reaches the board at an instant of virtual time that follows from what the
+//! host had read by then, never from how fast either thread ran: a record with the same seed and
+//! the same commands is the same on any machine, to the sample at which it ends.
+//!
+//! ```text
+//!   board   parcel 0 .. parcel 7 | parcel 8 | parcel 9 ..
+//!                                ^          ^
+//!   host            asks for 0 --+  for 1 --+    each with what it wrote since it last asked
+//! ```
 
 mod shaken;
 
 use std::io::{self, Read, Write};
-use std::sync::mpsc::{
-    self, Receiver, RecvTimeoutError, Sender, SyncSender, TryRecvError, sync_channel,
-};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -30,14 +38,14 @@ use crate::link::{Connect, LinkError, Port};
 /// Transmit queue of the board, bytes; that of the image.
 const QUEUE: usize = 4096;
 
-/// Bytes that are handed over at a time, while the board streams.
-const PARCEL: usize = 1 << 14;
+/// Steps of the instrument after which a parcel leaves, empty or not: 50 ms of a board at rest, of
+/// one that streams some 100 conversions. Much work beside handing it over, and no long wait.
+const STEPS: u32 = 200;
 
-/// Parcels on their way to the host: 512 KiB at most.
-const PARCELS: usize = 32;
-
-/// Steps of the instrument after which a parcel leaves, full or not: a reply must not wait.
-const STEPS: u32 = 2000;
+/// Parcels that the board is ahead of the host. Enough that neither thread waits for the other
+/// where both are as fast; a command waits 0.4 s of a board at rest, well inside the patience for
+/// its reply where the board keeps real time.
+const AHEAD: usize = 8;
 
 /// How long one read waits for the board's thread.
 const READ_TIMEOUT: Duration = Duration::from_millis(50);
@@ -94,21 +102,49 @@ impl Connect for VirtualConnect {
     }
 
     fn open(&mut self) -> Result<Box<dyn Port>, LinkError> {
-        let (to_host, from_board) = sync_channel(PARCELS);
+        let (to_host, from_board) = mpsc::channel();
         let (to_board, from_host) = mpsc::channel();
         let plan = self.clone();
-        thread::spawn(move || power_on(&plan, &to_host, &from_host));
+        let mut line = Line {
+            to_host,
+            from_host,
+            ahead: 0,
+        };
+        thread::spawn(move || power_on(&plan, &mut line));
         Ok(Box::new(VirtualPort {
             from_board,
             to_board,
+            written: Vec::new(),
+            asked: false,
             parcel: Vec::new(),
             at: 0,
         }))
     }
 }
 
+/// The board's end of the line between the threads.
+struct Line {
+    to_host: Sender<Vec<u8>>,
+    /// What the host wrote, once for every parcel that it asked for.
+    from_host: Receiver<Vec<u8>>,
+    /// Parcels that the host has not asked for, up to [`AHEAD`].
+    ahead: usize,
+}
+
+impl Line {
+    /// Sends a parcel; what the host wrote, or `None` if it is gone.
+    fn exchange(&mut self, parcel: Vec<u8>) -> Option<Vec<u8>> {
+        self.to_host.send(parcel).ok()?;
+        if self.ahead < AHEAD {
+            self.ahead += 1;
+            return Some(Vec::new());
+        }
+        self.from_host.recv().ok()
+    }
+}
+
 /// Runs the board until the host is gone.
-fn power_on(plan: &VirtualConnect, to_host: &SyncSender<Vec<u8>>, from_host: &Receiver<Vec<u8>>) {
+fn power_on(plan: &VirtualConnect, line: &mut Line) {
     let mut restart = Restart::Power;
     loop {
         let bench = Bench::new(plan.sensors().map(Converter::new));
@@ -117,7 +153,7 @@ fn power_on(plan: &VirtualConnect, to_host: &SyncSender<Vec<u8>>, from_host: &Re
             ..describe("virtual")
         };
         let instrument = VirtualBoard::instrument(&bench, VirtualLink::new(Some(plan.baud)), board);
-        match run(instrument, plan, to_host, from_host) {
+        match run(instrument, plan, line) {
             Some(cause) => restart = cause,
             None => return,
         }
@@ -127,14 +163,9 @@ fn power_on(plan: &VirtualConnect, to_host: &SyncSender<Vec<u8>>, from_host: &Re
 type Running<'b> = Instrument<VirtualBoard<'b, Shaken, VirtualLink<QUEUE>>>;
 
 /// Runs one life of the board: until it restarts, or the host is gone (`None`).
-fn run(
-    mut instrument: Running<'_>,
-    plan: &VirtualConnect,
-    to_host: &SyncSender<Vec<u8>>,
-    from_host: &Receiver<Vec<u8>>,
-) -> Option<Restart> {
+fn run(mut instrument: Running<'_>, plan: &VirtualConnect, line: &mut Line) -> Option<Restart> {
     let started = Instant::now();
-    let mut parcel = Vec::with_capacity(PARCEL);
+    let mut parcel = Vec::new();
     let mut steps = 0;
     let mut words = 0;
     let mut faults = &plan.faults[..];
@@ -156,21 +187,11 @@ fn run(
         if link.restarts() > 0 {
             return Some(Restart::Command);
         }
-        if parcel.len() < PARCEL && steps < STEPS {
+        if steps < STEPS {
             continue;
         }
         steps = 0;
-        if !parcel.is_empty() {
-            let full = std::mem::replace(&mut parcel, Vec::with_capacity(PARCEL));
-            to_host.send(full).ok()?;
-        }
-        loop {
-            match from_host.try_recv() {
-                Ok(bytes) => link.send(&bytes),
-                Err(TryRecvError::Empty) => break,
-                Err(TryRecvError::Disconnected) => return None,
-            }
-        }
+        link.send(&line.exchange(std::mem::take(&mut parcel))?);
         keep_pace(started, now_ps, plan.speed);
     }
 }
@@ -203,20 +224,42 @@ fn note_words(bench: &Bench<Shaken>, words: &mut u64, witness: &Witness) {
 struct VirtualPort {
     from_board: Receiver<Vec<u8>>,
     to_board: Sender<Vec<u8>>,
+    /// What the host wrote since it last asked for a parcel.
+    written: Vec<u8>,
+    /// The next parcel was asked for and has not come yet.
+    asked: bool,
     parcel: Vec<u8>,
     at: usize,
 }
 
+impl VirtualPort {
+    /// The next parcel, which may be empty.
+    fn next_parcel(&mut self, patience: Duration) -> io::Result<Vec<u8>> {
+        if !self.asked {
+            let written = std::mem::take(&mut self.written);
+            self.to_board
+                .send(written)
+                .map_err(|_| io::ErrorKind::BrokenPipe)?;
+            self.asked = true;
+        }
+        let parcel = self
+            .from_board
+            .recv_timeout(patience)
+            .map_err(|error| match error {
+                RecvTimeoutError::Timeout => io::ErrorKind::TimedOut,
+                RecvTimeoutError::Disconnected => io::ErrorKind::BrokenPipe,
+            })?;
+        self.asked = false;
+        Ok(parcel)
+    }
+}
+
 impl Read for VirtualPort {
     fn read(&mut self, buf: &mut [u8]) -> io::Result<usize> {
-        if self.at == self.parcel.len() {
-            self.parcel =
-                self.from_board
-                    .recv_timeout(READ_TIMEOUT)
-                    .map_err(|error| match error {
-                        RecvTimeoutError::Timeout => io::ErrorKind::TimedOut,
-                        RecvTimeoutError::Disconnected => io::ErrorKind::BrokenPipe,
-                    })?;
+        let deadline = Instant::now() + READ_TIMEOUT;
+        while self.at == self.parcel.len() {
+            let left = deadline.saturating_duration_since(Instant::now());
+            self.parcel = self.next_parcel(left)?;
             self.at = 0;
         }
         let rest = &self.parcel[self.at..];
@@ -228,13 +271,55 @@ impl Read for VirtualPort {
 }
 
 impl Write for VirtualPort {
+    /// Leaves when the host next asks for a parcel.
     fn write(&mut self, buf: &[u8]) -> io::Result<usize> {
-        let gone = |_| io::ErrorKind::BrokenPipe;
-        self.to_board.send(buf.to_vec()).map_err(gone)?;
+        self.written.extend_from_slice(buf);
         Ok(buf.len())
     }
 
     fn flush(&mut self) -> io::Result<()> {
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::source::board::{BoardSource, Plan, Stop};
+    use crate::source::{Chunk, Source};
+
+    const SEED: u64 = 5;
+
+    /// A record of a second by a host that rests for so long after every chunk.
+    fn record(rest: Duration) -> Vec<Chunk> {
+        let plan = Plan {
+            samples: Some(2000),
+            ..Plan::default()
+        };
+        let connect = Box::new(VirtualConnect::published(SEED, 0.0));
+        let mut source =
+            BoardSource::start(connect, plan, None, Stop::default()).expect("a virtual board");
+        let mut chunks = Vec::new();
+        while let Some(chunk) = source.next_chunk().expect("no loss") {
+            chunks.push(chunk);
+            thread::sleep(rest);
+        }
+        chunks
+    }
+
+    #[test]
+    fn a_slow_host_records_what_a_fast_one_does() {
+        let [fast, slow] = [0, 20].map(|rest_ms| record(Duration::from_millis(rest_ms)));
+        let count = |chunks: &[Chunk]| -> usize {
+            let samples = chunks.iter().map(|chunk| match chunk {
+                Chunk::Samples(block) => block.len(),
+                _ => 0,
+            });
+            samples.sum()
+        };
+        let counts = [count(&fast), count(&slow)];
+        assert!(counts[0] >= 2000, "seed {SEED}: {counts:?} samples");
+        // To the last sample: when the board stops follows from what the host had read.
+        assert!(fast == slow, "seed {SEED}: {counts:?} samples");
     }
 }
