@@ -5,8 +5,9 @@
 //! come from one build of the workspace.
 
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 
 use crate::elf::Elf;
 use crate::image::Image;
@@ -27,22 +28,59 @@ const IMAGE_VARIABLE: &str = "INM_QEMU_IMAGE";
 const PROPTEST_VARIABLE: &str = "PROPTEST_RNG_SEED";
 const PROPTEST_SEED: &str = "20261121";
 
-/// Runs everything, up to the first failure.
+/// Runs everything, up to the first failure. What needs nothing installed comes first.
 ///
 /// # Errors
 /// Something could not be installed, or failed.
 pub fn run() -> Result<()> {
-    ensure_target()?;
-    ensure_qemu()?;
-    execute(&mut cargo(&["fmt", "--all", "--check"]))?;
-    check_for_the_board()?;
-    check_image(Image::Board)?;
-    let qemu = check_image(Image::Qemu)?;
-    instructions::check()?;
-    check_on_the_host()?;
+    let mut stages = Stages::default();
+    let result = run_all(&mut stages);
+    eprint!("\n{}", stages.table());
+    result
+}
+
+fn run_all(stages: &mut Stages) -> Result<()> {
+    stages.run("format", || {
+        execute(&mut cargo(&["fmt", "--all", "--check"]))
+    })?;
+    stages.run("lints", check_on_the_host)?;
+    stages.run("tools", || ensure_target().and_then(|()| ensure_qemu()))?;
+    stages.run("checks for the board", check_for_the_board)?;
+    stages.run("image of the board", || check_image(Image::Board))?;
+    let qemu = stages.run("image for QEMU", || check_image(Image::Qemu))?;
+    stages.run("instructions", instructions::check)?;
+    stages.run("documentation", || {
+        execute(cargo(&["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "--deny warnings"))
+    })?;
     eprintln!("\nproperty tests: {PROPTEST_VARIABLE}={PROPTEST_SEED}");
-    execute(cargo(&["test", "--workspace"]).env(PROPTEST_VARIABLE, PROPTEST_SEED))?;
-    test_image(&qemu)
+    stages.run("tests", || {
+        execute(cargo(&["test", "--workspace"]).env(PROPTEST_VARIABLE, PROPTEST_SEED))
+    })?;
+    stages.run("tests under QEMU", || test_image(&qemu))
+}
+
+/// What was run, and how long it took.
+#[derive(Default)]
+struct Stages {
+    done: Vec<(&'static str, Duration)>,
+}
+
+impl Stages {
+    fn run<T>(&mut self, name: &'static str, stage: impl FnOnce() -> Result<T>) -> Result<T> {
+        let begin = Instant::now();
+        let result = stage();
+        self.done.push((name, begin.elapsed()));
+        result.with_context(|| format!("stage `{name}`"))
+    }
+
+    /// A line for each stage, and their sum.
+    fn table(&self) -> String {
+        let all = self.done.iter().map(|(_, took)| *took).sum();
+        let lines = self.done.iter().copied().chain([("all", all)]);
+        lines
+            .map(|(name, took)| format!("{name:<22}{:>8.1} s\n", took.as_secs_f64()))
+            .collect()
+    }
 }
 
 /// What runs on the board, by the compiler alone.
@@ -74,18 +112,15 @@ fn check_image(image: Image) -> Result<PathBuf> {
     Ok(path)
 }
 
-/// Lints and documentation.
 fn check_on_the_host() -> Result<()> {
-    let all = [
+    execute(&mut cargo(&[
         "clippy",
         "--workspace",
         "--all-targets",
         "--",
         "--deny",
         "warnings",
-    ];
-    execute(&mut cargo(&all))?;
-    execute(cargo(&["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "--deny warnings"))
+    ]))
 }
 
 /// The image's tests, which plain `cargo test` ignores. The whole workspace is named again so
@@ -103,4 +138,26 @@ fn test_image(image: &Path) -> Result<()> {
         ])
         .env(IMAGE_VARIABLE, image),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_stages_are_listed_with_the_one_that_failed() {
+        let mut stages = Stages::default();
+        stages.run("first", || Ok(())).expect("no failure");
+        let failed = stages.run("second", || -> Result<()> { anyhow::bail!("broken") });
+        assert_eq!(
+            format!("{:#}", failed.expect_err("a failure")),
+            "stage `second`: broken"
+        );
+        let table = stages.table();
+        let names: Vec<_> = table
+            .lines()
+            .map(|line| line.split("  ").next().unwrap_or_default())
+            .collect();
+        assert_eq!(names, ["first", "second", "all"]);
+    }
 }
