@@ -1,16 +1,16 @@
 //! One contender of `cargo xtask bench`, which runs each as a process of its own.
 //!
-//! `contender NAME SAMPLES [REPEATS]` feeds the same synthetic samples, chunk by chunk as a source would,
-//! and prints processor time a sample (the best of the repeats), peak memory and the Allan
-//! deviation at an averaging factor that all contenders evaluate. Making the samples is not timed.
+//! `contender NAME SAMPLES` feeds the same synthetic samples, chunk by chunk as a source would, and
+//! prints processor time a sample, peak memory and the Allan deviation at an averaging factor that
+//! all contenders evaluate. Making the samples is not timed.
 //! `contender write SAMPLES FILE` writes them as an .npy array of f64, for contenders in other
 //! languages.
 
 use std::io::{BufWriter, Write};
 
-use allan::{Allan, Config, DataType, Hadamard, ModifiedAllan, Style};
+use allan::{Allan, Config, DataType, Style};
 use inm_allan::fixed_point::FixedPoint;
-use inm_allan::{AllanBins, Estimate, FloatBins, HostBins, Statistic};
+use inm_allan::{AllanBins, BoardBins, Estimate, FloatBins, HostBins, Statistic};
 
 /// Samples handed over at a time.
 const CHUNK: usize = 8192;
@@ -141,6 +141,13 @@ fn run(name: &str, samples: u64) -> Option<(f64, Option<f64>)> {
         "allan" => allan(Kind::Noise(0)),
         "allan-loud" => allan(Kind::Noise(14)),
         "allan-extreme" => allan(Kind::Extreme),
+        "allan-board" => {
+            let mut bins = Box::new(BoardBins::new());
+            let seconds = feed(Kind::Noise(0), samples, |chunk| {
+                chunk.iter().for_each(|&code| bins.push(code));
+            });
+            (seconds, common(bins.points(), STEP))
+        }
         "three" => three(Kind::Noise(0)),
         "three-loud" => three(Kind::Noise(14)),
         "three-extreme" => three(Kind::Extreme),
@@ -158,24 +165,6 @@ fn run(name: &str, samples: u64) -> Option<(f64, Option<f64>)> {
                 chunk.iter().for_each(|&sample| bins.record(sample));
             });
             let tau = bins.get(COMMON as usize);
-            (seconds, tau.and_then(|tau| tau.deviation()))
-        }
-        "rival-three" => {
-            // Its modified variance sums m samples anew for each; short averaging times only.
-            let config = rival.max_tau(100);
-            let mut bins = (
-                Allan::with_config(config),
-                ModifiedAllan::with_config(config),
-                Hadamard::with_config(config),
-            );
-            let seconds = feed_floats(samples, |chunk| {
-                for &sample in chunk {
-                    bins.0.record(sample);
-                    bins.1.record(sample);
-                    bins.2.record(sample);
-                }
-            });
-            let tau = bins.0.get(COMMON as usize);
             (seconds, tau.and_then(|tau| tau.deviation()))
         }
         _ => return None,
@@ -210,11 +199,9 @@ fn main() -> std::process::ExitCode {
     let samples = words.get(1).and_then(|word| word.parse::<u64>().ok());
     let done = match (words.as_slice(), samples) {
         (["write", _, path], Some(samples)) => write(samples, path).is_ok(),
-        ([name, _, rest @ ..], Some(samples)) => {
-            let repeats = rest.first().and_then(|word| word.parse().ok()).unwrap_or(1);
-            let runs: Option<Vec<_>> = (0..repeats).map(|_| run(name, samples)).collect();
-            let best = runs.and_then(|runs| runs.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)));
-            if let Some((seconds, deviation)) = best {
+        ([name, _], Some(samples)) => {
+            let done = run(name, samples);
+            if let Some((seconds, deviation)) = done {
                 println!(
                     "{} {} {}",
                     seconds * 1e9 / samples as f64,
@@ -222,14 +209,14 @@ fn main() -> std::process::ExitCode {
                     deviation.unwrap_or(f64::NAN)
                 );
             }
-            best.is_some()
+            done.is_some()
         }
         _ => false,
     };
     if done {
         std::process::ExitCode::SUCCESS
     } else {
-        eprintln!("usage: contender NAME SAMPLES [REPEATS] | contender write SAMPLES FILE");
+        eprintln!("usage: contender NAME SAMPLES | contender write SAMPLES FILE");
         std::process::ExitCode::from(2)
     }
 }

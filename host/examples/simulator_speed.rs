@@ -1,8 +1,5 @@
-//! Samples a second that the simulator makes, term by term, in processor time of one core.
-//!
-//! ```text
-//! cargo run --release -p inm-host --example simulator_speed
-//! ```
+//! Samples a second that the simulator makes, term by term, on one core: `cargo xtask bench
+//! simulator` runs it.
 
 use std::time::Instant;
 

@@ -3,7 +3,8 @@
 //! Each contender is a process of its own (`allan/examples/contender.rs`, and a Python script for
 //! allantools), started one after the other in a round, and round after round: what else the
 //! machine does then hits all of them alike. Times are processor time, the best of the rounds;
-//! memory is the peak of the process. docs/bench.md has results and what they mean.
+//! memory is the peak of the process. docs/bench.md has results and what they mean. Last come the
+//! samples a second that the simulator makes (`host/examples/simulator_speed.rs`, docs/model.md).
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -57,7 +58,7 @@ enum Build {
     Python,
 }
 
-const CONTENDERS: [Contender; 16] = {
+const CONTENDERS: [Contender; 17] = {
     const fn one(title: &'static str, name: &'static str, build: Build) -> Contender {
         Contender { title, name, build }
     }
@@ -69,6 +70,7 @@ const CONTENDERS: [Contender; 16] = {
         one("Allan, loud codes", "allan-loud", Plain),
         one("Allan, full scale alternating", "allan-extreme", Vector),
         one("Allan, full scale alternating", "allan-extreme", Plain),
+        one("Allan, one code at a time", "allan-board", Plain),
         one("all three, codes", "three", Vector),
         one("all three, codes", "three", Plain),
         one("all three, loud codes", "three-loud", Vector),
@@ -106,7 +108,23 @@ pub fn run() -> Result<()> {
     println!("\n{}", machine());
     let python = python(&programs)?;
     compare(&programs, python)?;
-    growth(&programs)
+    growth(&programs)?;
+    simulator()
+}
+
+/// The simulator alone.
+///
+/// # Errors
+/// It cannot be built, or fails.
+pub fn simulator() -> Result<()> {
+    execute(&mut cargo(&[
+        "run",
+        "--release",
+        "--package",
+        "inm-host",
+        "--example",
+        "simulator_speed",
+    ]))
 }
 
 impl Programs {

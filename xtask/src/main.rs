@@ -7,7 +7,7 @@
 //!   size      flash and RAM of both images against their budgets
 //!   instructions
 //!             what a conversion takes of the processor, counted under QEMU
-//!   bench     the estimators beside other programs
+//!   bench     the estimators beside other programs, the simulator
 //!   study     simulations too long for every test run
 //!
 //!   image     building an image          elf    reading one
@@ -38,7 +38,9 @@ usage: cargo xtask <command>
   size       flash and RAM of both images, by section and symbol, held to their budgets
   instructions
              what a conversion takes of the processor at 4000/s, counted under QEMU
-  bench      speed and memory of the estimators beside other programs; minutes
+  bench      speed and memory of the estimators beside other programs, and of the simulator; minutes
+  bench simulator
+             samples a second of the simulator alone
   study intervals
              coverage of the 95 % intervals over thousands of simulated records; minutes
   study diagnose [--seeds N] [--part PART] [--kind KIND] [--strength M]
@@ -59,6 +61,7 @@ fn main() -> ExitCode {
         ["size"] => size::run(),
         ["instructions"] => instructions::run(),
         ["bench"] => bench::run(),
+        ["bench", "simulator"] => bench::simulator(),
         ["study", "intervals"] => study::intervals(),
         ["study", "diagnose", ref options @ ..] => study::diagnose(options),
         ["study", "published"] => study::example("study_published", None),
