@@ -8,6 +8,7 @@
 //!   instructions
 //!             what a conversion takes of the processor, counted under QEMU
 //!   bench     the estimators beside other programs, the simulator
+//!   docs      what the README shows of `inm demo`, by `excerpt`
 //!   study     simulations too long for every test run
 //!
 //!   image     building an image          elf    reading one
@@ -16,7 +17,9 @@
 //! ```
 
 mod bench;
+mod docs;
 mod elf;
+mod excerpt;
 mod firmware;
 mod image;
 mod instructions;
@@ -41,6 +44,7 @@ usage: cargo xtask <command>
   bench      speed and memory of the estimators beside other programs, and of the simulator; minutes
   bench simulator
              samples a second of the simulator alone
+  docs       the README's figures and picture of `inm demo`, from the program; a minute
   study intervals
              coverage of the 95 % intervals over thousands of simulated records; minutes
   study diagnose [--seeds N] [--part PART] [--kind KIND] [--strength M]
@@ -62,6 +66,7 @@ fn main() -> ExitCode {
         ["instructions"] => instructions::run(),
         ["bench"] => bench::run(),
         ["bench", "simulator"] => bench::simulator(),
+        ["docs"] => docs::run(),
         ["study", "intervals"] => study::intervals(),
         ["study", "diagnose", ref options @ ..] => study::diagnose(options),
         ["study", "published"] => study::example("study_published", None),

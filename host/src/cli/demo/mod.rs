@@ -20,12 +20,12 @@ use crate::diagnosis::record::samples::Samples;
 use crate::diagnosis::result::finding::Diagnosis;
 use crate::diagnosis::run::diagnose;
 use crate::live::{Screen, watch};
-use crate::report;
+use crate::report::{self, Report};
 use crate::source::Source;
 use crate::source::board::{BoardSource, Plan};
 use crate::source::open::open;
 use crate::source::options::ArrayOptions;
-use crate::virtual_board::VirtualConnect;
+use crate::virtual_board::{Hidden, VirtualConnect};
 
 /// Arguments of `inm demo`.
 #[derive(Debug, Args)]
@@ -83,10 +83,7 @@ impl DemoCommand {
         println!("\nWhat the five terms get wrong, and why:\n");
         let pictures = self.results("diagnosis");
         pictures.write(&diagnosis)?;
-        let model = text(&place("model.json"));
-        write_to(&model, |mut output| {
-            report::json::write(&diagnosis.model(), &mut output)
-        })?;
+        let [picture, model] = self.write_found(&hidden, &diagnosis)?;
         print!(
             "\n{}\n{}\n",
             reveal::render(&hidden, &diagnosis),
@@ -100,11 +97,23 @@ impl DemoCommand {
             println!("{path}");
         }
         println!(
-            "{model}\n\nAgain from the file: inm analyze {file}, inm diagnose {file}\n\
+            "{picture}\n{model}\n\nAgain from the file: inm analyze {file}, inm diagnose {file}\n\
              Data of the model that was found: inm simulate --model {model} -o found.npy",
             file = capture.display()
         );
         Ok(())
+    }
+
+    /// Writes the picture of the axis with the hidden effect, and the model; their names.
+    fn write_found(&self, hidden: &Hidden, diagnosis: &Diagnosis) -> anyhow::Result<[String; 2]> {
+        let [picture, model] =
+            ["hidden.png", "model.json"].map(|name| text(&self.output.join(name)));
+        let bitmap = reveal::axis(hidden, diagnosis).bitmap()?;
+        write_to(&picture, |output| output.write_all(&bitmap))?;
+        write_to(&model, |mut output| {
+            report::json::write(&diagnosis.model(), &mut output)
+        })?;
+        Ok([picture, model])
     }
 
     /// Files of a result in the folder.

@@ -14,6 +14,16 @@ pub fn render(hidden: &Hidden, diagnosis: &Diagnosis) -> String {
     text
 }
 
+/// The diagnosis of the axis alone that something was hidden in.
+pub fn axis(hidden: &Hidden, diagnosis: &Diagnosis) -> Diagnosis {
+    let axes = diagnosis.axes.get(hidden.axis).cloned();
+    Diagnosis {
+        axes: axes.into_iter().collect(),
+        correlation: None,
+        ..diagnosis.clone()
+    }
+}
+
 fn write_text(text: &mut String, hidden: &Hidden, diagnosis: &Diagnosis) -> std::fmt::Result {
     let name = hidden.effect.kind();
     let axis = diagnosis.axes.get(hidden.axis);
