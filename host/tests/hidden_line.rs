@@ -1,5 +1,5 @@
-//! The published table's open question (docs/hidden-line.md): a line makes the published fit report
-//! an inflated Q; the diagnosis names the line and returns Q.
+//! The published table's open question (docs/studies/hidden-line.md): a line makes the published
+//! fit report an inflated Q; the diagnosis names the line and returns Q.
 
 use std::path::Path;
 
@@ -23,7 +23,7 @@ const HALF_INTERVAL: f64 = 1.96;
 
 #[test]
 fn a_line_inflates_the_published_q_and_the_diagnosis_gives_it_back() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/hidden-line.json");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/models/hidden-line.json");
     let model = Model::open(path.to_str().expect("a name")).expect("the model of the page");
     let truth = model.axes[0].coefficients.q;
     let simulation = || Simulation::new(&model, LENGTH, SEED).expect("a sound model");

@@ -3,8 +3,8 @@
 //! Each contender is a process of its own (`allan/examples/contender.rs`, and a Python script for
 //! allantools), started one after the other in a round, and round after round: what else the
 //! machine does then hits all of them alike. Times are processor time, the best of the rounds;
-//! memory is the peak of the process. docs/bench.md has results and what they mean. Last come the
-//! samples a second that the simulator makes (`host/examples/simulator_speed.rs`, docs/model.md).
+//! memory is the peak of the process. docs/studies/speed.md has results and what they mean. Last come the
+//! samples a second that the simulator makes (`host/examples/simulator_speed.rs`, docs/explanation/noise-model.md).
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -22,7 +22,7 @@ const CAPTURE: &str = ".inmcap";
 #[derive(Debug, Args)]
 pub struct Simulate {
     /// Noise model: published (three axes), published:X, published:Y, published:Z, or a model
-    /// file (docs/model.md).
+    /// file (docs/reference/model-file.md).
     #[arg(long)]
     model: String,
     /// File to write: .csv for text, .inmcap for a capture with integer codes, anything else a

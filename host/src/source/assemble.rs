@@ -14,7 +14,8 @@ const GUARD_BEFORE: u64 = 31;
 const GUARD_AFTER: u64 = 62;
 
 /// Samples that are held until it is known that nothing further will be said about them: a
-/// slipped bit under much noise is noticed up to 530 conversions late (docs/board.md).
+/// slipped bit under much noise is noticed up to 530 conversions late
+/// (docs/reference/board-faults.md).
 pub const HELD: usize = 640;
 
 /// Samples an axis after which a block is handed on.

@@ -230,7 +230,7 @@ mod tests {
         let slope = 0.02;
         let ramp: Vec<f64> = (0..32_000).map(|n| slope * f64::from(n) / 10.0).collect();
         let (square, disjoint) = mean_squares(&[window], &ramp, 2000)[0].expect("windows");
-        // R t (t + c) / 2, docs/model.md.
+        // R t (t + c) / 2, docs/explanation/noise-model.md.
         let expected = slope * 30.0 * (30.0 + 10.0) / 2.0;
         assert!((square.sqrt() / expected - 1.0).abs() < 1e-9, "{square}");
         assert_eq!(disjoint, 8 * 5);
