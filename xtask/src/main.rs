@@ -25,6 +25,7 @@ mod image;
 mod instructions;
 #[cfg(test)]
 mod layers;
+mod links;
 mod run;
 mod size;
 mod study;
