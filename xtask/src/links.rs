@@ -41,7 +41,7 @@ fn prose(page: &str) -> impl Iterator<Item = (usize, &str)> {
 /// Targets of the links in a line: what stands in brackets behind `](`, but not within backticks.
 fn targets(line: &str) -> Vec<&str> {
     line.match_indices("](")
-        .filter(|&(start, _)| line[..start].matches('`').count() % 2 == 0)
+        .filter(|&(start, _)| line[..start].matches('`').count().is_multiple_of(2))
         .filter_map(|(start, mark)| line[start + mark.len()..].split(')').next())
         .collect()
 }
