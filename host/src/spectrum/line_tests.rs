@@ -1,9 +1,6 @@
-//! Line searches by simulation: level, reach, amplitude, masking, gaps.
+//! The line search by simulation: level, reach, amplitude, masking, gaps.
 
-use super::{
-    lines::{Line, LineSearch},
-    record_lines::search,
-};
+use super::record_lines::{Line, search};
 use rand_distr::{Distribution, StandardNormal, Uniform};
 use std::f64::consts::PI;
 
@@ -30,14 +27,6 @@ pub(super) fn ideal_amplitude(len: usize, level: f64) -> f64 {
     (4.0 * (z - 0.5) / len as f64).sqrt()
 }
 
-fn streaming(record: &[f64], segment: usize, level: f64) -> Vec<Line> {
-    let mut search = LineSearch::new(segment);
-    for (index, block) in record.chunks(1000).enumerate() {
-        search.push_values(1000 * index as u64, block).unwrap();
-    }
-    search.lines(1.0, level)
-}
-
 /// Trials in which a line at a random frequency was found, and those with any other line.
 fn trials(
     count: u64,
@@ -59,20 +48,6 @@ fn trials(
         false_alarms += u64::from(lines.iter().any(|line| !near(line)));
     }
     (found, false_alarms)
-}
-
-#[test]
-fn streaming_search_keeps_level_and_reach() {
-    // The same share of the record in a segment as at 2000/s after 1.5 h.
-    let (segment, count) = (1 << 12, 200);
-    let len = segment * 41;
-    let amplitude = 1.6 * ideal_amplitude(len, 0.05);
-    let (found, alarms) = trials(count, len, amplitude, 1.0 / segment as f64, |record| {
-        streaming(record, segment, 0.05)
-    });
-    // Half of 200 and three sigma below; 5 % of 200 and three sigma above.
-    assert!(found >= 79, "seeds 0..200: {found} found");
-    assert!(alarms <= 19, "seeds 0..200: {alarms} false alarms");
 }
 
 #[test]
@@ -121,30 +96,10 @@ fn amplitude_and_frequency_of_clear_lines() {
             "seed 77: {line:?}"
         );
     }
-    // While streaming, the weakest lie below the pedestal that the strong one leaves around the
-    // bridged gap; its neighbour, ten bins away, does not.
-    let streamed = streaming(&record, 1 << 15, 0.01);
-    for (cycles, amplitude) in &tones[1..3] {
-        let line = streamed
-            .iter()
-            .find(|line| (line.frequency_hz - cycles).abs() < 1e-5);
-        let line = line.unwrap_or_else(|| panic!("seed 77: {cycles} is not in {streamed:?}"));
-        assert!(
-            (line.amplitude / amplitude - 1.0).abs() < 0.1,
-            "seed 77: {line:?}"
-        );
-    }
-    let strange = |line: &&Line| {
-        tones
-            .iter()
-            .all(|(cycles, _)| (line.frequency_hz - cycles).abs() > 3.0 / 32768.0)
-    };
-    assert_eq!(streamed.iter().find(strange), None, "seed 77: {streamed:?}");
 }
 
 #[test]
 fn short_and_empty_records_have_no_lines() {
-    assert!(LineSearch::default().lines(1.0, 0.5).is_empty());
     for record in [
         vec![],
         vec![1.0; 100],
@@ -152,9 +107,5 @@ fn short_and_empty_records_have_no_lines() {
         vec![2.0; 40_000],
     ] {
         assert!(search(&record[..], 1.0, 0.05).unwrap().is_empty());
-        assert!(streaming(&record, 1024, 0.05).is_empty());
     }
-    let mut search = LineSearch::new(1024);
-    search.push_values(10, &[1.0; 10]).unwrap();
-    assert!(search.push_codes(19, &[1]).is_err());
 }

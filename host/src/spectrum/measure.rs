@@ -1,12 +1,11 @@
-//! What the spectrum costs and reaches at full size; run by hand:
+//! What the spectrum costs at full size; run by hand:
 //! `cargo test --release -p inm-host --lib spectrum::measure -- --ignored --nocapture --test-threads 1`
 
 use super::{
     binning::Settings,
     cascade::Cascade,
     estimate::{Estimate, bins},
-    line_tests::{add_tone, ideal_amplitude, white},
-    lines::LineSearch,
+    line_tests::white,
     record_lines::search,
 };
 use std::time::Instant;
@@ -61,39 +60,7 @@ fn speed() {
         std::hint::black_box(estimate.expected(|f_hz| 1.0 / f_hz));
         report(&format!("expectation over {nodes} nodes"), start, LEN);
     }
-    let mut lines = LineSearch::default();
-    let start = Instant::now();
-    for (index, block) in codes.chunks(2000).enumerate() {
-        lines.push_codes(2000 * index as u64, block).unwrap();
-    }
-    report("streaming lines", start, LEN);
-    println!(
-        "streaming lines: {} bytes in buffers besides the transform's tables",
-        lines.buffer_bytes()
-    );
     let start = Instant::now();
     search(&codes[..], 2000.0, 0.05).unwrap();
     report("whole-record lines", start, LEN);
-}
-
-#[test]
-#[ignore = "a measurement"]
-fn reach_of_the_streaming_search_after_one_and_a_half_hours() {
-    let count = 60;
-    let amplitude = ideal_amplitude(LEN, 0.05);
-    for factor in [1.4, 1.5, 1.6] {
-        let (mut found, mut alarms) = (0, 0);
-        for seed in 0..count {
-            let cycles = 0.05 + 0.4 * (0.618_033_99 * (seed + 1) as f64).fract();
-            let mut record = white(1000 + seed, LEN);
-            add_tone(&mut record, factor * amplitude, cycles, seed as f64);
-            let mut search = LineSearch::default();
-            search.push_values(0, &record).unwrap();
-            let lines = search.lines(1.0, 0.05);
-            let near = |f: f64| (f - cycles).abs() < 1e-5;
-            found += u64::from(lines.iter().any(|line| near(line.frequency_hz)));
-            alarms += u64::from(lines.iter().any(|line| !near(line.frequency_hz)));
-        }
-        println!("{factor} times the ideal amplitude: {found} of {count} found, {alarms} false");
-    }
 }

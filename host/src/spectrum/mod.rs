@@ -18,7 +18,7 @@
 //!   the lowest frequencies, where segments are few.
 //! - [`expected`] with [`quadrature`], and [`covariance`]: what a fit compares the bins with. A
 //!   Whittle-type likelihood needs no more than the bins, their expectation and their covariance.
-//! - [`lines`] while streaming and [`record_lines`] over a recorded file: narrow lines.
+//! - [`record_lines`]: narrow lines of a recorded file.
 //! - [`cross`]: cross-spectra and coherence of axes; [`pool`]: neighbouring bins as one.
 //!
 //! Densities are two-sided per hertz, `S(f) = tau0 sum_l R_l e^{-2 pi i f l tau0}`: white noise of
@@ -43,9 +43,9 @@ pub mod decimate;
 pub mod estimate;
 pub mod expected;
 mod fill;
+mod floor;
 mod fold;
 pub mod history;
-pub mod lines;
 pub mod pool;
 pub mod quadrature;
 pub mod record_lines;
@@ -58,7 +58,7 @@ pub use binning::{Origin, Settings};
 pub use cascade::{Cascade, OutOfOrder};
 pub use cross::CrossCascade;
 pub use estimate::{Bin, Estimate};
-pub use lines::{Line, LineSearch};
+pub use record_lines::Line;
 pub use segments::Plan;
 
 #[cfg(test)]

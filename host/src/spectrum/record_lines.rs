@@ -1,7 +1,7 @@
 //! Narrow lines of a recorded file: the transform of the whole record, in bounded passes.
 //!
 //! The record is replayed a fixed number of times. The first replay yields trend and noise floor
-//! (by [`LineSearch`]). The next ones fold the record so that one short transform gives every
+//! ([`floor`](super::floor)). The next ones fold the record so that one short transform gives every
 //! `R`-th frequency of the long one (decimation in frequency; Cooley and Tukey 1965): for
 //! `k = R q + r`, `N = R L`,
 //! `X_k = sum_{n<L} e^{-2 pi i q n / L} [ e^{-2 pi i r n / N} sum_{m<R} x_{n + L m} e^{-2 pi i r m / R} ]`,
@@ -18,8 +18,8 @@
 
 use super::{
     fill::{Filler, Piece},
+    floor::{Floor, LongSegments, SEGMENT},
     fold::Folded,
-    lines::{Floor, Line, LineSearch, SEGMENT},
     slow_floor::{Blocks, SlowFloor},
 };
 use crate::fft::phasor::Phasor;
@@ -50,6 +50,21 @@ const SLOW_SHARE: f64 = 0.1;
 
 /// Blocks that a candidate's demodulated record is kept in.
 const BLOCKS: usize = 1024;
+
+/// A line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Line {
+    /// Frequency, hertz.
+    pub frequency_hz: f64,
+    /// One standard deviation of it, hertz.
+    pub frequency_sd_hz: f64,
+    /// Amplitude `A` of `A cos(2 pi f t + p)`, in the unit of the samples.
+    pub amplitude: f64,
+    /// Power over the floor.
+    pub ratio: f64,
+    /// Family-wise probability of a line as strong anywhere without one.
+    pub false_alarm: f64,
+}
 
 /// Something that yields the same samples each time: blocks with the absolute index of their
 /// first sample, ascending.
@@ -155,13 +170,13 @@ impl Survey {
         if len < 1 << 14 {
             return Ok(None);
         }
-        let mut lines = LineSearch::new(SEGMENT.min(1 << (len / 8).ilog2()));
+        let mut segments = LongSegments::new(SEGMENT.min(1 << (len / 8).ilog2()));
         let mut reference = None;
         let [mut n, mut t, mut tt, mut x, mut tx] = [0.0_f64; 5];
         let middle = 0.5 * (len - 1) as f64;
         record.replay(&mut |at, values| {
             // A block out of order is left out everywhere alike.
-            if lines.push_values(at, values).is_err() {
+            if segments.push(at, values).is_err() {
                 return;
             }
             for (index, &value) in values.iter().enumerate().filter(|(_, x)| x.is_finite()) {
@@ -174,7 +189,7 @@ impl Survey {
                 tx += time * value;
             }
         })?;
-        let (Some(floor), Some(reference)) = (lines.floor(rate_hz), reference) else {
+        let (Some(floor), Some(reference)) = (segments.floor(rate_hz), reference) else {
             return Ok(None);
         };
         let slope = (tx - t * x / n) / (tt - t * t / n).max(1.0);

@@ -1,19 +1,10 @@
-//! Narrow lines while streaming: long segments, averaged, against their own neighbourhood.
+//! The floor that lines are told from: long segments, averaged, and the median over neighbours.
 //!
-//! Segments of [`SEGMENT`] samples with the cascade's taper, half overlapped, in single precision
-//! (after the reference and the weighted mean are taken out, its 24 bits lie far below any noise
-//! that single samples show). The mean power at each frequency is divided by the median over its
-//! neighbours; the quotient's law without a line is that of a mean of correlated exponentials,
-//! matched in three moments, with the median's own error.
-//!
-//! **Level.** `level` is family-wise over the search: the probability that a record of stationary
-//! noise with a smooth spectrum yields *any* line at *any* of the frequencies searched, from
-//! [`LOWEST_BIN`] bins to half the rate, is at most `level`. A bin counts as one trial, without
-//! credit for the correlation of neighbours.
-//!
-//! **Reach.** With `S` segments the line must lift a bin by about `5 / sqrt(1.9 S)` of the floor;
-//! after 1.5 h at 2000/s (41 segments' length) that is some 1.45 times the amplitude that an ideal
-//! search of the whole record needs, and it grows as the fourth root of the length beyond.
+//! Segments of at most [`SEGMENT`] samples with the cascade's taper, half overlapped, in single
+//! precision (after the reference and the weighted mean are taken out, its 24 bits lie far below any
+//! noise that single samples show). The mean power at each frequency follows the law of a mean of
+//! correlated exponentials, matched in three moments; the median over its neighbours, over the law's
+//! own median, is the floor.
 
 use super::{
     cascade::OutOfOrder,
@@ -21,14 +12,13 @@ use super::{
     window::Window,
 };
 use realfft::{RealFftPlanner, RealToComplex, num_complex::Complex32};
-use statrs::function::gamma::gamma_ur;
 use std::{collections::VecDeque, sync::Arc};
 
-/// Samples of a segment.
-pub const SEGMENT: usize = 1 << 18;
+/// Samples of a segment, at most.
+pub(super) const SEGMENT: usize = 1 << 18;
 
 /// Lowest bin that is searched: below, too few neighbours tell what the floor is.
-pub const LOWEST_BIN: usize = 32;
+const LOWEST_BIN: usize = 32;
 
 /// Neighbours to either side that the floor is the median of, at most; at low frequencies an
 /// eighth of the bin's number, so that a steep spectrum does not bend over them.
@@ -37,24 +27,8 @@ const NEIGHBOURS: usize = 128;
 /// Share of a segment that may be bridged.
 const BRIDGED_SHARE: f64 = 0.1;
 
-/// A line.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Line {
-    /// Frequency, hertz.
-    pub frequency_hz: f64,
-    /// One standard deviation of it, hertz.
-    pub frequency_sd_hz: f64,
-    /// Amplitude `A` of `A cos(2 pi f t + p)`, in the unit of the samples.
-    pub amplitude: f64,
-    /// Power over the floor.
-    pub ratio: f64,
-    /// Family-wise probability of a line as strong anywhere without one.
-    pub false_alarm: f64,
-}
-
-/// Streaming search of one axis.
-#[derive(Clone)]
-pub struct LineSearch {
+/// Averaged segments of one record.
+pub(super) struct LongSegments {
     fft: Arc<dyn RealToComplex<f32>>,
     /// First half of the taper; the rest mirrors it.
     window: Vec<f32>,
@@ -74,28 +48,12 @@ pub struct LineSearch {
     sums: Vec<f32>,
     segments: u64,
     neighbours: u64,
-    /// Sum of the squared shares that were bridged: where a strong line leaves a pedestal.
-    bridged_power: f64,
 }
 
-impl std::fmt::Debug for LineSearch {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("LineSearch")
-            .field("segments", &self.segments)
-            .finish_non_exhaustive()
-    }
-}
-
-impl Default for LineSearch {
-    fn default() -> Self {
-        Self::new(SEGMENT)
-    }
-}
-
-impl LineSearch {
-    /// Search with segments of `segment` samples, a power of two from 1024 to [`SEGMENT`]
+impl LongSegments {
+    /// Averages segments of `segment` samples, a power of two from 1024 to [`SEGMENT`]
     /// (others are taken down to one).
-    pub fn new(segment: usize) -> Self {
+    pub(super) fn new(segment: usize) -> Self {
         let segment = 1 << segment.clamp(1024, SEGMENT).ilog2();
         let fft = RealFftPlanner::new().plan_fft_forward(segment);
         Self {
@@ -116,23 +74,8 @@ impl LineSearch {
             sums: vec![0.0; segment / 2],
             segments: 0,
             neighbours: 0,
-            bridged_power: 0.0,
             fft,
         }
-    }
-
-    /// Segments seen.
-    pub fn segments(&self) -> u64 {
-        self.segments
-    }
-
-    /// Takes consecutive codes; `first` is the absolute index of the first.
-    ///
-    /// # Errors
-    /// [`OutOfOrder`] if `first` lies before the end of an earlier block; nothing is taken.
-    pub fn push_codes(&mut self, first: u64, codes: &[i32]) -> Result<(), OutOfOrder> {
-        let values: Vec<f64> = codes.iter().map(|&code| f64::from(code)).collect();
-        self.push_values(first, &values)
     }
 
     /// Takes consecutive values; `first` is the absolute index of the first. Gaps and values that
@@ -140,7 +83,7 @@ impl LineSearch {
     ///
     /// # Errors
     /// [`OutOfOrder`] if `first` lies before the end of an earlier block; nothing is taken.
-    pub fn push_values(&mut self, first: u64, values: &[f64]) -> Result<(), OutOfOrder> {
+    pub(super) fn push(&mut self, first: u64, values: &[f64]) -> Result<(), OutOfOrder> {
         if first < self.next {
             return Err(OutOfOrder {
                 first,
@@ -157,14 +100,6 @@ impl LineSearch {
         });
         self.filler = filler;
         Ok(())
-    }
-
-    /// Bytes in the buffers, besides the transform's own tables (about half as much again).
-    pub fn buffer_bytes(&self) -> usize {
-        let singles = [&self.window, &self.pending, &self.input, &self.sums];
-        let complexes = [&self.output, &self.scratch];
-        4 * singles.map(Vec::capacity).iter().sum::<usize>()
-            + 8 * complexes.map(Vec::capacity).iter().sum::<usize>()
     }
 
     fn restart(&mut self) {
@@ -223,7 +158,6 @@ impl LineSearch {
                     *sum += z.norm_sqr();
                 }
                 self.segments += 1;
-                self.bridged_power += (bridged / len as f64).powi(2);
                 self.neighbours += u64::from(self.follows);
             }
         }
@@ -234,7 +168,7 @@ impl LineSearch {
 
     /// Smooth floor of the spectrum: two-sided density per hertz at `f_hz`, none before the first
     /// segment. The median over neighbours, so that lines do not raise it.
-    pub fn floor(&self, rate_hz: f64) -> Option<Floor> {
+    pub(super) fn floor(&self, rate_hz: f64) -> Option<Floor> {
         if self.segments == 0 {
             return None;
         }
@@ -260,73 +194,10 @@ impl LineSearch {
         let overlap = taper.correlation(512, 0.0);
         Law::new(self.segments as f64, self.neighbours as f64 * overlap)
     }
-
-    /// Lines of the record so far, by frequency, at a family-wise `level`.
-    pub fn lines(&self, rate_hz: f64, level: f64) -> Vec<Line> {
-        let Some(floor) = self.floor(rate_hz) else {
-            return Vec::new();
-        };
-        let len = self.len;
-        let (law, taper) = (self.law(), Window::new(1024));
-        let scale = 1.0 / (self.segments as f64 * 0.5 * len as f64 * rate_hz);
-        let density = |k: usize| f64::from(self.sums[k]) * scale;
-        let searched = LOWEST_BIN..len / 2 - 1;
-        let trials = searched.len() as f64;
-        let mut found: Vec<(usize, f64, f64)> = searched
-            .filter(|&k| self.sums[k] >= self.sums[k - 1] && self.sums[k] > self.sums[k + 1])
-            .filter_map(|k| {
-                let ratio = density(k) / f64::from(floor.densities[k]);
-                // Cheap bound first: almost all bins end here.
-                if ratio < 1.0 {
-                    return None;
-                }
-                let alarm = trials * law.tail(ratio, floor.relative_sd(k));
-                (alarm < level).then_some((k, ratio, alarm))
-            })
-            .collect();
-        found.sort_by(|one, other| density(other.0).total_cmp(&density(one.0)));
-        let pedestal = self.bridged_power / self.segments as f64;
-        let mut kept: Vec<(usize, f64, f64)> = Vec::new();
-        for line in found {
-            let hidden = kept.iter().any(|strong| {
-                let distance = line.0.abs_diff(strong.0) as f64;
-                let leaked = side_lobe(&taper, distance) + pedestal;
-                distance <= 3.0 || density(line.0) < 4.0 * density(strong.0) * leaked
-            });
-            if !hidden {
-                kept.push(line);
-            }
-        }
-        kept.sort_by_key(|line| line.0);
-        kept.into_iter()
-            .map(|(k, ratio, alarm)| {
-                let excess = |k: usize| {
-                    (density(k) - f64::from(floor.densities[k]))
-                        .max(1e-3 * density(k))
-                        .ln()
-                };
-                let (below, at, above) = (excess(k - 1), excess(k), excess(k + 1));
-                let offset = (0.5 * (below - above) / (below - 2.0 * at + above)).clamp(-0.5, 0.5);
-                let loss = taper.transform(offset) / taper.sum();
-                let window_sum = taper.sum() / 1024.0 * len as f64;
-                let power = at.exp() * 0.5 * len as f64 * rate_hz / (window_sum * window_sum);
-                // Interpolation between bins errs by about 1/(3 sqrt(S r)) bin.
-                let sd_bins = 0.3 / (self.segments as f64 * (ratio - 1.0)).sqrt();
-                Line {
-                    frequency_hz: (k as f64 + offset) * floor.bin_hz,
-                    frequency_sd_hz: sd_bins.max(0.005) * floor.bin_hz,
-                    amplitude: 2.0 * power.sqrt() / loss,
-                    ratio,
-                    false_alarm: alarm.min(1.0),
-                }
-            })
-            .collect()
-    }
 }
 
 /// The spectrum without its lines.
-#[derive(Debug, Clone)]
-pub struct Floor {
+pub(super) struct Floor {
     bin_hz: f64,
     densities: Vec<f32>,
     /// Relative variance of a median, times the number of neighbours.
@@ -335,7 +206,7 @@ pub struct Floor {
 
 impl Floor {
     /// Two-sided density per hertz at a frequency.
-    pub fn at(&self, f_hz: f64) -> f64 {
+    pub(super) fn at(&self, f_hz: f64) -> f64 {
         let place = (f_hz / self.bin_hz).max(0.0);
         let last = self.densities.len() - 1;
         let below = (place as usize).min(last);
@@ -345,12 +216,12 @@ impl Floor {
     }
 
     /// Lowest frequency that lines are searched from, hertz.
-    pub fn lowest_hz(&self) -> f64 {
+    pub(super) fn lowest_hz(&self) -> f64 {
         LOWEST_BIN as f64 * self.bin_hz
     }
 
     /// Relative standard deviation at a frequency.
-    pub fn relative_sd_at(&self, f_hz: f64) -> f64 {
+    pub(super) fn relative_sd_at(&self, f_hz: f64) -> f64 {
         self.relative_sd((f_hz / self.bin_hz) as usize)
     }
 
@@ -390,7 +261,6 @@ fn running_medians(values: &[f32]) -> Vec<f32> {
 
 /// Law of a mean of correlated unit exponentials: a shifted gamma law with their first three
 /// moments (Pearson's type III).
-#[derive(Debug, Clone, Copy)]
 struct Law {
     variance: f64,
     shape: f64,
@@ -415,27 +285,46 @@ impl Law {
         let cube = 1.0 - 1.0 / (9.0 * self.shape);
         1.0 + self.shape * self.scale * (cube * cube * cube - 1.0)
     }
-
-    /// Probability above `ratio` times a floor that is known to a relative standard deviation.
-    fn tail(&self, ratio: f64, floor_sd: f64) -> f64 {
-        let exact = |ratio: f64| {
-            let place = (ratio - 1.0) / self.scale + self.shape;
-            if place <= 0.0 {
-                1.0
-            } else {
-                gamma_ur(self.shape, place)
-            }
-        };
-        0.5 * (exact(ratio * (1.0 + floor_sd)) + exact(ratio * (1.0 - floor_sd)))
-    }
 }
 
-/// Power of the taper's side lobes at and beyond a distance in bins, relative to its peak.
-fn side_lobe(taper: &Window, distance: f64) -> f64 {
-    // Beyond the table's own resolution the lobes fall by 18 dB an octave.
-    let place = distance.min(100.0);
-    let highest = (0..8)
-        .map(|i| (taper.transform(place - 0.5 + 0.125 * f64::from(i)) / taper.sum()).powi(2))
-        .fold(0.0, f64::max);
-    highest * (place / distance).powi(6)
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spectrum::line_tests::{add_tone, white};
+
+    /// The floor of a record at a sample a second, of segments of 4096 samples.
+    fn floor(record: &[f64]) -> Floor {
+        let mut segments = LongSegments::new(1 << 12);
+        for (index, block) in record.chunks(1000).enumerate() {
+            segments.push(1000 * index as u64, block).expect("in order");
+        }
+        segments.floor(1.0).expect("a segment")
+    }
+
+    #[test]
+    fn lies_on_the_density_of_white_noise_below_lines_and_across_a_gap() {
+        let mut record = white(5, 41 << 12);
+        for cycles in [0.1, 0.2, 0.3] {
+            add_tone(&mut record, 1.0, cycles, 0.5);
+        }
+        record[70_000..70_100].fill(f64::NAN);
+        let floor = floor(&record);
+        // Medians of 257 neighbours each, three of them with a line of 2 or 3 bins among them.
+        for step in 1..10 {
+            let f_hz = 0.05 * f64::from(step);
+            let off = (floor.at(f_hz) - 1.0) / floor.relative_sd_at(f_hz);
+            assert!(
+                off.abs() < 5.0,
+                "seed 5, {f_hz} Hz: {off} standard deviations"
+            );
+        }
+    }
+
+    #[test]
+    fn a_record_that_goes_back_is_refused_and_none_has_no_floor() {
+        let mut segments = LongSegments::new(1024);
+        assert!(segments.floor(1.0).is_none());
+        segments.push(10, &[1.0; 10]).expect("in order");
+        assert!(segments.push(19, &[1.0]).is_err());
+    }
 }
