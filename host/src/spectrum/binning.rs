@@ -1,6 +1,6 @@
 //! How to bin, and what is binned together.
 
-use super::{cosine::Run, quadrature::Peak};
+use super::cosine::Run;
 use std::ops::RangeInclusive;
 
 /// How to bin.
@@ -10,8 +10,6 @@ pub struct Settings {
     pub bins_per_octave: f64,
     /// Whole segments that a level must have for its bins to be preferred to coarser ones.
     pub segments: u64,
-    /// Narrow features that expectations must resolve.
-    pub peaks: Vec<Peak>,
 }
 
 impl Default for Settings {
@@ -19,7 +17,6 @@ impl Default for Settings {
         Self {
             bins_per_octave: 16.0,
             segments: 12,
-            peaks: Vec::new(),
         }
     }
 }

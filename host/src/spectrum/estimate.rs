@@ -98,8 +98,8 @@ impl Sources<'_> {
                 .collect();
             let path = Path::new(self.rate_hz, level);
             let (nodes_hz, kernels) = match group {
-                Group::Level { bins, .. } => self.level_kernels(&path, bins, settings),
-                Group::Record { runs, bins, .. } => record_kernels(&path, runs, bins, settings),
+                Group::Level { bins, .. } => self.level_kernels(&path, bins),
+                Group::Record { runs, bins, .. } => record_kernels(&path, runs, bins),
             };
             operator.add(&nodes_hz, &kernels, &centres);
             operator.add_aliases(first, &centres, &path);
@@ -162,9 +162,8 @@ impl Sources<'_> {
         &self,
         path: &Path,
         ks: &[RangeInclusive<usize>],
-        settings: &Settings,
     ) -> (Vec<f64>, Vec<Vec<f64>>) {
-        let nodes = Nodes::new(LEN / 2, path.level_rate_hz() / LEN as f64, &settings.peaks);
+        let nodes = Nodes::new(LEN / 2);
         let windows = SegmentWindows::new(&self.cascade.plan().window, &nodes.offsets);
         level_kernels(&windows, &nodes, path, ks)
     }
@@ -175,13 +174,12 @@ fn record_kernels(
     path: &Path,
     runs: &[Run],
     bins: &[Vec<(usize, usize)>],
-    settings: &Settings,
 ) -> (Vec<f64>, Vec<Vec<f64>>) {
     let mut nodes_hz = Vec::new();
     let mut kernels = vec![Vec::new(); bins.len()];
     for (number, run) in runs.iter().enumerate() {
         let bin_hz = run.bin() * path.level_rate_hz();
-        let nodes = Nodes::new(run.near_bins(), bin_hz, &settings.peaks);
+        let nodes = Nodes::new(run.near_bins());
         let far = run.far_panels();
         let centres: Vec<f64> = far.iter().map(|&(centre, _)| centre).collect();
         let (near, distant) = (run.windows(&nodes), run.mean_windows(&centres));

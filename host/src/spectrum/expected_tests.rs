@@ -10,7 +10,7 @@ use super::{
     cosine::Run,
     estimate::{Bin, Estimate},
     expected::{Path, SegmentWindows, level_kernels},
-    quadrature::{Nodes, Peak},
+    quadrature::Nodes,
     segments::LEN,
     window::Window,
 };
@@ -37,8 +37,8 @@ fn doublet(len: usize, at: i64) -> Vec<f64> {
         .collect()
 }
 
-/// Pole radius and angle of the resonance: half width 0.04 bins of a segment.
-const RADIUS: f64 = 1.0 - 2.4e-4;
+/// Pole radius and angle of the resonance: half width a quarter of a segment's bin.
+const RADIUS: f64 = 1.0 - 0.5 * PI / LEN as f64;
 const ANGLE: f64 = 2.0 * PI * 0.123_4;
 
 fn resonance(len: usize, at: i64) -> Vec<f64> {
@@ -95,10 +95,10 @@ fn segments_exactly(
     totals
 }
 
-fn segments_expected(level: usize, ks: &[usize], peaks: &[Peak], density: Density) -> Vec<f64> {
+fn segments_expected(level: usize, ks: &[usize], density: Density) -> Vec<f64> {
     let path = Path::new(1.0, level);
     let bin = path.level_rate_hz() / LEN as f64;
-    let nodes = Nodes::new(LEN / 2, bin, peaks);
+    let nodes = Nodes::new(LEN / 2);
     let windows = SegmentWindows::new(&Window::new(LEN), &nodes.offsets);
     let ranges: Vec<_> = ks.iter().map(|&k| k..=k).collect();
     let centres: Vec<f64> = ks.iter().map(|&k| k as f64 * bin).collect();
@@ -121,7 +121,7 @@ fn segments_at_the_sample_rate() {
     let ks = [2, 6, 7, 12, 51, 128, 300, 509];
     for (name, response, density) in PROCESSES {
         let exact = segments_exactly(0, LEN, &ks, -1..LEN as i64, response);
-        assert_close(name, &ks, &exact, &segments_expected(0, &ks, &[], density));
+        assert_close(name, &ks, &exact, &segments_expected(0, &ks, density));
     }
 }
 
@@ -137,20 +137,16 @@ fn segments_of_the_next_level() {
             .into_iter()
             .map(|total| 3.0 * total)
             .collect();
-        assert_close(name, &ks, &exact, &segments_expected(1, &ks, &[], density));
+        assert_close(name, &ks, &exact, &segments_expected(1, &ks, density));
     }
 }
 
 #[test]
 fn segments_of_a_narrow_resonance() {
     let ks = [120, 124, 126, 127, 130, 200];
-    let peak = Peak {
-        frequency_hz: ANGLE / (2.0 * PI),
-        half_width_hz: (1.0 - RADIUS) / (2.0 * PI),
-    };
-    // The response has fallen to e^-12 of its power after twenty-five thousand samples.
-    let exact = segments_exactly(0, LEN, &ks, -25_000..LEN as i64, resonance);
-    let expected = segments_expected(0, &ks, &[peak], resonance_density);
+    // The response has fallen to e^-12 of its power after four thousand samples.
+    let exact = segments_exactly(0, LEN, &ks, -4_000..LEN as i64, resonance);
+    let expected = segments_expected(0, &ks, resonance_density);
     assert_close("resonance", &ks, &exact, &expected);
 }
 
@@ -158,7 +154,7 @@ fn segments_of_a_narrow_resonance() {
 fn flicker_agrees_with_a_fine_sum() {
     let window = Window::new(LEN);
     for k in [3_usize, 6, 20] {
-        let expected = segments_expected(0, &[k], &[], |cycles| 1.0 / cycles)[0];
+        let expected = segments_expected(0, &[k], |cycles| 1.0 / cycles)[0];
         let line = |bins: f64| -> f64 {
             let step = 2.0 * PI * bins / LEN as f64;
             let centred = window.line().iter().zip(-(LEN as i64) / 2..);
