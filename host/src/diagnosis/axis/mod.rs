@@ -256,7 +256,10 @@ impl AxisState {
             });
             self.explanations.len() - 1
         };
-        self.refresh()?;
+        // A statement about values leaves record and noise as they are.
+        if !matches!(self.explanations[place].change, Change::Grid { .. }) {
+            self.refresh()?;
+        }
         let now = Snapshot::of(&self.explanations);
         let one = &mut self.explanations[place];
         (one.after, one.with) = (self.fit.clone(), now);
