@@ -173,6 +173,20 @@ pub struct SpectrumPoint {
 ///
 /// # Errors
 /// Whatever ends the source early.
+///
+/// ```
+/// use inm_host::{AnalysisOptions, Model, analyse, simulate};
+///
+/// let model = Model::open("published:X")?;
+/// let mut record = simulate(&model, 8000, 1, None)?;
+/// let analysis = analyse(&mut record, &AnalysisOptions::default(), |_| {})?;
+/// assert_eq!(analysis.axes[0].name, "X");
+/// // At the shortest averaging time there is quantisation noise and little else.
+/// let shortest = analysis.axes[0].allan[0];
+/// let quantisation = 3_f64.sqrt() * model.axes[0].coefficients.q / shortest.tau_s;
+/// assert!((shortest.adev / quantisation - 1.0).abs() < 0.05);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn analyse(
     source: &mut dyn Source,
     options: &AnalysisOptions,

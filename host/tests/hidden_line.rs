@@ -4,8 +4,8 @@
 use std::path::Path;
 
 use inm_host::analyse::{AnalysisOptions, analyse};
-use inm_host::diagnosis::record::samples::Samples;
 use inm_host::diagnosis::options::Options;
+use inm_host::diagnosis::record::samples::Samples;
 use inm_host::diagnosis::run::diagnose;
 use inm_host::model::Coefficient;
 use inm_host::model::whole::Model;
@@ -47,11 +47,7 @@ fn a_line_inflates_the_published_q_and_the_diagnosis_gives_it_back() {
         .expect("long enough")
         .axes;
     let axis = &axes[0];
-    let names: Vec<&str> = axis
-        .findings
-        .iter()
-        .map(|one| one.effect.name())
-        .collect();
+    let names: Vec<&str> = axis.findings.iter().map(|one| one.effect.name()).collect();
     assert_eq!(names, ["sinusoid"], "seed {SEED}");
     assert!(
         axis.unexplained.is_empty(),

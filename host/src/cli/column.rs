@@ -1,6 +1,6 @@
 //! A column of an array file that is no axis: the temperature beside a record.
 
-use crate::diagnosis::record::samples::Samples;
+use crate::face::covariate::covariate;
 use crate::signal::Unit;
 use crate::source::open::open;
 use crate::source::options::{ArrayOptions, Selector};
@@ -22,17 +22,5 @@ pub fn read(
         scales: Vec::new(),
         ..options
     };
-    let mut source = open(file, &options)?;
-    let (mut samples, _) = Samples::read(&mut *source, |_| {})?;
-    let (mut values, mean) = samples.axes.swap_remove(0).centred(1.0);
-    let mut last = 0.0;
-    for value in &mut values {
-        if value.is_finite() {
-            last = *value;
-        } else {
-            *value = last;
-        }
-        *value = scale * (*value + mean);
-    }
-    Ok(values)
+    Ok(covariate(&mut *open(file, &options)?, scale)?)
 }

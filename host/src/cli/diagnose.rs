@@ -11,20 +11,10 @@ use super::column;
 use super::input::InputOptions;
 use super::output::write_to;
 use super::results::ResultOptions;
-use crate::bins::record::Account;
-use crate::diagnosis::detect::timebase::clock;
-use crate::diagnosis::family::level_of_one_test;
-use crate::diagnosis::options::Options;
-use crate::diagnosis::record::samples::Samples;
-use crate::diagnosis::result::finding::Diagnosis;
-use crate::diagnosis::run::{Diagnosed, Step, diagnose};
+use crate::face::diagnose::{DiagnosisError, DiagnosisOptions, FAMILY_LEVEL, Step, diagnose};
 use crate::report;
-use crate::signal::Signal;
 use crate::source::open::open;
 use crate::source::options::Selector;
-
-/// Probability of any finding where nothing is hidden, unless told otherwise.
-pub(super) const FAMILY_LEVEL: f64 = 0.005;
 
 /// Between two looks of the progress bar.
 const TICK: Duration = Duration::from_millis(100);
@@ -80,7 +70,7 @@ impl DiagnoseCommand {
             "--temperature-scale {}: a number other than zero",
             self.temperature_scale
         );
-        let covariate = match &self.temperature {
+        let temperature = match &self.temperature {
             Some(column) => {
                 let input = self.input.clone().into();
                 let scale = self.temperature_scale;
@@ -88,46 +78,30 @@ impl DiagnoseCommand {
             }
             None => None,
         };
-        let reference = match &self.reference {
-            Some(path) => {
-                let mut source = open(path, &self.input.clone().into())?;
-                Some(Samples::read(&mut *source, |_| {})?.0)
-            }
+        let mut reference = match &self.reference {
+            Some(path) => Some(open(path, &self.input.clone().into())?),
             None => None,
         };
         let mut source = open(&self.file, &self.input.into())?;
-        let bar = progress(source.signal().axes.len());
-        bar.set_message("reading");
-        let (mut samples, account) = Samples::read(&mut *source, |_| {})?;
-        let options = Options {
+        let options = DiagnosisOptions {
             family_level: self.level,
-            covariate,
+            temperature,
+            reference: reference.as_mut().map(|source| &mut **source as _),
             // Text alone does not show it.
             views: self.results.any(),
         };
-        let clock = match &reference {
-            Some(reference) => clock(&samples, reference, level_of_one_test(&options)),
-            None => Vec::new(),
-        };
-        drop(reference);
-        if let Some(ratio) = clock.first().and_then(|(_, off)| off.estimate.values[0]) {
-            // A declared pole is where the record's own clock has it.
-            for axis in &mut samples.signal.axes {
-                axis.chain = axis.chain.as_ref().map(|chain| chain.at_clock(ratio.value));
-            }
-        }
-        let signal = samples.signal.clone();
-        let mut diagnosed = diagnose(samples, &options, &|axis, step| match step {
+        let bar = progress(source.signal().axes.len());
+        bar.set_message("reading");
+        let diagnosis = diagnose(&mut *source, options, &|axis, step| match step {
             Step::Begun => bar.set_message(format!("axis {axis}")),
             Step::Found(effect) => bar.set_message(format!("axis {axis}: {effect}")),
             Step::Done => bar.inc(1),
         })
-        .map_err(|refused| anyhow::anyhow!("{}: {refused}", self.file))?;
+        .map_err(|error| match error {
+            DiagnosisError::Source(error) => error.into(),
+            DiagnosisError::Refused(refused) => anyhow::anyhow!("{}: {refused}", self.file),
+        })?;
         bar.finish_and_clear();
-        for (number, finding) in clock {
-            diagnosed.axes[number].findings.push(finding);
-        }
-        let diagnosis = result(&signal, &account, self.level, diagnosed);
         if let Some(path) = &self.model {
             write_to(path, |mut output| {
                 report::json::write(&diagnosis.model(), &mut output)
@@ -153,20 +127,4 @@ fn progress(axes: usize) -> ProgressBar {
     let bar = ProgressBar::new(axes as u64).with_style(style);
     bar.enable_steady_tick(TICK);
     bar
-}
-
-/// The result for the axes of a record.
-pub(super) fn result(
-    signal: &Signal,
-    account: &Account,
-    family_level: f64,
-    diagnosed: Diagnosed,
-) -> Diagnosis {
-    Diagnosis {
-        schema: crate::analyse::SCHEMA,
-        source: crate::analyse::summary(signal, account),
-        family_level,
-        axes: diagnosed.axes,
-        correlation: diagnosed.correlation,
-    }
 }

@@ -30,15 +30,8 @@ impl Export {
     pub fn run(self) -> anyhow::Result<()> {
         let mut input = Input::open(&self.model)?;
         if let Some(longest_s) = self.longest {
-            input.longest_s = longest_s;
+            input.set_longest(longest_s).map_err(anyhow::Error::msg)?;
         }
-        let shortest_s = 1.0 / input.model.rate_hz;
-        // Written so that NaN is refused as well.
-        anyhow::ensure!(
-            input.longest_s >= shortest_s && input.longest_s.is_finite(),
-            "--longest {}: expected a time in seconds, at least one sample ({shortest_s} s)",
-            input.longest_s
-        );
         let bytes = export(&input, self.to)?;
         write_to(&self.output, |output| output.write_all(&bytes))
     }

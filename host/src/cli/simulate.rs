@@ -8,11 +8,11 @@ use clap::Args;
 use super::column;
 use super::output::write_to;
 use crate::chain::Chain;
+use crate::face::simulate::{correlation, samples, simulate};
 use crate::model::published::DURATION_S;
 use crate::model::whole::Model;
 use crate::simulate::capture::write_capture;
 use crate::simulate::file::{write_csv, write_npy};
-use crate::simulate::source::Simulation;
 use crate::source::options::{ArrayOptions, Selector};
 
 /// Ending of a capture's name.
@@ -81,19 +81,11 @@ impl Simulate {
             }
         }
         if let Some(upper) = &self.correlation {
-            model.correlation = Some(symmetric(upper, model.axes.len())?);
+            let matrix = correlation(upper, model.axes.len()).map_err(anyhow::Error::msg)?;
+            model.correlation = Some(matrix);
         }
-        let length = (self.duration * model.rate_hz).round();
-        // Written so that NaN is refused as well.
-        let sound = model.rate_hz > 0.0 && length >= 1.0 && length < 2_f64.powi(53);
-        anyhow::ensure!(
-            sound,
-            "--duration {} at --rate {} gives no samples; both are numbers above zero",
-            self.duration,
-            model.rate_hz
-        );
-        let (samples, seed) = (length as u64, self.seed);
-        let simulation = match &self.temperature {
+        let samples = samples(self.duration, model.rate_hz).map_err(anyhow::Error::msg)?;
+        let temperature = match &self.temperature {
             Some(file) => {
                 let options = ArrayOptions {
                     rate_hz: Some(model.rate_hz),
@@ -113,11 +105,11 @@ impl Simulate {
                     column.len(),
                     column.len() as f64 / model.rate_hz
                 );
-                Simulation::at_temperature(&model, samples, seed, column)
+                Some(column)
             }
-            None => Simulation::new(&model, samples, seed),
+            None => None,
         };
-        let mut simulation = simulation
+        let mut simulation = simulate(&model, samples, self.seed, temperature)
             .map_err(anyhow::Error::msg)
             .with_context(|| format!("--model {}", self.model))?;
         let ending = |end| self.output.to_ascii_lowercase().ends_with(end);
@@ -132,21 +124,4 @@ impl Simulate {
             }
         })
     }
-}
-
-/// The matrix with `upper` above and below a diagonal of 1.
-fn symmetric(upper: &[f64], axes: usize) -> anyhow::Result<Vec<Vec<f64>>> {
-    let wanted = axes * (axes - 1) / 2;
-    anyhow::ensure!(
-        upper.len() == wanted,
-        "--correlation has {} numbers; {axes} axes have {wanted} pairs",
-        upper.len()
-    );
-    let mut matrix = vec![vec![1.0; axes]; axes];
-    let pairs = (0..axes).flat_map(|i| (i + 1..axes).map(move |j| (i, j)));
-    for ((i, j), &value) in pairs.zip(upper) {
-        matrix[i][j] = value;
-        matrix[j][i] = value;
-    }
-    Ok(matrix)
 }

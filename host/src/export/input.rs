@@ -83,6 +83,24 @@ impl Input {
         })
     }
 
+    /// Sets the longest averaging time that matters, seconds.
+    ///
+    /// # Errors
+    /// In words, if it is shorter than a sample or no number.
+    pub fn set_longest(&mut self, longest_s: f64) -> Result<(), String> {
+        let shortest_s = 1.0 / self.model.rate_hz;
+        // Written so that NaN is refused as well.
+        if longest_s >= shortest_s && longest_s.is_finite() {
+            self.longest_s = longest_s;
+            Ok(())
+        } else {
+            Err(format!(
+                "--longest {longest_s}: expected a time in seconds, at least one sample \
+                 ({shortest_s} s)"
+            ))
+        }
+    }
+
     /// Takes the likelihood fit of an analysis where there is one, else the weighted fit.
     fn from_analysis(name: &str, text: &str) -> Result<Self, String> {
         let analysis: Analysis = serde_json::from_str(text)

@@ -40,6 +40,15 @@ pub enum Format {
 ///
 /// # Errors
 /// If the format cannot hold the model: the message says why and what to do.
+///
+/// ```
+/// use inm_host::{ExportFormat, ExportInput, export};
+///
+/// let input = ExportInput::open("published:X")?;
+/// let table = String::from_utf8(export(&input, ExportFormat::Csv)?)?;
+/// assert!(table.lines().count() > 10);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn export(input: &input::Input, format: Format) -> anyhow::Result<Vec<u8>> {
     Ok(match format {
         Format::Kalibr => kalibr::render(input)?.into_bytes(),

@@ -15,6 +15,7 @@
 //!   host            asks for 0 --+  for 1 --+    each with what it wrote since it last asked
 //! ```
 
+pub mod hide;
 mod shaken;
 
 use std::io::{self, Read, Write};

@@ -1,5 +1,7 @@
 //! The result of a diagnosis, as `--json` writes it.
 
+use std::collections::BTreeMap;
+
 use serde::{Serialize, Serializer};
 
 use crate::analyse::SourceSummary;
@@ -137,6 +139,11 @@ impl Finding {
             gain: Gain::default(),
             without: PerCoefficient::default(),
         }
+    }
+
+    /// Its parameters that are known, by the catalogue's names.
+    pub fn parameters(&self) -> BTreeMap<String, Value> {
+        self.estimate.named()
     }
 
     /// Where it shows in pictures.

@@ -1,31 +1,25 @@
 //! `inm demo`: the whole chain in one command, without hardware: a virtual board with an effect
 //! hidden in it, recording, analysis, and a diagnosis that has to find it.
 
-mod hide;
-mod reveal;
-
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Args;
 
-use super::diagnose::{FAMILY_LEVEL, result};
 use super::interrupt;
 use super::output::write_to;
 use super::results::ResultOptions;
 use crate::analyse::{AnalysisOptions, summarise};
 use crate::bins::record::{Overlap, Record};
-use crate::diagnosis::options::Options;
-use crate::diagnosis::record::samples::Samples;
 use crate::diagnosis::result::finding::Diagnosis;
-use crate::diagnosis::run::diagnose;
+use crate::face::diagnose::{DiagnosisError, DiagnosisOptions, diagnose};
 use crate::live::{Screen, watch};
-use crate::report::{self, Report};
+use crate::report::{self, Report, reveal};
 use crate::source::Source;
 use crate::source::board::{BoardSource, Plan};
 use crate::source::open::open;
 use crate::source::options::ArrayOptions;
-use crate::virtual_board::{Hidden, VirtualConnect};
+use crate::virtual_board::{Hidden, VirtualConnect, hide};
 
 /// Arguments of `inm demo`.
 #[derive(Debug, Args)]
@@ -130,16 +124,12 @@ impl DemoCommand {
 /// The diagnosis of a capture as anyone would make it: from the file alone.
 fn diagnosed(capture: &str) -> anyhow::Result<Diagnosis> {
     let mut source = open(capture, &ArrayOptions::default())?;
-    let (samples, account) = Samples::read(&mut *source, |_| {})?;
-    let options = Options {
-        family_level: FAMILY_LEVEL,
-        covariate: None,
-        views: true,
-    };
-    let signal = samples.signal.clone();
-    let diagnosed = diagnose(samples, &options, &|_, _| {})
-        .map_err(|refused| anyhow::anyhow!("{capture}: {refused}; give a longer --duration"))?;
-    Ok(result(&signal, &account, FAMILY_LEVEL, diagnosed))
+    diagnose(&mut *source, DiagnosisOptions::default(), &|_, _| {}).map_err(|error| match error {
+        DiagnosisError::Source(error) => error.into(),
+        DiagnosisError::Refused(refused) => {
+            anyhow::anyhow!("{capture}: {refused}; give a longer --duration")
+        }
+    })
 }
 
 /// Removes what an earlier demo left.

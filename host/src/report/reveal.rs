@@ -1,9 +1,9 @@
-//! The end of the demonstration: what was hidden beside what was found.
+//! What was hidden in a virtual board beside what was found.
 
 use std::fmt::Write;
 
+use super::number::{estimated, significant};
 use crate::diagnosis::result::finding::{Diagnosis, Finding};
-use crate::report::number::{estimated, significant};
 use crate::virtual_board::Hidden;
 
 /// What was hidden and what was found, with a newline at the end.

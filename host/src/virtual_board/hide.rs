@@ -1,4 +1,4 @@
-//! What the demonstration hides: one effect on one axis, drawn from the seed.
+//! What a demonstration hides in the virtual board: one effect on one axis, drawn from the seed.
 //!
 //! Sizes are drawn in standard deviations of a detector that knows the noise: plain in the spectrum
 //! or the level, far below what the eye sees among the samples.
@@ -9,11 +9,11 @@ use std::f64::consts::{PI, TAU};
 use rand_distr::{Distribution, Uniform};
 use rand_pcg::Pcg64;
 
+use super::Hidden;
 use crate::model::axis::ModelEffect;
 use crate::model::published::{PublishedAxis, RATE_HZ};
 use crate::model::random::random;
 use crate::model::{PerCoefficient, Seed};
-use crate::virtual_board::Hidden;
 
 /// Stream of random numbers, apart from those of the noise.
 const STREAM: u64 = 2 << 48;
