@@ -28,6 +28,7 @@ pub mod link;
 pub mod live;
 pub mod model;
 pub mod navigate;
+pub mod numeric;
 pub mod report;
 pub mod signal;
 pub mod simulate;

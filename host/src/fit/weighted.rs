@@ -28,6 +28,7 @@ use super::result::WeightedValue;
 use crate::bins::point::Point;
 use crate::model::kernel::Kernel;
 use crate::model::{Coefficient, PerCoefficient};
+use crate::numeric::bisect::bisect;
 
 /// Rounds of weighing at most.
 const ROUNDS: usize = 8;
@@ -42,7 +43,7 @@ const MISFIT: f64 = 2.5;
 /// Points with fewer degrees of freedom carry no weight worth having and spoil its estimate.
 const LEAST_EDF: f64 = 1.0;
 
-/// Standard deviations of a 95 % interval.
+/// Standard deviations of a 95 % interval, as its readers know them.
 const SIGMAS: f64 = 1.96;
 
 /// The result of the fit.
@@ -142,16 +143,7 @@ fn needed_allowance(
         return 0.0;
     }
     // Monotonous; a model that is off by more than tenfold everywhere is beyond help.
-    let (mut low, mut high) = (0.0, 10.0);
-    for _ in 0..50 {
-        let middle = 0.5 * (low + high);
-        if misfit(middle) > 1.0 {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    high
+    bisect(0.0, 10.0, 50, |allowance| misfit(allowance) > 1.0)
 }
 
 fn per_coefficient(squares: &DVector<f64>) -> PerCoefficient<f64> {

@@ -12,6 +12,7 @@ use super::verdict;
 use crate::analyse::AxisAnalysis;
 use crate::bins::point;
 use crate::fit::likelihood::components::SEEN;
+use crate::numeric::order::quantile;
 use crate::spectrum::pool;
 
 /// Height of the picture, pixels.
@@ -128,8 +129,7 @@ pub(super) fn measured(frame: &mut Frame<'_>, spots: &[Compared]) {
 /// the field.
 pub(super) fn typical_limit(spots: &[Compared]) -> f64 {
     let mut sizes: Vec<f64> = spots.iter().map(Compared::reach).collect();
-    sizes.sort_by(f64::total_cmp);
-    ratio::limit(sizes.get(3 * sizes.len() / 4).copied().unwrap_or(0.0))
+    ratio::limit(quantile(&mut sizes, 0.75).unwrap_or(0.0))
 }
 
 /// What each term that was told from zero adds.

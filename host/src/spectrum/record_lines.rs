@@ -23,6 +23,7 @@ use super::{
     slow_floor::{Blocks, SlowFloor},
 };
 use crate::fft::phasor::Phasor;
+use crate::numeric::{bisect::bisect, top::climb};
 use rustfft::num_complex::Complex64;
 use std::{f64::consts::PI, ops::Range};
 
@@ -298,16 +299,9 @@ impl Survey {
 
     /// Ratio whose false alarm is `level`, for a floor that is well known.
     fn threshold(&self, level: f64) -> f64 {
-        let (mut low, mut high) = (1.0, 1000.0);
-        for _ in 0..50 {
-            let middle = 0.5 * (low + high);
-            if self.false_alarm(middle, 0.0) > level {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        high
+        bisect(1.0, 1000.0, 50, |ratio| {
+            self.false_alarm(ratio, 0.0) > level
+        })
     }
 
     /// Local peaks of the grid above `ratio`: frequency in cycles per sample and ratio.
@@ -433,19 +427,9 @@ impl Survey {
                 .sum();
             total.norm_sqr()
         };
-        let mut best = (0.0, power(0.0));
-        let mut step = 0.25;
-        while step > 1e-4 {
-            for offset in [best.0 - step, best.0 + step] {
-                let value = power(offset);
-                if value > best.1 {
-                    best = (offset, value);
-                }
-            }
-            step *= 0.5;
-        }
-        let frequency_hz = (cycles + best.0 / self.len as f64) * self.rate_hz;
-        let ratio = self.ratio(best.1, frequency_hz);
+        let (offset, height) = climb(0.0, 0.25, 1e-4, power);
+        let frequency_hz = (cycles + offset / self.len as f64) * self.rate_hz;
+        let ratio = self.ratio(height, frequency_hz);
         let false_alarm = if self.slow_at(frequency_hz).is_some() {
             self.slow_false_alarm(ratio, frequency_hz)
         } else {
@@ -455,7 +439,7 @@ impl Survey {
             frequency_hz,
             // Cramer-Rao bound of a single tone (Rife and Boorstyn 1974, eq. 16).
             frequency_sd_hz: (1.5 / (PI * PI * ratio)).sqrt() / self.duration_s(),
-            amplitude: 2.0 * best.1.sqrt() / self.taper_sum(),
+            amplitude: 2.0 * height.sqrt() / self.taper_sum(),
             ratio,
             false_alarm: false_alarm.min(1.0),
         }

@@ -17,6 +17,8 @@ use std::f64::consts::{LN_2, PI};
 
 use rustfft::{FftPlanner, num_complex::Complex64};
 
+use crate::numeric::order::median;
+
 /// Cycles a record of the slowest line that is searched: below, neighbours are few.
 const LOWEST: usize = 64;
 
@@ -85,9 +87,7 @@ impl Blocks {
             .map(|k| {
                 let span = span(k);
                 let mut near = powers[k.saturating_sub(span)..=k + span].to_vec();
-                let middle = near.len() / 2;
-                let (_, median, _) = near.select_nth_unstable_by(middle, f64::total_cmp);
-                *median / LN_2
+                median(&mut near).unwrap_or(0.0) / LN_2
             })
             .collect();
         SlowFloor { spacing, densities }

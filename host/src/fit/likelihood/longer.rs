@@ -9,12 +9,8 @@ use super::slope::{Slope, empty_blocks};
 use super::{information, whittle};
 use crate::fit::design::Design;
 use crate::model::PerCoefficient;
-
-/// Standard deviations above zero that the test of a square asks for: one-sided, 5 %.
-const SIGMAS_OF_A_SQUARE: f64 = 1.644_853_626_951_472;
-
-/// Standard deviations from zero that the test of a slope asks for: two-sided, 5 %.
-const SIGMAS_OF_A_SLOPE: f64 = 1.959_963_984_540_054;
+use crate::numeric::bisect::bisect_ratio;
+use crate::numeric::normal::{ONE_SIDED_95, TWO_SIDED_95};
 
 /// Longest record that is considered, as a multiple of the present one.
 const LONGEST: f64 = 1e4;
@@ -34,7 +30,7 @@ pub fn for_square(
     least_factor(|factor| {
         let information = whittle::information(design, squares, factor * duration_s);
         let variance = information::inverse(&information)[(index, index)];
-        square > 0.0 && square > SIGMAS_OF_A_SQUARE * variance.sqrt()
+        square > 0.0 && square > ONE_SIDED_95 * variance.sqrt()
     })
 }
 
@@ -43,7 +39,7 @@ pub fn for_square(
 pub fn for_slope(per_s: f64, squared: &[f64], duration_s: f64) -> Option<f64> {
     least_factor(|factor| {
         Slope::new(&empty_blocks(factor * duration_s), squared)
-            .is_some_and(|slope| per_s.abs() > SIGMAS_OF_A_SLOPE * slope.variance(squared).sqrt())
+            .is_some_and(|slope| per_s.abs() > TWO_SIDED_95 * slope.variance(squared).sqrt())
     })
 }
 
@@ -52,14 +48,5 @@ fn least_factor(shows: impl Fn(f64) -> bool) -> Option<f64> {
     if !shows(LONGEST) {
         return None;
     }
-    let (mut short, mut long) = (1.0, LONGEST);
-    while long / short > 1.0 + CLOSE {
-        let middle = f64::sqrt(short * long);
-        if shows(middle) {
-            long = middle;
-        } else {
-            short = middle;
-        }
-    }
-    Some(long)
+    Some(bisect_ratio(1.0, LONGEST, CLOSE, |factor| !shows(factor)))
 }

@@ -9,6 +9,9 @@
 
 use super::data::Data;
 use super::scoring::{Fit, maximise};
+use crate::numeric::bisect::bisect;
+use crate::numeric::mixture::add_mixture;
+use crate::numeric::order::median;
 
 /// Deviance from which a bin is left out: five standard deviations.
 const BEYOND_CHANCE: f64 = 25.0;
@@ -92,13 +95,9 @@ fn apply(
 }
 
 fn expectation(components: &[Vec<f64>], squared: &[f64]) -> Vec<f64> {
-    let bins = components.first().map_or(0, Vec::len);
-    (0..bins)
-        .map(|b| {
-            let parts = components.iter().zip(squared);
-            parts.map(|(one, squared)| squared * one[b]).sum()
-        })
-        .collect()
+    let mut expected = vec![0.0; components.first().map_or(0, Vec::len)];
+    add_mixture(&mut expected, components, squared);
+    expected
 }
 
 /// Twice the log-likelihood that a bin would gain by an expectation of its own.
@@ -113,29 +112,18 @@ fn allowance(data: &Data, expected: &[f64]) -> f64 {
     let telling: Vec<usize> = (0..data.len())
         .filter(|&b| 2.0 / data.covariance[(b, b)] >= TELLING)
         .collect();
-    let median = |allowance: f64| {
-        let mut all: Vec<f64> = telling
+    let typical = |allowance: f64| {
+        let all = telling
             .iter()
-            .map(|&b| deviance(data, expected, allowance, b))
-            .collect();
-        all.sort_by(f64::total_cmp);
-        all.get(all.len() / 2).copied().unwrap_or(0.0)
+            .map(|&b| deviance(data, expected, allowance, b));
+        median(&mut all.collect::<Vec<f64>>()).unwrap_or(0.0)
     };
     let scatter = MEDIAN_SCATTER / (0.5 * telling.len().max(1) as f64).sqrt();
-    if median(0.0) <= MEDIAN + SIGMAS * scatter {
+    if typical(0.0) <= MEDIAN + SIGMAS * scatter {
         return 0.0;
     }
     // Monotonous. A model that is off by more than a hundredfold everywhere is beyond help.
-    let (mut low, mut high) = (0.0, 100.0);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if median(middle) > MEDIAN {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    high
+    bisect(0.0, 100.0, 60, |allowance| typical(allowance) > MEDIAN)
 }
 
 #[cfg(test)]

@@ -17,6 +17,8 @@
 use super::data::Data;
 use super::information;
 use super::scoring::{Fit, Range, greatest_beside};
+use crate::numeric::mixture::add_mixture;
+use crate::numeric::normal::ONE_SIDED_95;
 
 /// Fall at the ends of a two-sided 95 % interval: chi-squared of one degree of freedom.
 pub const FALL_TWO_SIDED: f64 = 3.841_458_820_694_124;
@@ -24,9 +26,6 @@ pub const FALL_TWO_SIDED: f64 = 3.841_458_820_694_124;
 /// Fall at a one-sided 95 % bound, and the least that a component must gain to be found in a test
 /// of 5 %.
 pub const FALL_ONE_SIDED: f64 = 2.705_543_454_095_416;
-
-/// Standard deviations of a one-sided 95 % bound: the root of [`FALL_ONE_SIDED`].
-const SIGMAS_ONE_SIDED: f64 = 1.644_853_626_951_472;
 
 /// What the skewness of a gamma law of `n` degrees of freedom shifts the signed root of the fall
 /// by, times the root of `n`: a third of the law's own relative deviation.
@@ -153,7 +152,7 @@ impl<'a> Profile<'a> {
         }
         let dof = 2.0 * (first / self.deviation_at(first)).powi(2);
         let shift = SKEWNESS / dof.max(1.0).sqrt();
-        self.upper((SIGMAS_ONE_SIDED + shift).powi(2))
+        self.upper((ONE_SIDED_95 + shift).powi(2))
     }
 
     /// Standard deviation that the estimate would have, if this square were `value`.
@@ -165,12 +164,7 @@ impl<'a> Profile<'a> {
             return self.deviation;
         };
         let mut expected = fixed;
-        for (component, squared) in self.others.iter().zip(squared) {
-            expected
-                .iter_mut()
-                .zip(component)
-                .for_each(|(sum, one)| *sum += squared * one);
-        }
+        add_mixture(&mut expected, &self.others, &squared);
         let mut all = vec![self.component.to_vec()];
         all.extend(self.others.iter().cloned());
         information::covariance(self.data, &all, &expected)[(0, 0)].sqrt()

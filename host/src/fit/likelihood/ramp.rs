@@ -13,6 +13,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 use super::data::Data;
 use super::scoring::{Fit, Range, greatest_beside};
 use super::slope::Slope;
+use crate::numeric::bisect::bisect_ratio;
 
 /// Doublings and halvings of the bracket around an end of an interval.
 const STEPS: usize = 60;
@@ -124,15 +125,7 @@ impl Profile<'_> {
             far = near;
             near /= 1.5;
         }
-        while far / near > 1.0 + CLOSE {
-            let middle = (near * far).sqrt();
-            if enough(middle) {
-                far = middle;
-            } else {
-                near = middle;
-            }
-        }
-        far
+        bisect_ratio(near, far, CLOSE, |offset| !enough(offset))
     }
 }
 

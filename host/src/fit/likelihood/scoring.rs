@@ -9,6 +9,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::data::Data;
 use super::{information, non_negative};
+use crate::numeric::mixture::add_mixture;
 
 /// Most steps; a dozen are usual.
 const STEPS: usize = 200;
@@ -161,14 +162,7 @@ impl<'a> Search<'a> {
 
     fn expected(&self, x: &DVector<f64>) -> Vec<f64> {
         let mut expected = self.fixed.to_vec();
-        for (component, x) in self.components.iter().zip(x.iter()) {
-            if *x != 0.0 {
-                expected
-                    .iter_mut()
-                    .zip(component)
-                    .for_each(|(sum, one)| *sum += x * one);
-            }
-        }
+        add_mixture(&mut expected, &self.components, x.as_slice());
         expected
     }
 

@@ -1,0 +1,13 @@
+//! Small numerical tools that more than one part needs, each once.
+//!
+//! - [`order`]: median and quantiles; [`bisect`]: where something monotonous changes; [`top`]: the
+//!   highest point of a smooth curve.
+//! - [`mixture`]: weighted sums of parts; [`taper`]: ends that rise smoothly; [`normal`]: figures of
+//!   the normal law.
+
+pub mod bisect;
+pub mod mixture;
+pub mod normal;
+pub mod order;
+pub mod taper;
+pub mod top;
