@@ -3,13 +3,8 @@
 
 use std::path::Path;
 
-use inm_host::analyse::{AnalysisOptions, analyse};
-use inm_host::diagnosis::options::Options;
-use inm_host::diagnosis::record::samples::Samples;
-use inm_host::diagnosis::run::diagnose;
 use inm_host::model::Coefficient;
-use inm_host::model::whole::Model;
-use inm_host::simulate::source::Simulation;
+use inm_host::{AnalysisOptions, DiagnosisOptions, Model, analyse, diagnose, simulate};
 
 const SEED: u64 = 1;
 
@@ -26,7 +21,7 @@ fn a_line_inflates_the_published_q_and_the_diagnosis_gives_it_back() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/models/hidden-line.json");
     let model = Model::open(path.to_str().expect("a name")).expect("the model of the page");
     let truth = model.axes[0].coefficients.q;
-    let simulation = || Simulation::new(&model, LENGTH, SEED).expect("a sound model");
+    let simulation = || simulate(&model, LENGTH, SEED, None).expect("a sound model");
 
     let analysis = analyse(&mut simulation(), &AnalysisOptions::default(), |_| {});
     let analysis = analysis.expect("it does not fail");
@@ -37,13 +32,11 @@ fn a_line_inflates_the_published_q_and_the_diagnosis_gives_it_back() {
         "seed {SEED}: the published fit reports {inflated:e}, the truth is {truth:e}"
     );
 
-    let (samples, _) = Samples::read(&mut simulation(), |_| {}).expect("it does not fail");
-    let options = Options {
-        family_level: 0.005,
-        covariate: None,
+    let options = DiagnosisOptions {
         views: false,
+        ..DiagnosisOptions::default()
     };
-    let axes = diagnose(samples, &options, &|_, _| {})
+    let axes = diagnose(&mut simulation(), options, &|_, _| {})
         .expect("long enough")
         .axes;
     let axis = &axes[0];
@@ -56,7 +49,7 @@ fn a_line_inflates_the_published_q_and_the_diagnosis_gives_it_back() {
     );
     let hidden = &model.axes[0].effects[0];
     for (parameter, truth) in hidden.parameters().iter().zip(hidden.values()) {
-        let found = axis.findings[0].estimate.named()[parameter.name.as_ref()];
+        let found = axis.findings[0].parameters()[parameter.name.as_ref()];
         let half = 0.5 * (found.hi.expect("an end") - found.lo.expect("an end"));
         assert!(
             (found.value - truth).abs() < SIGMAS * half / HALF_INTERVAL,
