@@ -19,7 +19,7 @@ mod reader;
 mod writer;
 
 pub use error::CaptureError;
-pub use header::{AxisHeader, BoardHeader, Header};
+pub use header::Header;
 pub use reader::Reader;
 pub use writer::Writer;
 

@@ -6,7 +6,7 @@
 mod image;
 mod program;
 
-pub use image::{Image, ImageError};
+pub use image::Image;
 pub use program::{FlashError, Progress, choose_probe, program};
 
 /// The board's microcontroller, as probe-rs calls it.

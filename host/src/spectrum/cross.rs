@@ -75,11 +75,6 @@ impl CrossCascade {
         }
     }
 
-    /// The axes' own cascades.
-    pub fn axes(&self) -> &[Cascade] {
-        &self.axes
-    }
-
     /// Takes one block of every axis; `first` is the absolute index of the first sample. Values
     /// that are not finite are gaps of their axis alone. Missing columns are gaps.
     ///

@@ -236,12 +236,6 @@ impl Decimator {
         let [one, two, three] = &self.stages;
         one.response(cycles) * two.response(2.0 * cycles) * three.response(4.0 * cycles)
     }
-
-    /// Input samples to either side of its own that an output sample depends on.
-    pub fn reach(&self) -> u64 {
-        let [one, two, three] = STAGES.map(|half| 2 * half as u64 - 1);
-        one + 2 * two + 4 * three
-    }
 }
 
 #[cfg(test)]

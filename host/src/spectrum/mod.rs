@@ -54,8 +54,8 @@ mod slow_floor;
 mod sources;
 pub mod window;
 
-pub use binning::{Origin, Settings};
-pub use cascade::{Cascade, OutOfOrder};
+pub use binning::Settings;
+pub use cascade::Cascade;
 pub use cross::CrossCascade;
 pub use estimate::{Bin, Estimate};
 pub use record_lines::Line;

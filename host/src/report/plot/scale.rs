@@ -65,11 +65,6 @@ impl Scale {
         }
     }
 
-    /// Pixels at the two ends.
-    pub const fn pixels(&self) -> (f64, f64) {
-        self.pixels
-    }
-
     /// The whole powers of ten of a logarithmic scale; round numbers of a linear one, over
     /// `10^`[`Scale::exponent`].
     pub fn ticks(&self) -> Vec<Tick> {
