@@ -13,7 +13,7 @@ const MOST: f64 = (1_u64 << 53) as f64;
 pub fn samples(duration_s: f64, rate_hz: f64) -> Result<u64, String> {
     let length = (duration_s * rate_hz).round();
     // Written so that NaN is refused as well.
-    if rate_hz > 0.0 && length >= 1.0 && length < MOST {
+    if rate_hz > 0.0 && (1.0..MOST).contains(&length) {
         Ok(length as u64)
     } else {
         Err(format!(
