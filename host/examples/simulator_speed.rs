@@ -3,11 +3,11 @@
 
 use std::time::Instant;
 
-use inm_host::model::published::{PublishedAxis, RATE_HZ};
-use inm_host::model::random::Generator;
-use inm_host::model::whole::Model;
-use inm_host::model::{Coefficient, Seed};
-use inm_host::simulate::source::Simulation;
+use inm_host::internals::model::published::{PublishedAxis, RATE_HZ};
+use inm_host::internals::model::random::Generator;
+use inm_host::internals::model::whole::Model;
+use inm_host::internals::model::{Coefficient, Seed};
+use inm_host::internals::simulate::source::Simulation;
 
 /// Samples of one measurement, and in one block.
 const SAMPLES: usize = 1 << 24;

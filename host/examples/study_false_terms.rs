@@ -9,15 +9,15 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use inm_host::analyse::LikelihoodFit;
-use inm_host::fit::design::Design;
-use inm_host::fit::likelihood::{components::SEEN, information, terms, whittle};
-use inm_host::model::axis::ModelAxis;
-use inm_host::model::whole::{Model, SCHEMA};
-use inm_host::model::{Coefficient, PerCoefficient};
-use inm_host::signal::Unit;
-use inm_host::simulate::source::Simulation;
-use inm_host::spectrum::{Cascade, Estimate, Plan, Settings};
+use inm_host::internals::analyse::LikelihoodFit;
+use inm_host::internals::fit::design::Design;
+use inm_host::internals::fit::likelihood::{components::SEEN, information, terms, whittle};
+use inm_host::internals::model::axis::ModelAxis;
+use inm_host::internals::model::whole::{Model, SCHEMA};
+use inm_host::internals::model::{Coefficient, PerCoefficient};
+use inm_host::internals::signal::Unit;
+use inm_host::internals::simulate::source::Simulation;
+use inm_host::internals::spectrum::{Cascade, Estimate, Plan, Settings};
 
 const RATE_HZ: f64 = 100.0;
 

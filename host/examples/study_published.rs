@@ -14,13 +14,13 @@
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use inm_host::analyse::{AnalysisOptions, Fits, analyse};
-use inm_host::fit::design::Design;
-use inm_host::fit::likelihood::{components::SEEN, information, whittle};
-use inm_host::model::published::{DURATION_S, PublishedAxis, RATE_HZ};
-use inm_host::model::whole::Model;
-use inm_host::model::{Coefficient, PerCoefficient};
-use inm_host::simulate::source::Simulation;
+use inm_host::internals::analyse::{AnalysisOptions, Fits, analyse};
+use inm_host::internals::fit::design::Design;
+use inm_host::internals::fit::likelihood::{components::SEEN, information, whittle};
+use inm_host::internals::model::published::{DURATION_S, PublishedAxis, RATE_HZ};
+use inm_host::internals::model::whole::Model;
+use inm_host::internals::model::{Coefficient, PerCoefficient};
+use inm_host::internals::simulate::source::Simulation;
 
 /// Distance of the axes' first seeds.
 const SEEDS_PER_AXIS: u64 = 1_000_000;
@@ -200,7 +200,7 @@ fn print_ramp(axis: PublishedAxis, truth: f64, fits: &[Fits]) {
         .iter()
         .filter_map(|fits| Some(fits.likelihood.as_ref()?.coefficients.r))
         .collect();
-    let count = |holds: &dyn Fn(&inm_host::analyse::LikelihoodValue) -> bool| {
+    let count = |holds: &dyn Fn(&inm_host::internals::analyse::LikelihoodValue) -> bool| {
         100.0 * ramps.iter().filter(|ramp| holds(ramp)).count() as f64 / fits.len() as f64
     };
     let published: Vec<f64> = fits

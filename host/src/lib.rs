@@ -11,44 +11,59 @@
 //! ```
 #![forbid(unsafe_code)]
 
-pub mod analyse;
-pub mod bins;
-pub mod capture;
-pub mod chain;
-pub mod cli;
-pub mod data_sheet;
-pub mod diagnosis;
-pub mod export;
-pub mod face;
-pub mod fft;
-pub mod fit;
+mod analyse;
+mod bins;
+mod capture;
+mod chain;
+mod cli;
+mod data_sheet;
+mod diagnosis;
+mod export;
+mod face;
+mod fft;
+mod fit;
 #[cfg(feature = "flash")]
-pub mod flash;
-pub mod link;
-pub mod live;
-pub mod model;
-pub mod navigate;
-pub mod numeric;
-pub mod report;
-pub mod signal;
-pub mod simulate;
-pub mod source;
-pub mod spectrum;
-pub mod virtual_board;
+mod flash;
+#[doc(hidden)]
+#[allow(missing_docs, reason = "each is documented where it is")]
+pub mod internals;
+mod link;
+mod live;
+mod model;
+mod navigate;
+mod numeric;
+mod report;
+mod signal;
+mod simulate;
+mod source;
+mod spectrum;
+mod virtual_board;
 
-pub use analyse::{Analysis, AnalysisOptions, analyse, summarise};
-pub use diagnosis::result::finding::Diagnosis;
+pub use analyse::{
+    Analysis, AnalysisOptions, AxisAnalysis, CurvePoint, Fits, GapSummary, LikelihoodFit,
+    LikelihoodValue, Overlap, PublishedValue, SourceSummary, SpectrumPoint, WeightedValue, analyse,
+    summarise,
+};
+pub use bins::{record::Record, taus::Taus};
+pub use chain::Chain;
+pub use cli::main as command_line;
+pub use diagnosis::explanation::Estimate;
+pub use diagnosis::result::finding::{AxisDiagnosis, Diagnosis, Finding, Remark, Value};
 pub use export::{Format as ExportFormat, export, input::Input as ExportInput};
 pub use face::covariate::covariate;
-pub use face::diagnose::{DiagnosisError, DiagnosisOptions, Refused, Step, diagnose};
+pub use face::diagnose::{DiagnosisError, DiagnosisOptions, Progress, Refused, Step, diagnose};
 pub use face::simulate::simulate;
 pub use model::axis::{ModelAxis, ModelEffect};
 pub use model::file::ModelError;
+pub use model::kind::Kind;
 pub use model::whole::Model;
+pub use model::{Coefficient, PerCoefficient};
+pub use navigate::Growth;
 pub use report::Report;
+pub use signal::{Axis, Signal, Unit};
 pub use simulate::source::Simulation;
 pub use source::{
-    Source, SourceError,
+    Block, Chunk, Column, Gap, Source, SourceError, Values,
     open::open,
     options::{ArrayOptions, Selector},
 };

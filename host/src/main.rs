@@ -1,5 +1,5 @@
 //! `inm`: the command line of the noise bench.
 
 fn main() -> std::process::ExitCode {
-    inm_host::cli::main()
+    inm_host::command_line()
 }

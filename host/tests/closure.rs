@@ -1,10 +1,10 @@
 //! From a simulation to a fit to a simulation: what comes out looks like what went in.
 
-use inm_host::analyse::{Analysis, AnalysisOptions, AxisAnalysis, analyse};
-use inm_host::model::PerCoefficient;
-use inm_host::model::published::PublishedAxis;
-use inm_host::model::whole::Model;
-use inm_host::simulate::source::Simulation;
+use inm_host::internals::analyse::{Analysis, AnalysisOptions, AxisAnalysis, analyse};
+use inm_host::internals::model::PerCoefficient;
+use inm_host::internals::model::published::PublishedAxis;
+use inm_host::internals::model::whole::Model;
+use inm_host::internals::simulate::source::Simulation;
 
 const SEED: u64 = 11;
 

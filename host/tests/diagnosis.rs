@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use assert_cmd::Command;
-use inm_host::model::Seed;
-use inm_host::model::random::Gaussian;
+use inm_host::internals::model::Seed;
+use inm_host::internals::model::random::Gaussian;
 use serde_json::Value;
 
 /// A walk for the low end, white noise, and two effects of different kinds.

@@ -3,16 +3,16 @@
 use std::collections::BTreeMap;
 
 use inm_allan::Statistic;
-use inm_host::analyse::{AnalysisOptions, analyse};
-use inm_host::bins::strided::Strided;
-use inm_host::export::input::Input;
-use inm_host::export::{Format, export};
-use inm_host::model::markov::Markov;
-use inm_host::model::white::White;
-use inm_host::model::whole::Model;
-use inm_host::model::{Coefficient, Term};
-use inm_host::report;
-use inm_host::simulate::source::Simulation;
+use inm_host::internals::analyse::{AnalysisOptions, analyse};
+use inm_host::internals::bins::strided::Strided;
+use inm_host::internals::export::input::Input;
+use inm_host::internals::export::{Format, export};
+use inm_host::internals::model::markov::Markov;
+use inm_host::internals::model::white::White;
+use inm_host::internals::model::whole::Model;
+use inm_host::internals::model::{Coefficient, Term};
+use inm_host::internals::report;
+use inm_host::internals::simulate::source::Simulation;
 use nalgebra::{DMatrix, DVector};
 use rand_distr::{Distribution, StandardNormal};
 use serde_json::Value;

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use inm_host::flash::{CHIP, Image, program};
+use inm_host::internals::flash::{CHIP, Image, program};
 use probe_rs::Permissions;
 use probe_rs::integration::FakeProbe;
 

@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use inm_host::model::Coefficient;
+use inm_host::internals::model::Coefficient;
 use inm_host::{AnalysisOptions, DiagnosisOptions, Model, analyse, diagnose, simulate};
 
 const SEED: u64 = 1;

@@ -5,9 +5,9 @@
 
 use inm_allan::Statistic;
 use inm_allan::edf::{Noise, edf};
-use inm_host::bins::point::{interval, points};
-use inm_host::bins::strided::Strided;
-use inm_host::model::{Coefficient, Seed};
+use inm_host::internals::bins::point::{interval, points};
+use inm_host::internals::bins::strided::Strided;
+use inm_host::internals::model::{Coefficient, Seed};
 
 /// Samples of a record; above averaging factor 40 the bins are strided.
 const SAMPLES: usize = 1024;

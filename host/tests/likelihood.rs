@@ -1,19 +1,19 @@
 //! The likelihood fit as a user meets it: units, rate labels, odd records, and the signal chain.
 
-use inm_host::analyse::{Analysis, AnalysisOptions, LikelihoodFit, analyse, summarise};
-use inm_host::bins::record::{Overlap, Record};
-use inm_host::fit::design::Design;
-use inm_host::fit::likelihood::terms;
-use inm_host::model::axis::ModelAxis;
-use inm_host::model::published::PublishedAxis;
-use inm_host::model::whole::{Model, SCHEMA};
-use inm_host::model::{Coefficient, PerCoefficient};
-use inm_host::signal::{Axis, Signal, Unit};
-use inm_host::simulate::source::Simulation;
-use inm_host::source::board::{BoardSource, Plan, Stop};
-use inm_host::source::{Block, Chunk, Column, Source, SourceError, Values};
-use inm_host::spectrum::{Cascade, Estimate, Settings};
-use inm_host::virtual_board::VirtualConnect;
+use inm_host::internals::analyse::{Analysis, AnalysisOptions, LikelihoodFit, analyse, summarise};
+use inm_host::internals::bins::record::{Overlap, Record};
+use inm_host::internals::fit::design::Design;
+use inm_host::internals::fit::likelihood::terms;
+use inm_host::internals::model::axis::ModelAxis;
+use inm_host::internals::model::published::PublishedAxis;
+use inm_host::internals::model::whole::{Model, SCHEMA};
+use inm_host::internals::model::{Coefficient, PerCoefficient};
+use inm_host::internals::signal::{Axis, Signal, Unit};
+use inm_host::internals::simulate::source::Simulation;
+use inm_host::internals::source::board::{BoardSource, Plan, Stop};
+use inm_host::internals::source::{Block, Chunk, Column, Source, SourceError, Values};
+use inm_host::internals::spectrum::{Cascade, Estimate, Settings};
+use inm_host::internals::virtual_board::VirtualConnect;
 
 const RATE_HZ: f64 = 100.0;
 

@@ -3,14 +3,14 @@
 //! The law comes from the formulas, the data from generators and filters: neither knows the other.
 
 use inm_allan::Statistic;
-use inm_host::bins::strided::Strided;
-use inm_host::model::law::Law;
-use inm_host::model::whole::Model;
-use inm_host::simulate::capture::write_capture;
-use inm_host::simulate::source::Simulation;
-use inm_host::source::capture::CaptureSource;
-use inm_host::source::{Chunk, Source, Values};
-use inm_host::spectrum::{Cascade, Estimate, Plan, Settings};
+use inm_host::internals::bins::strided::Strided;
+use inm_host::internals::model::law::Law;
+use inm_host::internals::model::whole::Model;
+use inm_host::internals::simulate::capture::write_capture;
+use inm_host::internals::simulate::source::Simulation;
+use inm_host::internals::source::capture::CaptureSource;
+use inm_host::internals::source::{Chunk, Source, Values};
+use inm_host::internals::spectrum::{Cascade, Estimate, Plan, Settings};
 
 const RATE_HZ: f64 = 2000.0;
 const SEED: u64 = 20;

@@ -3,7 +3,7 @@
 use std::io::{self, Read, Write};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use inm_host::link::{Connect, LinkError, Port};
+use inm_host::internals::link::{Connect, LinkError, Port};
 
 /// What happens to the bytes from the board. Positions count the bytes that it has sent.
 #[derive(Debug, Clone, Default)]

@@ -5,7 +5,7 @@ use std::io::{self, BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-use inm_host::link::{Patience, SerialConnect};
+use inm_host::internals::link::{Patience, SerialConnect};
 
 /// Environment variable that names the image for QEMU; `cargo xtask test` sets it.
 pub const IMAGE_VARIABLE: &str = "INM_QEMU_IMAGE";

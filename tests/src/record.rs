@@ -1,6 +1,6 @@
 //! A record read to its end, in a form that tests can compare.
 
-use inm_host::source::{Chunk, Gap, Source, SourceError, Values};
+use inm_host::internals::source::{Chunk, Gap, Source, SourceError, Values};
 use inm_protocol::AXES;
 
 /// Everything that a source had to say.

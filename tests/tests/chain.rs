@@ -2,11 +2,11 @@
 
 use std::sync::{Arc, Mutex};
 
-use inm_host::capture::Reader;
-use inm_host::source::Source;
-use inm_host::source::board::{BoardSource, Plan, Stop};
-use inm_host::source::capture::CaptureSource;
-use inm_host::virtual_board::{VirtualConnect, Witness};
+use inm_host::internals::capture::Reader;
+use inm_host::internals::source::Source;
+use inm_host::internals::source::board::{BoardSource, Plan, Stop};
+use inm_host::internals::source::capture::CaptureSource;
+use inm_host::internals::virtual_board::{VirtualConnect, Witness};
 use inm_protocol::{Filter, Phase, Rate, Settings};
 use inm_tests::record::Record;
 

@@ -3,9 +3,9 @@
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-use inm_host::source::board::{BoardSource, Plan, Stop};
-use inm_host::source::capture::CaptureSource;
-use inm_host::virtual_board::{VirtualConnect, Witness};
+use inm_host::internals::source::board::{BoardSource, Plan, Stop};
+use inm_host::internals::source::capture::CaptureSource;
+use inm_host::internals::virtual_board::{VirtualConnect, Witness};
 use inm_tests::port::{Damage, DamagedConnect};
 use inm_tests::record::Record;
 

@@ -1,11 +1,11 @@
 //! Proof that the chain lost nothing: the board's own bins against those of what arrived.
 
 use inm_emulator::Fault;
-use inm_host::source::Source;
-use inm_host::source::audit::{Proof, State};
-use inm_host::source::board::{BoardSource, Plan, Stop};
-use inm_host::source::capture::CaptureSource;
-use inm_host::virtual_board::VirtualConnect;
+use inm_host::internals::source::Source;
+use inm_host::internals::source::audit::{Proof, State};
+use inm_host::internals::source::board::{BoardSource, Plan, Stop};
+use inm_host::internals::source::capture::CaptureSource;
+use inm_host::internals::virtual_board::VirtualConnect;
 use inm_tests::port::{Damage, DamagedConnect};
 use inm_tests::record::Record;
 

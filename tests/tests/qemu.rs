@@ -10,11 +10,11 @@ use std::time::Instant;
 
 use inm_emulator::channel::{Channel, published};
 use inm_emulator::{Conversion, Registers};
-use inm_host::link::{Client, Connect, LinkError, Patience};
-use inm_host::source::assemble::Losses;
-use inm_host::source::audit::State;
-use inm_host::source::board::{BoardSource, Plan, Stop};
-use inm_host::source::{Block, Chunk, Source, Values};
+use inm_host::internals::link::{Client, Connect, LinkError, Patience};
+use inm_host::internals::source::assemble::Losses;
+use inm_host::internals::source::audit::State;
+use inm_host::internals::source::board::{BoardSource, Plan, Stop};
+use inm_host::internals::source::{Block, Chunk, Source, Values};
 use inm_protocol::{
     AXES, Answer, AxisCounters, Decoder, Filter, Health, Identity, Rate, Refusal, Reply, Request,
     Restart, Settings, ToHost,

@@ -116,11 +116,6 @@ impl Samples {
         self.axes.first().map_or(0, |axis| axis.values.len())
     }
 
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
     fn skip(&mut self, missing: usize) {
         if missing == 0 {
             return;
@@ -188,11 +183,6 @@ impl AxisSamples {
     /// As they came, in counts or in the unit of the file.
     pub fn raw(&self) -> &Values {
         &self.values
-    }
-
-    /// Ranges that are missing, ascending and disjoint.
-    pub fn missing(&self) -> &[Range<usize>] {
-        &self.missing
     }
 
     /// Values times `scale`, about their mean; missing ones are NaN. Also the mean that was taken

@@ -83,11 +83,6 @@ impl Transformer {
         self.len
     }
 
-    /// Whether none are.
-    pub fn is_empty(&self) -> bool {
-        self.len == 0
-    }
-
     /// A copy of the samples of `values` that are used.
     pub fn series(&self, values: &[f64]) -> Series {
         Series::new(&values[..self.len])

@@ -62,8 +62,6 @@ pub struct Profile<'a> {
 /// A waveform beside walk and flicker.
 #[derive(Debug, Clone)]
 pub struct Joint {
-    /// Its size.
-    pub size: f64,
     /// Size over standard deviation that is as rare with all of the density known.
     pub z: f64,
     /// Squares of walk and flicker.
@@ -127,7 +125,6 @@ impl<'a> Profile<'a> {
         let twice = 2.0 * (best.nats - self.null).max(0.0);
         let size = best.sizes[0];
         Joint {
-            size,
             z: size.signum() * as_normal(twice, 2.0 * self.deciding(wave, best.squares)),
             squares: best.squares,
         }
