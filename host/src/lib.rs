@@ -10,6 +10,8 @@
 //! source -> bins, spectrum -> fit -> diagnosis -> report
 //! ```
 #![forbid(unsafe_code)]
+// What stands behind the face is documented for readers of the source.
+#![allow(rustdoc::private_intra_doc_links)]
 
 mod analyse;
 mod bins;
