@@ -37,8 +37,8 @@ fn doublet(len: usize, at: i64) -> Vec<f64> {
         .collect()
 }
 
-/// Pole radius and angle of the resonance: half width a quarter of a segment's bin.
-const RADIUS: f64 = 1.0 - 0.5 * PI / LEN as f64;
+/// Pole radius and angle of the resonance: half width half a bin of a segment.
+const RADIUS: f64 = 1.0 - PI / LEN as f64;
 const ANGLE: f64 = 2.0 * PI * 0.123_4;
 
 fn resonance(len: usize, at: i64) -> Vec<f64> {
@@ -144,7 +144,7 @@ fn segments_of_the_next_level() {
 #[test]
 fn segments_of_a_narrow_resonance() {
     let ks = [120, 124, 126, 127, 130, 200];
-    // The response has fallen to e^-12 of its power after four thousand samples.
+    // The response has fallen to e^-24 of its power after four thousand samples.
     let exact = segments_exactly(0, LEN, &ks, -4_000..LEN as i64, resonance);
     let expected = segments_expected(0, &ks, resonance_density);
     assert_close("resonance", &ks, &exact, &expected);
