@@ -2,8 +2,6 @@
 //!
 //! The figures come from `cargo xtask study diagnose`; this is its short form for every run.
 
-use std::path::PathBuf;
-
 use inm_tests::hidden::case::Plan;
 use inm_tests::hidden::effect::find;
 use inm_tests::hidden::judge::program::Program;
@@ -43,19 +41,6 @@ const SAMPLES: usize = 1 << 18;
 /// Multiples of what an ideal detector needs.
 const STRENGTH: f64 = 5.0;
 
-/// `inm`, beside this test in the target folder.
-fn program() -> Program {
-    let test = std::env::current_exe().expect("a test has a path");
-    let folder = test.ancestors().nth(2).expect("target/PROFILE/deps/test");
-    let path: PathBuf = folder.join(format!("inm{}", std::env::consts::EXE_SUFFIX));
-    assert!(
-        path.exists(),
-        "{} is missing; run: cargo build -p inm-host",
-        path.display()
-    );
-    Program(path)
-}
-
 fn run(kinds: &[&[&str]], seeds: std::ops::RangeInclusive<u64>) -> Vec<Trial> {
     let tasks: Vec<Task> = kinds
         .iter()
@@ -72,7 +57,7 @@ fn run(kinds: &[&[&str]], seeds: std::ops::RangeInclusive<u64>) -> Vec<Trial> {
             seed,
         })
         .collect();
-    run_all(&tasks, &program(), 2, &|_| {})
+    run_all(&tasks, &Program::built(), 2, &|_| {})
 }
 
 fn wrong(trials: &[Trial], is_good: impl Fn(&Trial) -> bool) -> Vec<String> {

@@ -10,7 +10,9 @@
 //!                            the record
 //! ```
 
+pub mod answer;
 pub mod change;
+pub mod compare;
 pub mod program;
 pub mod record;
 pub mod records;

@@ -1,11 +1,15 @@
 //! The program in the folder of a record, so that nothing it says depends on where that is.
 
+use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
 
+use super::record::Frozen;
 use crate::hidden::case::Files;
 use crate::hidden::judge::program::Failure;
+use crate::hidden::judge::trial::each;
 
 /// What to run where.
 #[derive(Debug, Clone)]
@@ -52,6 +56,24 @@ impl Bench {
     pub fn answer(&self, name: &str) -> PathBuf {
         self.answers.join(format!("{name}.json"))
     }
+}
+
+/// Asks of all records, `at_once` at a time, and writes them just for that; `progress` hears of
+/// every one. What came of each, in order.
+pub fn ask(
+    records: &[Frozen],
+    bench: &Bench,
+    at_once: usize,
+    progress: &(dyn Fn(&Frozen, Duration) + Sync),
+) -> Vec<Result<(), Failure>> {
+    each(records, at_once, &|record: &Frozen| {
+        let files = record.write(&bench.records)?;
+        let start = Instant::now();
+        let answered = bench.diagnose(record.name(), &files);
+        progress(record, start.elapsed());
+        fs::remove_file(bench.records.join(&files.record))?;
+        answered
+    })
 }
 
 /// What `inm` is told of a record, in the folder where it is.

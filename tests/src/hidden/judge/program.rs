@@ -37,6 +37,22 @@ impl Diagnose for Program {
 }
 
 impl Program {
+    /// `inm` beside the running test, in the target folder.
+    ///
+    /// # Panics
+    /// If it has not been built.
+    pub fn built() -> Self {
+        let test = std::env::current_exe().expect("a test has a path");
+        let folder = test.ancestors().nth(2).expect("target/PROFILE/deps/test");
+        let path = folder.join(format!("inm{}", std::env::consts::EXE_SUFFIX));
+        assert!(
+            path.exists(),
+            "{} is missing; run: cargo build -p inm-host",
+            path.display()
+        );
+        Self(path)
+    }
+
     /// What it says of a record; its last model goes to the file `model`, where one is wanted.
     ///
     /// # Errors
