@@ -5,6 +5,7 @@
 //! image's own.
 #![forbid(unsafe_code)]
 
+pub mod golden;
 pub mod hidden;
 pub mod port;
 pub mod qemu;
