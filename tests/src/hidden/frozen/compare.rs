@@ -138,8 +138,8 @@ impl<'a> Place<'a> {
             (Value::Number(one), Value::Number(other)) => {
                 let number = |number: &serde_json::Number| number.as_f64().unwrap_or(f64::NAN);
                 let times = self.scale.times(number(one), number(other));
-                // Written so that NaN is a difference.
-                if !(times <= 0.0) {
+                if times != 0.0 {
+                    let times = if times.is_nan() { f64::INFINITY } else { times };
                     found.push(self.difference(before, now, times));
                 }
             }

@@ -143,7 +143,7 @@ fn odd_length(prime: bool, seed: u64) -> usize {
         let is_odd = match prime {
             true => (2..)
                 .take_while(|i| i * i <= length)
-                .all(|i| length % i != 0),
+                .all(|i| !length.is_multiple_of(i)),
             false => {
                 let left = [2, 3, 5].into_iter().fold(length, without);
                 left > 1
@@ -157,7 +157,7 @@ fn odd_length(prime: bool, seed: u64) -> usize {
 
 /// `number` without its factors `factor`.
 fn without(mut number: usize, factor: usize) -> usize {
-    while number % factor == 0 {
+    while number.is_multiple_of(factor) {
         number /= factor;
     }
     number
