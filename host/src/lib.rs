@@ -49,8 +49,9 @@ pub use analyse::{
 pub use bins::{record::Record, taus::Taus};
 pub use chain::Chain;
 pub use cli::main as command_line;
-pub use diagnosis::explanation::Estimate;
-pub use diagnosis::result::finding::{AxisDiagnosis, Diagnosis, Finding, Remark, Value};
+pub use diagnosis::result::estimate::Estimate;
+pub use diagnosis::result::finding::{AxisDiagnosis, Diagnosis, Finding, Remark};
+pub use diagnosis::result::value::Value;
 pub use export::{Format as ExportFormat, export, input::Input as ExportInput};
 pub use face::covariate::covariate;
 pub use face::diagnose::{DiagnosisError, DiagnosisOptions, Progress, Refused, Step, diagnose};

@@ -7,7 +7,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use inm_host::model::whole::Model;
+use inm_host::Model;
 use serde_json::{Value, json};
 
 /// Frequencies of a law, as shares of the rate: both ends and between.

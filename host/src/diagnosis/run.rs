@@ -5,30 +5,16 @@ use rayon::prelude::*;
 use crate::diagnosis::detect::common_mode;
 use crate::diagnosis::family::level_of_one_test;
 use crate::diagnosis::options::Options;
+pub use crate::diagnosis::progress::{Progress, Step};
 use crate::diagnosis::record::samples::{Samples, Waiting};
 use crate::diagnosis::record::spill::Aside;
 use crate::diagnosis::refused::Refused;
 use crate::diagnosis::result::finding::AxisDiagnosis;
 use crate::diagnosis::{describe, explain};
-use crate::model::kind::Kind;
 
 /// Samples of an axis above which the axes wait for one another, out of memory: each needs some forty
 /// bytes a sample.
 const LONG: usize = 1 << 22;
-
-/// What has come of an axis meanwhile.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Step {
-    /// It is begun with.
-    Begun,
-    /// An effect was found in it, which may be given back later.
-    Found(Kind),
-    /// It is done.
-    Done,
-}
-
-/// Is told the name of an axis and what has come of it, by several threads.
-pub type Progress<'a> = dyn Fn(&str, Step) + Sync + 'a;
 
 /// Axes that are diagnosed.
 #[derive(Debug, Clone)]

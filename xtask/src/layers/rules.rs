@@ -37,11 +37,11 @@ pub const NEVER: [Never; 13] = [
             "host::source",
             "host::spectrum",
         ],
-        to: &["host::criticise", "host::report", "host::cli"],
+        to: &["host::diagnosis", "host::report", "host::cli"],
         why: "what measures knows nothing of who judges or shows it",
     },
     Never {
-        from: &["host::criticise"],
+        from: &["host::diagnosis"],
         to: &[
             "host::capture",
             "host::link",
@@ -155,12 +155,7 @@ pub const NEVER: [Never; 13] = [
 ];
 
 /// Empty is the aim: an entry goes as its import is mended.
-pub const KNOWN: [Import; 15] = [
-    Import {
-        from: "allan::packed",
-        to: "allan::row",
-        why: "the longest row, a constant that both need",
-    },
+pub const KNOWN: [Import; 3] = [
     Import {
         from: "emulator::pins",
         to: "emulator::bench",
@@ -175,61 +170,6 @@ pub const KNOWN: [Import; 15] = [
         from: "protocol::command",
         to: "protocol::message",
         why: "an event's trouble, declared among the messages",
-    },
-    Import {
-        from: "host::capture::error",
-        to: "host::source",
-        why: "the conversion to a source's error belongs to the source",
-    },
-    Import {
-        from: "host::link::error",
-        to: "host::source",
-        why: "the conversion to a source's error belongs to the source",
-    },
-    Import {
-        from: "host::fit::weighted",
-        to: "host::analyse",
-        why: "the value it returns is declared where it is reported",
-    },
-    Import {
-        from: "host::model",
-        to: "host::simulate",
-        why: "every term makes its own generator",
-    },
-    Import {
-        from: "host::source::shaken",
-        to: "host::simulate",
-        why: "the virtual board's hidden effect is simulated data",
-    },
-    Import {
-        from: "host::model::law",
-        to: "host::model::whole",
-        why: "the law of a whole model belongs to the whole",
-    },
-    Import {
-        from: "host::spectrum::covariance",
-        to: "host::spectrum::estimate",
-        why: "the covariance takes the estimate that takes the covariance",
-    },
-    Import {
-        from: "host::criticise::axis",
-        to: "host::criticise::bursts",
-        why: "the axis holds what the searches that take it have found",
-    },
-    Import {
-        from: "host::criticise::axis",
-        to: "host::criticise::levels",
-        why: "the axis holds what the searches that take it have found",
-    },
-    Import {
-        from: "host::criticise::axis",
-        to: "host::criticise::mend",
-        why: "the axis holds what the searches that take it have found",
-    },
-    Import {
-        from: "host::criticise::finding",
-        to: "host::criticise::views",
-        why: "a diagnosis holds its pictures, which are made of findings",
     },
 ];
 

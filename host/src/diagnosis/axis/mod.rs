@@ -2,19 +2,22 @@
 //! whitens the record.
 
 mod density;
+pub mod profile;
+pub mod ramp;
 mod whitening;
 
 use std::ops::Range;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use crate::chain::Chain;
-use crate::diagnosis::explanation::{Candidate, Change, Estimate, Explanation, Snapshot};
+use crate::diagnosis::explanation::{Candidate, Change, Explanation, Snapshot};
 use crate::diagnosis::laws::{self, Law, search};
 use crate::diagnosis::record::bins::Frame;
 use crate::diagnosis::record::bridge::bridge;
 use crate::diagnosis::record::powers::{self, Powers};
 use crate::diagnosis::record::residual::{Residual, TakenOut};
 use crate::diagnosis::record::wave::{Outlier, Wave};
+use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::finding::Remark;
 use crate::diagnosis::result::place::Place;
 use crate::diagnosis::statistic::matched_filter::{Transformer, Whole};

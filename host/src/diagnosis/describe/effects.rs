@@ -1,9 +1,9 @@
 //! Effects as findings, and as a model file has them.
 
+use crate::diagnosis::describe::coefficients::coefficients_of;
 use crate::diagnosis::explanation::{Explanation, Snapshot};
 use crate::diagnosis::laws;
 use crate::diagnosis::record::bins::Frame;
-use crate::diagnosis::result::coefficients::coefficients_of;
 use crate::diagnosis::result::finding::{Finding, Gain};
 use crate::fit::likelihood::Fit;
 use crate::model::PerCoefficient;

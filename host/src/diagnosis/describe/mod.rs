@@ -1,8 +1,11 @@
 //! What an explained axis is told as: models before and after, findings with their gains, views.
 
+mod coefficients;
 mod effects;
 
 use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::axis::ramp;
+use crate::diagnosis::describe::coefficients::{coefficients, even_density, of_ramp};
 use crate::diagnosis::describe::effects::{finding, law_effects, named_effects};
 use crate::diagnosis::explain::{Explained, slope};
 use crate::diagnosis::explanation::{Explanation, Snapshot};
@@ -11,10 +14,9 @@ use crate::diagnosis::held_out::allan::HeldCurve;
 use crate::diagnosis::held_out::size::Sizes;
 use crate::diagnosis::options::Options;
 use crate::diagnosis::record::residual::Residual;
-use crate::diagnosis::result::coefficients::{coefficients, even_density, of_ramp};
 use crate::diagnosis::result::finding::{AxisDiagnosis, Base, Final, Finding, Gain};
-use crate::diagnosis::statistic::ramp;
-use crate::diagnosis::views::{Models, Views};
+use crate::diagnosis::result::views::Views;
+use crate::diagnosis::views::Models;
 use crate::fft::ring::Series;
 use crate::fit::likelihood::Fit;
 use crate::fit::likelihood::components::SEEN;

@@ -5,9 +5,10 @@ use std::hash::{BuildHasherDefault, DefaultHasher};
 
 use super::Detector;
 use crate::diagnosis::axis::{AxisState, NoFit};
-use crate::diagnosis::explanation::{Candidate, Change, Estimate};
-use crate::diagnosis::result::finding::Value;
-use crate::diagnosis::search::{Look, Proposal};
+use crate::diagnosis::detect::look::{Look, Proposal};
+use crate::diagnosis::explanation::{Candidate, Change};
+use crate::diagnosis::result::estimate::Estimate;
+use crate::diagnosis::result::value::Value;
 use crate::model::rounding::KIND;
 
 /// Distinct values that are counted; with more, the values lie on no coarse grid.

@@ -5,8 +5,9 @@
 //! Carter, Proc. IEEE 75 (1987), eq. 34); over all bins together the real part of the normalised
 //! cross-spectrum, weighed by the averages, is normal.
 
-use crate::diagnosis::explanation::Estimate;
-use crate::diagnosis::result::finding::{Finding, Value};
+use crate::diagnosis::result::estimate::Estimate;
+use crate::diagnosis::result::finding::Finding;
+use crate::diagnosis::result::value::Value;
 use crate::diagnosis::statistic::p_value;
 use crate::model::common_mode::KIND;
 use crate::spectrum::CrossCascade;

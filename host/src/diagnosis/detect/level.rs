@@ -5,8 +5,8 @@
 
 use super::{Detector, steps, thermal, warmup};
 use crate::diagnosis::axis::NoFit;
-use crate::diagnosis::search::{Look, Proposal};
-use crate::diagnosis::statistic::profile::Noise;
+use crate::diagnosis::axis::profile::Noise;
+use crate::diagnosis::detect::look::{Look, Proposal};
 
 /// Tests of one look: what follows a covariate, settling, jumps.
 const TESTS: u32 = 3;

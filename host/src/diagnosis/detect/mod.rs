@@ -10,7 +10,9 @@ pub mod common_mode;
 pub mod dropped;
 pub mod level;
 pub mod lines;
+pub mod look;
 pub mod outliers;
+pub mod slow_change;
 pub mod spectral;
 pub mod stale;
 pub mod steps;
@@ -23,7 +25,7 @@ pub mod values;
 pub mod warmup;
 
 use crate::diagnosis::axis::NoFit;
-use crate::diagnosis::search::{Look, Proposal};
+use crate::diagnosis::detect::look::{Look, Proposal};
 
 /// Looks for one thing.
 pub struct Detector {

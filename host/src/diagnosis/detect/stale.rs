@@ -11,10 +11,11 @@ use std::sync::Arc;
 use super::Detector;
 use super::outliers::filter;
 use crate::diagnosis::axis::NoFit;
-use crate::diagnosis::explanation::{Candidate, Change, Estimate};
+use crate::diagnosis::detect::look::{Look, Proposal};
+use crate::diagnosis::explanation::{Candidate, Change};
 use crate::diagnosis::record::wave::Wave;
-use crate::diagnosis::result::finding::Value;
-use crate::diagnosis::search::{Look, Proposal};
+use crate::diagnosis::result::estimate::Estimate;
+use crate::diagnosis::result::value::Value;
 use crate::diagnosis::statistic::p_value;
 use crate::model::stale::KIND;
 

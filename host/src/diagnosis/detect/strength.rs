@@ -2,8 +2,8 @@
 
 use super::Detector;
 use crate::diagnosis::axis::NoFit;
-use crate::diagnosis::doubt::wander;
-use crate::diagnosis::search::{Lesson, Look, Proposal};
+use crate::diagnosis::detect::look::{Lesson, Look, Proposal};
+use crate::diagnosis::steady;
 use crate::model::{burst, outliers, rounding};
 
 /// Looks whether it moves, in a cycle or slowly: two tests.
@@ -14,7 +14,7 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     if look.character.strength_moves || look.axis.has(rounding::KIND) {
         return Ok(Vec::new());
     }
-    let wander = wander::wander(&look.axis.powers());
+    let wander = steady::strength::wander(&look.axis.powers());
     let least = wander.map_or(1.0, |one| one.cyclic.p_value.min(one.slow.p_value));
     Ok(if least < look.level() {
         moves()

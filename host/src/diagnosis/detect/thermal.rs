@@ -5,17 +5,18 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::diagnosis::axis::AxisState;
-use crate::diagnosis::explanation::{Candidate, Change, Estimate, Explanation};
+use crate::diagnosis::axis::profile::{Noise, Profile};
+use crate::diagnosis::detect::look::{Look, Proposal};
+use crate::diagnosis::detect::slow_change::SlowChange;
+use crate::diagnosis::explanation::{Candidate, Change, Explanation};
 use crate::diagnosis::record::bridge::block_means;
 use crate::diagnosis::record::wave::Wave;
-use crate::diagnosis::result::finding::Value;
-use crate::diagnosis::search::{Look, Proposal};
+use crate::diagnosis::result::estimate::Estimate;
+use crate::diagnosis::result::value::Value;
 use crate::diagnosis::statistic::matched_filter::{
     Half, Projection, Transformer, Whole, held_out_gain,
 };
 use crate::diagnosis::statistic::p_value;
-use crate::diagnosis::statistic::profile::{Noise, Profile};
-use crate::diagnosis::statistic::slow_change::SlowChange;
 use crate::model::thermal::KIND;
 
 /// What follows the covariate, with its lag in seconds, if it is not known yet.

@@ -4,11 +4,11 @@ use std::ops::Range;
 
 use super::{Detector, burst, spectral, telegraph};
 use crate::diagnosis::axis::{AxisState, Excluded, NoFit};
-use crate::diagnosis::doubt::of_band::is_of_band;
-use crate::diagnosis::doubt::steadiness::{self, Unsteady};
+use crate::diagnosis::detect::look::{Look, Proposal};
 use crate::diagnosis::result::finding::Remark;
 use crate::diagnosis::result::place::Place;
-use crate::diagnosis::search::{Look, Proposal};
+use crate::diagnosis::steady::band_events::is_of_band;
+use crate::diagnosis::steady::noise::{self, Unsteady};
 use crate::model::outliers::{self, Outliers};
 use crate::model::steps;
 
@@ -35,7 +35,7 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     let half_hz = 0.5 * axis.rate_hz;
     let mut left_hz = axis.excluded_hz();
     left_hz.extend(switching_band(axis));
-    let found = steadiness::unsteady(axis, 0.0..half_hz, &left_hz, look.level());
+    let found = noise::unsteady(axis, 0.0..half_hz, &left_hz, look.level());
     let Some(found) = found else {
         return Ok(Vec::new());
     };
@@ -48,7 +48,7 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     {
         return Ok(Vec::new());
     }
-    if let Some(switching) = telegraph::anywhere(look)? {
+    if let Some(switching) = spectral::switching_anywhere(look)? {
         return Ok(switching);
     }
     let excluded = Excluded {

@@ -6,17 +6,18 @@
 use rayon::prelude::*;
 
 use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::axis::profile::{Noise, Profile};
+use crate::diagnosis::detect::look::{Look, Proposal};
+use crate::diagnosis::detect::slow_change::SlowChange;
 use crate::diagnosis::detect::{telegraph, thermal};
-use crate::diagnosis::explanation::{Candidate, Change, Estimate};
+use crate::diagnosis::explanation::{Candidate, Change};
 use crate::diagnosis::record::wave::Wave;
-use crate::diagnosis::result::finding::Value;
-use crate::diagnosis::search::{Look, Proposal};
+use crate::diagnosis::result::estimate::Estimate;
+use crate::diagnosis::result::value::Value;
 use crate::diagnosis::statistic::matched_filter::{
     Half, Projection, Settling, Transformer, Whole, held_out_gain,
 };
 use crate::diagnosis::statistic::p_value;
-use crate::diagnosis::statistic::profile::{Noise, Profile};
-use crate::diagnosis::statistic::slow_change::SlowChange;
 use crate::model::warmup::KIND;
 
 /// Time constants of a settling tried an octave.

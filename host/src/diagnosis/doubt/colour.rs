@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
-use super::constancy::{self, Change};
 use super::{Doubt, Hearing};
 use crate::diagnosis::axis::{AxisState, NoFit};
 use crate::diagnosis::result::finding::Remark;
+use crate::diagnosis::steady::law::{self, Change};
 use crate::model::kind::Kind;
 use crate::model::{clipping, dropped, outliers, rounding, stale, telegraph};
 
@@ -32,7 +32,7 @@ fn of_terms(hearing: &mut Hearing<'_>) -> Result<(), NoFit> {
     if !hearing.remarks.is_empty() || explanations.any(|one| BENDS.contains(&one.kind())) {
         return Ok(());
     }
-    let change = constancy::change_of_terms(hearing.axis);
+    let change = law::change_of_terms(hearing.axis);
     let change = change.filter(|one| one.p_value < hearing.level);
     hearing.remarks.extend(change.map(|change| {
         let band_hz = 0.0..0.5 * hearing.axis.rate_hz;
@@ -55,7 +55,7 @@ pub fn of_law(
     if kind == telegraph::KIND {
         return None;
     }
-    let change = constancy::change_of_law(axis, which);
+    let change = law::change_of_law(axis, which);
     let change = change.filter(|one| one.p_value < level)?;
     let what = format!("as a {kind} whose {}", change.parameter);
     Some((changing(&change, band_hz, &what), change.log_sd))

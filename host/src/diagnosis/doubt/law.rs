@@ -3,11 +3,12 @@
 
 use std::ops::Range;
 
-use super::{Doubt, Hearing, colour, left_over, steadiness};
+use super::{Doubt, Hearing, colour, left_over};
 use crate::diagnosis::axis::{AxisState, NoFit};
 use crate::diagnosis::detect::{spectral, unsteady_band};
 use crate::diagnosis::laws::departure::Departure;
 use crate::diagnosis::result::finding::Remark;
+use crate::diagnosis::steady;
 use crate::model::kind::Kind;
 use crate::model::{resonance, telegraph};
 
@@ -123,7 +124,8 @@ impl Case<'_> {
             return None;
         }
         let excluded_hz = self.axis.excluded_hz();
-        let unsteady = |band_hz| steadiness::unsteady(self.axis, band_hz, &excluded_hz, self.level);
+        let unsteady =
+            |band_hz| steady::noise::unsteady(self.axis, band_hz, &excluded_hz, self.level);
         let half_hz = 0.5 * self.axis.rate_hz;
         let found = unsteady(band_hz.clone())?;
         // What moves everywhere is no matter of this law.

@@ -1,12 +1,12 @@
 //! What is significant still when nothing in the catalogue explains more.
 
 use super::Doubt;
-use super::wander::{self, Wander};
 use crate::diagnosis::axis::{AxisState, NoFit};
 use crate::diagnosis::detect::lines::{self, Group};
 use crate::diagnosis::laws::departure::{self, Departure};
 use crate::diagnosis::result::finding::Remark;
 use crate::diagnosis::result::place::Place;
+use crate::diagnosis::steady::strength::{self, Wander};
 use crate::model::rounding;
 
 /// What is left of the spectrum, of lines and of the strength over time. One test; those of lines and of the
@@ -81,7 +81,7 @@ fn of_strength(axis: &AxisState, level: f64) -> Option<Remark> {
     if axis.has(rounding::KIND) {
         return None;
     }
-    let Wander { cyclic, slow } = wander::wander(&axis.powers())?;
+    let Wander { cyclic, slow } = strength::wander(&axis.powers())?;
     let movements = [
         (
             cyclic,

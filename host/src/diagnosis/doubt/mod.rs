@@ -5,16 +5,10 @@
 //! remarks on.
 
 pub mod colour;
-pub mod constancy;
 pub mod law;
 pub mod left_over;
 pub mod lopsided;
-pub mod of_band;
-pub mod of_switching;
-pub mod steadiness;
-pub mod tone;
 pub mod tops;
-pub mod wander;
 
 use crate::diagnosis::axis::{AxisState, NoFit};
 use crate::diagnosis::result::finding::Remark;

@@ -3,35 +3,18 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
-use serde::Serialize;
 
 use crate::bins::point::Point;
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::explanation::Snapshot;
-use crate::diagnosis::held_out::curve;
 use crate::diagnosis::held_out::half;
 use crate::diagnosis::record::wave::Wave;
+use crate::diagnosis::result::views::HeldPoint;
+use crate::diagnosis::statistic::allan_curve;
 use crate::model::axis::ModelAxis;
 
 /// Degrees of freedom from which a point of the Allan curve says how far a model is off.
 const LEAST_EDF: f64 = 1000.0;
-
-/// One averaging time of the held-out half. Deviations are in the unit of the signal.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct HeldPoint {
-    /// Averaging time, seconds.
-    pub tau_s: f64,
-    /// Averaging time, samples.
-    pub m: u64,
-    /// Measured deviation.
-    pub adev: f64,
-    /// Equivalent degrees of freedom behind it, 1000 or more.
-    pub edf: f64,
-    /// What the five terms alone expect.
-    pub before: f64,
-    /// What the extended model expects.
-    pub after: f64,
-}
 
 /// The measured Allan curve of the held-out half, without the stretches that are masked.
 pub struct HeldCurve {
@@ -60,7 +43,7 @@ impl HeldCurve {
     pub fn new(axis: &AxisState) -> Self {
         let record = axis.residual.with([]);
         Self {
-            points: curve::of_parts(half(&record.values(), 1), axis.rate_hz),
+            points: allan_curve::of_parts(half(&record.values(), 1), axis.rate_hz),
             waveforms: Mutex::default(),
         }
     }
@@ -174,5 +157,5 @@ fn waveform(axis: &AxisState, waves: &[Wave], at_jumps: AtJumps) -> Vec<Point> {
     for mask in axis.residual.masked_or_cut().chain(spread) {
         waveform[mask.clone()].fill(f64::NAN);
     }
-    curve::of_parts(half(&waveform, 1), axis.rate_hz)
+    allan_curve::of_parts(half(&waveform, 1), axis.rate_hz)
 }

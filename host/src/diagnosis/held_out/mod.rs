@@ -14,7 +14,6 @@
 //! - A stretch of another variance: fitted to the even ones of short blocks, judged by the odd.
 
 pub mod allan;
-pub mod curve;
 pub mod laws;
 pub mod size;
 

@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use serde::{Serialize, Serializer};
 
 use crate::analyse::SourceSummary;
-use crate::diagnosis::explanation::Estimate;
+use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::place::Place;
-use crate::diagnosis::views::Views;
+use crate::diagnosis::result::value::Value;
+use crate::diagnosis::result::views::Views;
 use crate::model::PerCoefficient;
 use crate::model::axis::ModelAxis;
 use crate::model::kind::Kind;
@@ -155,60 +156,6 @@ impl Finding {
     pub fn is_small(&self) -> bool {
         let change = self.gain.allan_change_percent;
         change.is_some_and(|change| change < SMALL_PERCENT)
-    }
-}
-
-/// A number with its 95 % interval.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Value {
-    /// The number.
-    pub value: f64,
-    /// Lower end.
-    pub lo: Option<f64>,
-    /// Upper end.
-    pub hi: Option<f64>,
-}
-
-/// Standard deviations of a 95 % interval.
-const SIGMAS: f64 = 1.959_964;
-
-impl Value {
-    /// With the standard deviation `sd`.
-    pub fn normal(value: f64, sd: f64) -> Self {
-        let end = |end: f64| end.is_finite().then_some(end);
-        Self {
-            value,
-            lo: end(value - SIGMAS * sd),
-            hi: end(value + SIGMAS * sd),
-        }
-    }
-
-    /// With the standard deviation `sd` of the logarithm.
-    pub fn log_normal(value: f64, sd: f64) -> Self {
-        let end = |end: f64| end.is_finite().then_some(end);
-        Self {
-            value,
-            lo: end(value * (-SIGMAS * sd).exp()).filter(|lo| *lo > 0.0),
-            hi: end(value * (SIGMAS * sd).exp()),
-        }
-    }
-
-    /// The same of what grows with it: value and ends through an increasing function.
-    pub fn map(self, through: impl Fn(f64) -> f64) -> Self {
-        Self {
-            value: through(self.value),
-            lo: self.lo.map(&through),
-            hi: self.hi.map(&through),
-        }
-    }
-
-    /// Known as it is.
-    pub const fn exact(value: f64) -> Self {
-        Self {
-            value,
-            lo: Some(value),
-            hi: Some(value),
-        }
     }
 }
 

@@ -1,5 +1,7 @@
-//! The result of a diagnosis: plain structures, as `--json` writes them.
+//! The result of a diagnosis: plain structures, as `--json` writes them. Nothing here knows how it came about.
 
-pub mod coefficients;
+pub mod estimate;
 pub mod finding;
 pub mod place;
+pub mod value;
+pub mod views;

@@ -1,34 +1,13 @@
 //! The Allan deviation: measured, expected before and after, simulated.
 
 use rayon::prelude::*;
-use serde::Serialize;
 
 use crate::bins::point::Point;
 use crate::diagnosis::axis::AxisState;
-use crate::diagnosis::held_out::curve;
+use crate::diagnosis::result::views::AllanPoint;
+use crate::diagnosis::statistic::allan_curve;
 use crate::diagnosis::views::{Burst, Models};
 use crate::model::kernel::{self, Kernel};
-
-/// One averaging time. All deviations are in the unit of the signal.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct AllanPoint {
-    /// Averaging time, seconds.
-    pub tau_s: f64,
-    /// Averaging time, samples.
-    pub m: u64,
-    /// Measured deviation.
-    pub adev: f64,
-    /// Lower end of its 95 % interval.
-    pub lo: f64,
-    /// Upper end of its 95 % interval.
-    pub hi: f64,
-    /// What the five terms alone expect.
-    pub before: f64,
-    /// What the extended model expects.
-    pub after: f64,
-    /// That of the simulated record.
-    pub simulated: Option<f64>,
-}
 
 impl AllanPoint {
     /// Whether the five terms alone lie outside of the measured interval.
@@ -47,8 +26,8 @@ pub(crate) fn points(
     let rate_hz = axis.rate_hz;
     let (before, after) = (models.base.law(rate_hz), models.noise.law(rate_hz));
     let (measured, waves) = rayon::join(
-        || curve::allan(axis.residual.measured(), rate_hz),
-        || curve::allan(wave, rate_hz),
+        || allan_curve::allan(axis.residual.measured(), rate_hz),
+        || allan_curve::allan(wave, rate_hz),
     );
     let point = |one: Point| {
         let of_waves = waves.iter().find(|wave| wave.m == one.m);
@@ -78,7 +57,7 @@ pub(crate) fn points(
 
 /// Adds the points of a simulated record.
 pub(crate) fn add_simulated(points: &mut [AllanPoint], simulated: &[f64], rate_hz: f64) {
-    for one in curve::allan(simulated, rate_hz) {
+    for one in allan_curve::allan(simulated, rate_hz) {
         if let Some(point) = points.iter_mut().find(|point| point.m == one.m) {
             point.simulated = Some(one.deviation());
         }

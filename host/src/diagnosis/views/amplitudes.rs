@@ -1,27 +1,13 @@
 //! How often the whitened record takes which values: normal where the model is the whole truth.
 
 use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::result::views::Counts;
 
 /// Width of a class, standard deviations.
 pub const WIDTH: f64 = 0.25;
 
 /// Classes on either side of zero; the outermost hold all that lies beyond.
 const CLASSES: usize = 80;
-
-/// The record before and after.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Amplitudes {
-    /// As measured.
-    pub before: Counts,
-    /// With all that was found taken out, bad samples left out.
-    pub after: Counts,
-}
-
-/// Whitened samples by class.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Counts {
-    counts: Vec<u64>,
-}
 
 impl Counts {
     /// Of what is left of an axis, whitened by what its spectrum is. Samples that are missing or

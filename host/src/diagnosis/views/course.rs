@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::record::wave::Wave;
 use crate::diagnosis::result::finding::Finding;
-use crate::model::kind::Kind;
+use crate::diagnosis::result::views::{Column, Course, Extent, Mark};
 use crate::model::marks;
 
 /// Columns at most.
@@ -14,52 +14,6 @@ const COLUMNS: usize = 1000;
 
 /// Moments of one effect at most.
 const MOST: usize = 200;
-
-/// The record in time.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Course {
-    /// Length of a column, seconds.
-    pub column_s: f64,
-    /// The columns; values are about [`Course::mean`].
-    pub columns: Vec<Column>,
-    /// Mean of the record.
-    pub mean: f64,
-    /// What happened.
-    pub marks: Vec<Mark>,
-}
-
-/// Some neighbouring samples; all NaN where all are missing.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Column {
-    /// The record.
-    pub measured: Extent,
-    /// The deterministic part of the model.
-    pub modelled: Extent,
-}
-
-/// Extremes and mean.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Extent {
-    /// Lowest.
-    pub lo: f64,
-    /// Mean.
-    pub mean: f64,
-    /// Highest.
-    pub hi: f64,
-}
-
-/// A moment or a stretch of time that a finding is about.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Mark {
-    /// Effect.
-    pub effect: Kind,
-    /// Begin, seconds.
-    pub from_s: f64,
-    /// End, seconds; the same as the begin for a moment.
-    pub to_s: f64,
-    /// Whether it is a single sample.
-    pub is_sample: bool,
-}
 
 impl Extent {
     fn of(values: &[f64]) -> Self {

@@ -7,11 +7,11 @@
 //! squares.
 
 use rayon::prelude::*;
-use serde::Serialize;
 
 use crate::bins::point;
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::held_out::BLOCKS;
+use crate::diagnosis::result::views::VelocityError;
 use crate::diagnosis::views::Models;
 use crate::model::PerCoefficient;
 use crate::model::axis::ModelAxis;
@@ -28,25 +28,6 @@ const STEP: usize = 4;
 
 /// Windows that do not overlap, at least, for an observation.
 const LEAST: usize = 4;
-
-/// Error of the integral after some time; unit of the signal times seconds.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct VelocityError {
-    /// Time of integration, seconds.
-    pub t_s: f64,
-    /// Length of the alignment before it, seconds.
-    pub alignment_s: f64,
-    /// Root mean square over the windows.
-    pub observed: f64,
-    /// Lower end of its 95 % interval.
-    pub lo: f64,
-    /// Upper end of its 95 % interval.
-    pub hi: f64,
-    /// What the five terms alone predict, one standard deviation.
-    pub before: f64,
-    /// What the extended model predicts.
-    pub after: f64,
-}
 
 /// Observed and predicted errors of an axis; none for times that leave too few windows.
 pub(crate) fn compare(axis: &AxisState, models: Models<'_>, wave: &[f64]) -> Vec<VelocityError> {

@@ -10,49 +10,21 @@ pub mod course;
 pub mod growth;
 pub mod spectrum;
 
-use serde::Serialize;
-
 use crate::diagnosis::axis::AxisState;
-use crate::diagnosis::held_out::allan::HeldPoint;
 use crate::diagnosis::options::Options;
 use crate::diagnosis::result::finding::Finding;
+use crate::diagnosis::result::views::{Amplitudes, Counts, Course, HeldPoint, Views};
 use crate::fit::likelihood::Fit;
 use crate::model::axis::ModelAxis;
 use crate::model::burst;
 use crate::model::whole::{Model, SCHEMA};
 use crate::simulate::source::Simulation;
-use allan::AllanPoint;
-use amplitudes::{Amplitudes, Counts};
-use course::Course;
-use growth::VelocityError;
-use spectrum::SpectrumPoint;
 
 /// Seed of the simulated record.
 pub const SEED: u64 = 1;
 
 /// Samples simulated at a time.
 const BLOCK: usize = 1 << 16;
-
-/// The views of one axis; all of them empty where none were wanted.
-#[derive(Debug, Clone, Default, Serialize)]
-pub struct Views {
-    /// Allan deviation.
-    pub allan: Vec<AllanPoint>,
-    /// That of the held-out half, where it says how far the models are off.
-    pub held_out: Vec<HeldPoint>,
-    /// Spectral density.
-    pub spectrum: Vec<SpectrumPoint>,
-    /// Growth of the velocity error.
-    pub velocity_error: Vec<VelocityError>,
-    /// Seed of the simulated record; `None` where the model makes none.
-    pub simulation_seed: Option<u64>,
-    /// The record in time; for pictures alone.
-    #[serde(skip)]
-    pub course: Course,
-    /// Law of the whitened amplitudes; for pictures alone.
-    #[serde(skip)]
-    pub amplitudes: Amplitudes,
-}
 
 /// What has to be noted down before anything is taken out of the record.
 #[derive(Clone)]

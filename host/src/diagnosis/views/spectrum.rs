@@ -2,12 +2,11 @@
 
 use std::ops::Range;
 
-use serde::Serialize;
-
 use crate::bins::point;
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::laws;
 use crate::diagnosis::record::bins::Frame;
+use crate::diagnosis::result::views::SpectrumPoint;
 use crate::diagnosis::views::Burst;
 use crate::fit::likelihood::Fit;
 use crate::spectrum::pool;
@@ -17,27 +16,6 @@ const LEAST_EDF: f64 = 8.0;
 
 /// Standard deviations by which a density differs: of hundreds of points none does by chance.
 const DIFFERS: f64 = 4.0;
-
-/// Neighbouring bins as one. Densities are two-sided, squared units of the signal per hertz.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct SpectrumPoint {
-    /// Mean frequency, hertz.
-    pub f_hz: f64,
-    /// Measured density.
-    pub psd: f64,
-    /// Lower end of its 95 % interval.
-    pub lo: f64,
-    /// Upper end of its 95 % interval.
-    pub hi: f64,
-    /// Degrees of freedom behind it.
-    pub edf: f64,
-    /// What the five terms alone expect.
-    pub before: f64,
-    /// What the extended model expects.
-    pub after: f64,
-    /// That of the simulated record.
-    pub simulated: Option<f64>,
-}
 
 impl SpectrumPoint {
     /// Whether the five terms alone are further off than chance explains.

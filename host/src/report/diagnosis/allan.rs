@@ -10,7 +10,7 @@ use super::super::plot::scale::Scale;
 use super::super::svg::{Theme, escape, typeset};
 use super::{WITH_STRIP, models, places};
 use crate::diagnosis::result::finding::AxisDiagnosis;
-use crate::diagnosis::views::allan::AllanPoint;
+use crate::diagnosis::result::views::AllanPoint;
 
 /// Opacity of the measured band.
 const BAND: f64 = 0.18;

@@ -9,7 +9,8 @@ use super::super::plot::scale::Scale;
 use super::super::svg::{Theme, escape};
 use super::WITHOUT_STRIP;
 use crate::diagnosis::result::finding::AxisDiagnosis;
-use crate::diagnosis::views::amplitudes::{Counts, WIDTH};
+use crate::diagnosis::result::views::Counts;
+use crate::diagnosis::views::amplitudes::WIDTH;
 
 /// Standard deviations that are shown at least.
 const LEAST: f64 = 6.0;

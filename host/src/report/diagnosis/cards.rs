@@ -4,7 +4,8 @@ use std::fmt::{Result, Write};
 
 use super::super::number::{estimated, probability, significant};
 use super::super::svg::{escape, typeset};
-use crate::diagnosis::result::finding::{AxisDiagnosis, Finding, Remark, Value};
+use crate::diagnosis::result::finding::{AxisDiagnosis, Finding, Remark};
+use crate::diagnosis::result::value::Value;
 use crate::model::{Coefficient, PerCoefficient};
 
 /// Numbers of one finding that are listed, at most; JSON has all.

@@ -9,7 +9,7 @@ use super::super::plot::scale::Scale;
 use super::super::svg::{Theme, escape, typeset};
 use super::{DIFFERS, WITH_STRIP};
 use crate::diagnosis::result::finding::AxisDiagnosis;
-use crate::diagnosis::views::course::{Column, Course, Extent};
+use crate::diagnosis::result::views::{Column, Course, Extent};
 
 /// Opacity of extremes.
 const EXTREMES: f64 = 0.4;

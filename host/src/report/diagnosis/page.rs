@@ -9,7 +9,7 @@ use super::super::svg::{PAGE, escape, typeset};
 use super::text::MOST_TOLD;
 use super::{HEIGHT, cards, pictures};
 use crate::diagnosis::result::finding::{AxisDiagnosis, Diagnosis};
-use crate::diagnosis::views::growth::VelocityError;
+use crate::diagnosis::result::views::VelocityError;
 
 /// The page.
 pub fn render(diagnosis: &Diagnosis) -> String {

@@ -11,7 +11,7 @@ use super::super::spectrum_plot::{decades_of, measured, titles, typical_limit};
 use super::super::svg::Theme;
 use super::{DIFFERS, WITH_STRIP, models, places};
 use crate::diagnosis::result::finding::AxisDiagnosis;
-use crate::diagnosis::views::spectrum::SpectrumPoint;
+use crate::diagnosis::result::views::SpectrumPoint;
 
 /// Opacity of a resonance's band.
 const PEAK: f64 = 0.14;

@@ -4,9 +4,8 @@ use std::fmt::Write;
 
 use super::super::number::{estimated, probability, significant};
 use super::super::text::head;
-use crate::diagnosis::result::finding::{
-    AxisDiagnosis, Diagnosis, Finding, Remark, SMALL_PERCENT, Value,
-};
+use crate::diagnosis::result::finding::{AxisDiagnosis, Diagnosis, Finding, Remark, SMALL_PERCENT};
+use crate::diagnosis::result::value::Value;
 use crate::model::Coefficient;
 
 /// Findings that are all told in full; of more, the small ones in a line each.

@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use crate::diagnosis::axis::Seen;
-use crate::diagnosis::doubt::steadiness::strengths;
 use crate::diagnosis::statistic::p_value;
+use crate::diagnosis::steady::noise::strengths;
 
 /// Ordinates of the narrowest band, and moments within the stretch that a band must have.
 const LEAST_ORDINATES: usize = 64;

@@ -5,10 +5,11 @@ mod stretch;
 
 use super::{Detector, coarse_grid, strength, telegraph};
 use crate::diagnosis::axis::{AxisState, NoFit};
-use crate::diagnosis::doubt::of_band::is_of_excluded;
-use crate::diagnosis::explanation::{Candidate, Change, Estimate};
-use crate::diagnosis::result::finding::Value;
-use crate::diagnosis::search::{Look, Proposal};
+use crate::diagnosis::detect::look::{Look, Proposal};
+use crate::diagnosis::explanation::{Candidate, Change};
+use crate::diagnosis::result::estimate::Estimate;
+use crate::diagnosis::result::value::Value;
+use crate::diagnosis::steady::band_events::is_of_excluded;
 use crate::model::burst::KIND;
 use crate::model::{outliers, rounding};
 pub use stretch::{Burst, burst};

@@ -27,7 +27,9 @@ use crate::spectrum::Line as Peak;
 
 use super::demodulate::Blocks;
 use super::peaks::{self, Place, SPLIT};
-use super::ratio::{self, Best, Line, Posterior, Quiet, Tables, Turned, fitted, held, zoom};
+use super::ratio::{
+    self, AS_GOOD, Best, Line, Posterior, Quiet, REACH, Tables, Turned, fitted, held, zoom,
+};
 
 /// Blocks that a record is cut into, at most and at least.
 const BLOCKS: usize = 512;
@@ -40,9 +42,6 @@ const CYCLES: f64 = 8.0;
 /// within these.
 const LONGEST: [f64; 2] = [64.0, 256.0];
 
-/// How far from a steady line's best frequency the line may be, cycles a record.
-pub(super) const REACH: f64 = 3.0;
-
 /// Log-likelihood that a line gains, at least, to be one.
 const LEAST_LINE: f64 = 8.0;
 
@@ -51,9 +50,6 @@ const MOST_LINES: usize = 16;
 
 /// Logarithm of the odds that the lines but the loudest must give, 20 to 1.
 const ODDS: f64 = 3.0;
-
-/// Log-likelihood within which a length or a moment is as good as the best: 95 %.
-pub(super) const AS_GOOD: f64 = 2.0;
 
 /// Cycles a record on either side of a line where the loss must explain what is there.
 const NEAR: usize = 16;

@@ -4,9 +4,14 @@ use rustfft::num_complex::Complex64;
 use std::f64::consts::TAU;
 
 use crate::diagnosis::detect::dropped::demodulate::{Blocks, Demodulated, Turn};
-use crate::diagnosis::detect::dropped::loss::{AS_GOOD, REACH};
 use crate::diagnosis::record::wave::Wave;
 use crate::fft::ring::Series;
+
+/// How far from a steady line's best frequency the line may be, cycles a record.
+pub(super) const REACH: f64 = 3.0;
+
+/// Log-likelihood within which a length or a moment is as good as the best: 95 %.
+pub(super) const AS_GOOD: f64 = 2.0;
 
 /// Share of the record at each end in which no loss is looked for.
 const MARGIN: f64 = 0.02;

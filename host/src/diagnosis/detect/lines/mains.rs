@@ -1,6 +1,32 @@
 //! Lines at multiples of a mains frequency: one cause.
 
-use super::measure::{Group, Measured};
+use super::measure::Measured;
+use crate::spectrum::Line;
+
+/// Lines with one cause.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Group {
+    /// One by itself.
+    Single(Measured),
+    /// Mains and harmonics: base frequency with its standard deviation, and each line's number.
+    Hum {
+        /// Base frequency, hertz.
+        base_hz: f64,
+        /// Its standard deviation.
+        base_sd_hz: f64,
+        /// The lines with their harmonic numbers.
+        lines: Vec<(u32, Measured)>,
+    },
+    /// Lines that stand closer than the record can have separate ones: a narrow peak.
+    Cluster {
+        /// Middle, hertz.
+        f_hz: f64,
+        /// Distance of the outermost, hertz.
+        width_hz: f64,
+        /// The lines.
+        lines: Vec<Line>,
+    },
+}
 
 /// Largest distance of a mains frequency from its nominal value, as a share.
 const MAINS_SHARE: f64 = 0.005;

@@ -1,5 +1,4 @@
-//! Lines as they are measured: found over the whole record, grouped by what they have in common, with their
-//! phase.
+//! A line as it is measured, with its phase.
 
 use std::f64::consts::{PI, TAU};
 
@@ -9,8 +8,6 @@ use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::record::wave::Wave;
 use crate::fft::phasor::Phasor;
 use crate::spectrum::Line;
-
-use super::mains::with_hum;
 
 /// Share of the record over which each end is tapered where a line is measured.
 const TAPER: f64 = 0.05;
@@ -24,63 +21,6 @@ pub struct Measured {
     pub wave: Wave,
     /// Standard deviation of the amplitude.
     pub amplitude_sd: f64,
-}
-
-/// Lines with one cause.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Group {
-    /// One by itself.
-    Single(Measured),
-    /// Mains and harmonics: base frequency with its standard deviation, and each line's number.
-    Hum {
-        /// Base frequency, hertz.
-        base_hz: f64,
-        /// Its standard deviation.
-        base_sd_hz: f64,
-        /// The lines with their harmonic numbers.
-        lines: Vec<(u32, Measured)>,
-    },
-    /// Lines that stand closer than the record can have separate ones: a narrow peak.
-    Cluster {
-        /// Middle, hertz.
-        f_hz: f64,
-        /// Distance of the outermost, hertz.
-        width_hz: f64,
-        /// The lines.
-        lines: Vec<Line>,
-    },
-}
-
-/// The lines of the mended record at a family-wise `level`, grouped.
-pub fn lines(axis: &AxisState, level: f64) -> Vec<Group> {
-    let found = axis.lines(level);
-    let duration_s = axis.filled.len() as f64 / axis.rate_hz;
-    let mut groups = Vec::new();
-    let mut singles = Vec::new();
-    // Neighbours closer than some tens of 1/T belong together.
-    let mut rest = found;
-    while let Some((first, _)) = rest.split_first() {
-        let near = |a: &Line, b: &Line| {
-            b.frequency_hz - a.frequency_hz < (40.0 / duration_s).max(0.004 * a.frequency_hz)
-        };
-        let count = 1 + rest
-            .windows(2)
-            .take_while(|pair| near(&pair[0], &pair[1]))
-            .count();
-        let (cluster, others) = rest.split_at(count);
-        rest = others;
-        if count >= 3 {
-            groups.push(Group::Cluster {
-                f_hz: 0.5 * (first.frequency_hz + cluster[count - 1].frequency_hz),
-                width_hz: cluster[count - 1].frequency_hz - first.frequency_hz,
-                lines: cluster.to_vec(),
-            });
-        } else {
-            singles.extend(cluster.iter().map(|line| measure(axis, line)));
-        }
-    }
-    groups.extend(with_hum(singles));
-    groups
 }
 
 /// The line within some 1/T of `f_hz` at which its size is largest, found otherwise with the
@@ -118,7 +58,7 @@ pub fn measure_near(axis: &AxisState, f_hz: f64, p_value: f64) -> Measured {
 }
 
 /// Size and phase of a line by least squares with tapered ends.
-fn measure(axis: &AxisState, line: &Line) -> Measured {
+pub fn measure(axis: &AxisState, line: &Line) -> Measured {
     let length = axis.filled.len();
     let cycles = line.frequency_hz / axis.rate_hz;
     let end = ((TAPER * length as f64) as usize).max(1);

@@ -7,15 +7,18 @@ use std::ops::Range;
 
 use super::Detector;
 use crate::diagnosis::axis::{AxisState, Excluded, NoFit};
-use crate::diagnosis::doubt::tone;
-use crate::diagnosis::explanation::{Candidate, Change, Estimate};
+use crate::diagnosis::detect::look::{Look, Proposal};
+use crate::diagnosis::explanation::{Candidate, Change};
 use crate::diagnosis::record::wave::Wave;
-use crate::diagnosis::result::finding::{Remark, Value};
+use crate::diagnosis::result::estimate::Estimate;
+use crate::diagnosis::result::finding::Remark;
 use crate::diagnosis::result::place::Place;
-use crate::diagnosis::search::{Look, Proposal};
+use crate::diagnosis::result::value::Value;
+use crate::diagnosis::steady;
 use crate::model::{hum, resonance, sinusoid};
-pub use mains::{mains_base, wandering, with_hum};
-pub use measure::{Group, Measured, lines, measure_near};
+use crate::spectrum::Line;
+pub use mains::{Group, mains_base, wandering, with_hum};
+pub use measure::{Measured, measure_near};
 
 /// Looks for lines, all at once.
 pub static DETECTOR: Detector = Detector { tests: 1, look };
@@ -30,6 +33,38 @@ pub static WANDERING: Detector = Detector {
 fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     let groups = lines(look.axis, look.level());
     Ok(proposals(look, groups, |one| wanders(look, one)))
+}
+
+/// The lines of the residual at a family-wise `level`, grouped.
+pub fn lines(axis: &AxisState, level: f64) -> Vec<Group> {
+    let found = axis.lines(level);
+    let duration_s = axis.filled.len() as f64 / axis.rate_hz;
+    let mut groups = Vec::new();
+    let mut singles = Vec::new();
+    // Neighbours closer than some tens of 1/T belong together.
+    let mut rest = found;
+    while let Some((first, _)) = rest.split_first() {
+        let near = |a: &Line, b: &Line| {
+            b.frequency_hz - a.frequency_hz < (40.0 / duration_s).max(0.004 * a.frequency_hz)
+        };
+        let count = 1 + rest
+            .windows(2)
+            .take_while(|pair| near(&pair[0], &pair[1]))
+            .count();
+        let (cluster, others) = rest.split_at(count);
+        rest = others;
+        if count >= 3 {
+            groups.push(Group::Cluster {
+                f_hz: 0.5 * (first.frequency_hz + cluster[count - 1].frequency_hz),
+                width_hz: cluster[count - 1].frequency_hz - first.frequency_hz,
+                lines: cluster.to_vec(),
+            });
+        } else {
+            singles.extend(cluster.iter().map(|line| measure::measure(axis, line)));
+        }
+    }
+    groups.extend(with_hum(singles));
+    groups
 }
 
 /// What is to be done about the lines of some groups, but for single ones that are to be left.
@@ -154,7 +189,7 @@ fn ahead_of_chain(axis: &AxisState, one: &Measured) -> Value {
 /// Whether a line does not keep its size and phase.
 fn wanders(look: &Look<'_>, one: &Measured) -> bool {
     let cycles = one.line.frequency_hz / look.axis.rate_hz;
-    tone::p_steady(look.axis, cycles) < look.level()
+    steady::line::p_steady(look.axis, cycles) < look.level()
 }
 
 fn look_for_wandering(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {

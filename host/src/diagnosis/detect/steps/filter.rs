@@ -1,10 +1,10 @@
 //! Jumps of the level that stay: the matched filter for a step, at every moment.
 
 use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::axis::profile::Profile;
 use crate::diagnosis::record::wave::{Jump, Outlier};
 use crate::diagnosis::statistic::matched_filter::{Match, Step, Transformer, Whole, matched};
 use crate::diagnosis::statistic::p_value;
-use crate::diagnosis::statistic::profile::Profile;
 
 /// The largest jump, significant or not.
 pub fn largest_jump(

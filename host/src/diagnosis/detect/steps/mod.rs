@@ -3,12 +3,13 @@
 mod filter;
 mod pursuit;
 
+use crate::diagnosis::axis::profile::Noise;
+use crate::diagnosis::detect::look::{Lesson, Look, Proposal};
 use crate::diagnosis::detect::{burst, telegraph};
-use crate::diagnosis::explanation::{Candidate, Change, Estimate};
+use crate::diagnosis::explanation::{Candidate, Change};
 use crate::diagnosis::record::wave::{Jump, Wave};
-use crate::diagnosis::result::finding::Value;
-use crate::diagnosis::search::{Lesson, Look, Proposal};
-use crate::diagnosis::statistic::profile::Noise;
+use crate::diagnosis::result::estimate::Estimate;
+use crate::diagnosis::result::value::Value;
 use crate::model::kind::Kind;
 use crate::model::steps::KIND;
 use crate::model::{thermal, warmup};

@@ -4,12 +4,12 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::{MOST, filter, is_of_burst};
+use crate::diagnosis::axis::profile::Noise;
 use crate::diagnosis::axis::{AxisState, SPREAD};
+use crate::diagnosis::detect::look::Look;
 use crate::diagnosis::record::bridge::block_means;
 use crate::diagnosis::record::wave::{Jump, Wave};
-use crate::diagnosis::search::Look;
 use crate::diagnosis::statistic::matched_filter::{Match, Transformer, held_out_gain};
-use crate::diagnosis::statistic::profile::Noise;
 
 /// Samples in one of the slow copy up to which jumps are placed to the sample.
 const FINE: usize = 8;

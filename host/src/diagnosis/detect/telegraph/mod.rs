@@ -4,16 +4,17 @@
 //! recognised by going to and fro by as much; many are seen by their spectrum, which is that of Markov
 //! noise, and told from it by the law of amplitudes ([`two_levels`]).
 
+pub mod short_dwells;
 mod two_levels;
 
-use super::spectral;
-use crate::diagnosis::axis::{AxisState, NoFit};
-use crate::diagnosis::explanation::{Candidate, Estimate};
-use crate::diagnosis::laws::search::{self, Found};
+use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::detect::look::Look;
+use crate::diagnosis::explanation::Candidate;
+use crate::diagnosis::laws::search::Found;
 use crate::diagnosis::laws::{self, Law};
 use crate::diagnosis::record::wave::Jump;
-use crate::diagnosis::result::finding::Value;
-use crate::diagnosis::search::{Lesson, Look, Proposal};
+use crate::diagnosis::result::estimate::Estimate;
+use crate::diagnosis::result::value::Value;
 use crate::fit::likelihood::Fit;
 use crate::model::effect::Part;
 use crate::model::markov;
@@ -89,104 +90,6 @@ fn whole_jumps(jumps: &[Jump]) -> Vec<Jump> {
     jumps.iter().filter(is_whole).copied().collect()
 }
 
-/// Jumps that were named one by one and belong to a switching of which more is left: what is to be done
-/// where Markov noise is the best of the laws.
-///
-/// # Errors
-/// [`NoFit`] where the record with the jumps put back cannot be fitted.
-pub fn in_place_of_jumps(look: &Look<'_>) -> Result<Option<Vec<Proposal>>, NoFit> {
-    if look.character.level_switches {
-        return Ok(None);
-    }
-    if look.axis.has(KIND) {
-        return Ok(Some(vec![
-            Proposal::Learn(Lesson::LevelSwitches),
-            Proposal::Withdraw(vec![KIND]),
-        ]));
-    }
-    with_jumps(look)
-}
-
-/// The switching between two levels, where it is what makes the spectrum's low end, jumps that were named one
-/// by one being part of it or not.
-///
-/// # Errors
-/// [`NoFit`] where the record with the jumps put back cannot be fitted.
-pub fn anywhere(look: &Look<'_>) -> Result<Option<Vec<Proposal>>, NoFit> {
-    if look.character.level_switches || !look.is_open(KIND) {
-        return Ok(None);
-    }
-    if switches(look, look.axis, &[])? {
-        return as_law(look).map(Some);
-    }
-    with_jumps(look)
-}
-
-/// The same with the jumps that were named one by one put back, if they go to and fro by its height.
-fn with_jumps(look: &Look<'_>) -> Result<Option<Vec<Proposal>>, NoFit> {
-    let jumps = back_and_forth(look.axis);
-    if jumps.is_empty() || !look.is_open(KIND) {
-        return Ok(None);
-    }
-    let mut without = look.axis.clone();
-    without.withdraw(crate::model::steps::KIND);
-    without.refresh()?;
-    if !switches(look, &without, &jumps)? {
-        return Ok(None);
-    }
-    let look = Look {
-        axis: &without,
-        ..*look
-    };
-    let mut proposals = vec![Proposal::Withdraw(vec![crate::model::steps::KIND])];
-    proposals.extend(as_law(&look)?);
-    Ok(Some(proposals))
-}
-
-/// The best law of an axis that switches.
-fn as_law(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
-    let mut character = look.character.clone();
-    character.level_switches = true;
-    let look = Look {
-        character: &character,
-        ..*look
-    };
-    let mut proposals = vec![Proposal::Learn(Lesson::LevelSwitches)];
-    proposals.extend(spectral::strongest_law(&look)?);
-    Ok(proposals)
-}
-
-/// Whether there is Markov noise in an axis that rather switches between two levels, of the height of the
-/// `jumps`.
-fn switches(look: &Look<'_>, axis: &AxisState, jumps: &[f64]) -> Result<bool, NoFit> {
-    /// Largest factor between a jump and the height.
-    const ALIKE: f64 = 1.6;
-    /// Odds that take a jump back, which by itself widens the law of amplitudes.
-    const PUT_BACK: f64 = 3.0;
-    let starts = axis.starts().ok_or(NoFit)?;
-    let (frame, data) = (&axis.frame, &axis.data);
-    let found = search::search(frame, data, &axis.laws, &axis.fit, &starts, markov::KIND);
-    let Some(found) = found.filter(|one| one.p_value < look.level()) else {
-        return Ok(false);
-    };
-    let component = laws::component_of(frame, &axis.laws, axis.laws.len());
-    let height = 2.0 * found.fit.squared[component].sqrt();
-    let alike = |jump: &f64| (height / jump.abs()).ln().abs() < ALIKE.ln();
-    if !jumps.iter().all(alike) {
-        return Ok(false);
-    }
-    let odds = log_odds(axis, &found.law, &found.fit);
-    let least = if jumps.is_empty() { 0.0 } else { PUT_BACK };
-    Ok(odds.is_some_and(|odds| odds > least))
-}
-
-/// Heights of the jumps that were named one by one, if each goes back where the one before came from.
-fn back_and_forth(axis: &AxisState) -> Vec<f64> {
-    let heights: Vec<f64> = axis.residual.jumps().map(|jump| jump.height).collect();
-    let back = heights.windows(2).all(|pair| pair[0] * pair[1] < 0.0);
-    if back { heights } else { Vec::new() }
-}
-
 /// Of laws that were found, best first, the Markov noise that may switch between two levels as well,
 /// and the logarithm of the odds that it does.
 pub fn among(
@@ -215,7 +118,7 @@ pub fn supersede(candidate: &mut Candidate) {
 }
 
 /// Logarithm of the odds that what looks like Markov noise in the spectrum switches between two levels.
-fn log_odds(axis: &AxisState, law: &Law, fit: &Fit) -> Option<f64> {
+pub fn log_odds(axis: &AxisState, law: &Law, fit: &Fit) -> Option<f64> {
     let component = laws::component_of(&axis.frame, &axis.laws, axis.laws.len());
     let squared = fit.squared[component];
     let time_s = Markov::of(&law.values).time_s;

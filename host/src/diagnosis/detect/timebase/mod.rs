@@ -13,10 +13,11 @@ use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::detect::lines::{self, Group};
 use crate::diagnosis::detect::timebase::bands::Band;
 use crate::diagnosis::detect::timebase::ratio::{Mark, Rate};
-use crate::diagnosis::doubt::tone;
-use crate::diagnosis::explanation::Estimate;
 use crate::diagnosis::record::samples::Samples;
-use crate::diagnosis::result::finding::{Finding, Rival, Value};
+use crate::diagnosis::result::estimate::Estimate;
+use crate::diagnosis::result::finding::{Finding, Rival};
+use crate::diagnosis::result::value::Value;
+use crate::diagnosis::steady::line;
 use crate::model::sinusoid;
 use crate::model::timebase::KIND;
 use crate::spectrum::Line;
@@ -101,7 +102,7 @@ fn marks_of(samples: &Samples, number: usize, level: f64) -> Option<Vec<Mark>> {
             let holds = |band: &Band| 0.5 * line.amplitude.powi(2) > HOLDS * band.power;
             let within = bands.iter().find(|band| inside(band, line));
             within.is_none_or(holds)
-                && tone::p_steady(&axis, line.frequency_hz / axis.rate_hz) >= level
+                && line::p_steady(&axis, line.frequency_hz / axis.rate_hz) >= level
         })
         .collect();
     let wandering = bands

@@ -7,8 +7,8 @@
 use std::ops::Range;
 
 use crate::diagnosis::axis::AxisState;
-use crate::diagnosis::doubt::steadiness;
 use crate::diagnosis::statistic::p_value;
+use crate::diagnosis::steady::noise;
 
 /// How many times the average a band's power is where events are its own.
 const SEVERAL: f64 = 3.0;
@@ -32,7 +32,7 @@ pub fn is_of_excluded(axis: &AxisState, samples: &[Range<usize>]) -> bool {
 pub fn is_of_band(axis: &AxisState, bands_hz: &[Range<f64>], samples: &[Range<usize>]) -> bool {
     let length = axis.ring_len() as f64;
     bands_hz.iter().any(|band| {
-        let course = steadiness::course(axis, band);
+        let course = noise::course(axis, band);
         if course.is_empty() || samples.is_empty() {
             return false;
         }

@@ -19,9 +19,9 @@ use std::ops::Range;
 use realfft::num_complex::Complex64;
 
 use crate::diagnosis::axis::AxisState;
-use crate::diagnosis::doubt::steadiness::{counting, strengths};
 use crate::diagnosis::laws::squared_power;
 use crate::diagnosis::statistic::p_value;
+use crate::diagnosis::steady::noise::{counting, strengths};
 use crate::fft;
 use crate::fit::likelihood::components::SEEN;
 use crate::model::effect::Part;

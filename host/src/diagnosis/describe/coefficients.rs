@@ -1,8 +1,9 @@
 //! The five coefficients of a fit, with intervals.
 
 use crate::diagnosis::axis::AxisState;
-use crate::diagnosis::explanation::Estimate;
-use crate::diagnosis::result::finding::{Coefficient, Value};
+use crate::diagnosis::result::estimate::Estimate;
+use crate::diagnosis::result::finding::Coefficient;
+use crate::diagnosis::result::value::Value;
 use crate::fit::likelihood::Fit;
 use crate::fit::likelihood::components::SEEN;
 use crate::fit::likelihood::ramp::Ramp;

@@ -1,15 +1,18 @@
 //! Laws that change the shape of the spectrum: every effect of the catalogue that a search by shape can begin
 //! with ([`Effect::starts`](crate::model::effect::Effect::starts)), and telegraph noise among them.
 
+mod switching;
+
 use rayon::prelude::*;
 
 use super::{Detector, lines, telegraph};
 use crate::diagnosis::axis::{AxisState, NoFit};
-use crate::diagnosis::explanation::{Candidate, Change, Estimate};
+use crate::diagnosis::detect::look::{Lesson, Look, Proposal};
+use crate::diagnosis::explanation::{Candidate, Change};
 use crate::diagnosis::laws;
 use crate::diagnosis::laws::search::{self, Found};
+use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::finding::Rival;
-use crate::diagnosis::search::{Lesson, Look, Proposal};
 use crate::model::catalogue::CATALOGUE;
 use crate::model::kind::Kind;
 use crate::model::{markov, resonance};
@@ -23,6 +26,8 @@ const RESOLVED: f64 = 1.0;
 
 /// Laws at most: with more, the record is of another kind, and no name is worth much.
 const MOST: usize = 4;
+
+pub use switching::anywhere as switching_anywhere;
 
 /// Looks for the law that is worth most; one test for each shape that the catalogue has.
 pub static DETECTOR: Detector = Detector {
@@ -65,7 +70,7 @@ pub fn strongest_law(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     }
     // Jumps seen one by one may be a part of it.
     if found[0].law.effect == markov::KIND
-        && let Some(proposals) = telegraph::in_place_of_jumps(look)?
+        && let Some(proposals) = switching::in_place_of_jumps(look)?
     {
         return Ok(proposals);
     }

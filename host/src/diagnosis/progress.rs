@@ -1,0 +1,17 @@
+//! What a diagnosis says on its way.
+
+use crate::model::kind::Kind;
+
+/// What has come of an axis meanwhile.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Step {
+    /// It is begun with.
+    Begun,
+    /// An effect was found in it, which may be given back later.
+    Found(Kind),
+    /// It is done.
+    Done,
+}
+
+/// Is told the name of an axis and what has come of it, by several threads.
+pub type Progress<'a> = dyn Fn(&str, Step) + Sync + 'a;

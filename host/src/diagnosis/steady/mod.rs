@@ -1,0 +1,8 @@
+//! Whether what is in a record stays as it is from its beginning to its end: noise in its bands, the laws of
+//! the noise, lines, and the strength of all of it.
+
+pub mod band_events;
+pub mod law;
+pub mod line;
+pub mod noise;
+pub mod strength;
