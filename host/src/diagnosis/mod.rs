@@ -18,4 +18,5 @@ pub mod run;
 pub mod search;
 pub mod statistic;
 pub mod steady;
+pub mod values;
 pub mod views;

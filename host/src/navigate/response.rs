@@ -23,7 +23,7 @@ pub enum Integral {
     /// The second: position of an accelerometer.
     #[allow(
         dead_code,
-        reason = "docs/model.md gives its law; no report shows it yet"
+        reason = "docs/explanation/noise-model.md gives its law; no report shows it yet"
     )]
     Position,
 }

@@ -1,35 +1,13 @@
 //! Coarse steps (the effect `quantisation`): all values lie on a grid that nobody declared.
 
-use std::collections::HashMap;
-use std::hash::{BuildHasherDefault, DefaultHasher};
-
 use super::Detector;
 use crate::diagnosis::axis::{AxisState, NoFit};
 use crate::diagnosis::detect::look::{Look, Proposal};
 use crate::diagnosis::explanation::{Candidate, Change};
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
+use crate::diagnosis::values::grid::Coarse;
 use crate::model::rounding::KIND;
-
-/// Distinct values that are counted; with more, the values lie on no coarse grid.
-const DISTINCT: usize = 1 << 17;
-
-/// Samples that the first look takes.
-const LOOK: usize = 1 << 20;
-
-/// Step of a grid over the short-term noise, itself included, from which the noise looks stronger where
-/// the level lies between two steps than where it lies on one.
-const DECIDES: f64 = 2.0;
-
-/// A coarse grid.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Coarse {
-    /// Its step.
-    pub step: f64,
-    /// Whether the noise lies on so few steps that where the level is between two of them decides how
-    /// strong it looks.
-    pub decides: bool,
-}
 
 /// Looks for a grid.
 pub static DETECTOR: Detector = Detector { tests: 1, look };
@@ -60,62 +38,4 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
 pub fn decides(axis: &AxisState) -> bool {
     let mut changes = axis.explanations().iter().map(|one| &one.change);
     changes.any(|change| *change == Change::Grid { decides: true })
-}
-
-impl Coarse {
-    /// A grid of this `step`, if it is coarser than `declared` beside noise of the deviation `noise`, which as it
-    /// is has the root mean square `rms`.
-    pub fn new(step: f64, declared: Option<f64>, noise: f64, rms: f64) -> Option<Self> {
-        /// Least step over that of the codes: a grid of every second code is one.
-        const COARSER: f64 = 1.5;
-        /// Least step over the noise: below, rounding adds half a percent to it.
-        const SEEN: f64 = 0.25;
-        let coarser = declared.is_none_or(|declared| step > COARSER * declared.abs());
-        (coarser && step > SEEN * noise).then(|| Self {
-            step,
-            decides: step > DECIDES * rms,
-        })
-    }
-}
-
-/// The grid that all values lie on: its step, where they lie on one that is not finer than 2^-17
-/// of their range.
-pub fn grid(values: &[f64]) -> Option<f64> {
-    type Counts = HashMap<u64, u32, BuildHasherDefault<DefaultHasher>>;
-    let mut seen = Counts::default();
-    for value in values.iter().filter(|value| value.is_finite()).take(LOOK) {
-        *seen.entry(value.to_bits()).or_default() += 1;
-        if seen.len() > DISTINCT {
-            return None;
-        }
-    }
-    if seen.len() < 2 {
-        return None;
-    }
-    let mut distinct: Vec<f64> = seen.into_keys().map(f64::from_bits).collect();
-    distinct.sort_by(f64::total_cmp);
-    let range = distinct[distinct.len() - 1] - distinct[0];
-    // Rounding of the file's numbers; a true grid's step lies far above.
-    let slack = 1e-9 * range.max(distinct[0].abs());
-    let mut step = distinct
-        .windows(2)
-        .map(|pair| pair[1] - pair[0])
-        .filter(|gap| *gap > slack)
-        .fold(f64::INFINITY, f64::min);
-    // The least distance between neighbours need not be the grid's step itself: take what divides
-    // all distances.
-    for pair in distinct.windows(2) {
-        let mut rest = (pair[1] - pair[0]) % step;
-        rest = rest.min(step - rest);
-        if rest > 0.02 * step && rest > slack {
-            step = rest;
-        }
-        if step < range / DISTINCT as f64 {
-            return None;
-        }
-    }
-    // A few values by themselves lie on no grid.
-    let used = distinct.len() as f64;
-    let repeated = values.len().min(LOOK) as f64 > 1.5 * used;
-    (repeated && step.is_finite()).then_some(step)
 }

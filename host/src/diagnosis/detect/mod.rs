@@ -21,7 +21,6 @@ pub mod telegraph;
 pub mod thermal;
 pub mod timebase;
 pub mod unsteady_band;
-pub mod values;
 pub mod warmup;
 
 use crate::diagnosis::axis::NoFit;

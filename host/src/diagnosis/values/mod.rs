@@ -1,8 +1,12 @@
 //! What the values themselves say, before any model: repeats, pile-up at an extreme, coarse steps.
 
-use crate::diagnosis::detect::clipping::{Clipping, clipping};
-use crate::diagnosis::detect::coarse_grid::{Coarse, grid};
-use crate::diagnosis::detect::stale::{Chance, Stale, stale};
+pub mod extremes;
+pub mod grid;
+pub mod repeats;
+
+use self::extremes::{Clipping, clipping};
+use self::grid::{Coarse, grid};
+use self::repeats::{Chance, Stale, stale};
 use crate::diagnosis::statistic::spread::middle_spread;
 
 /// Step of a grid over the short-term noise below which chance repeats can be foretold: with few

@@ -1,0 +1,54 @@
+//! Samples that pile up at an extreme value.
+
+use crate::diagnosis::statistic::p_value;
+
+/// Probability that the next value equals the extreme, where no grid is coarse enough to be seen: the
+/// two largest of a million normal numbers are a fifth of a deviation apart, and more distinct values
+/// than are counted lie closer than a ten-thousandth.
+const SHARED: f64 = 1.0 / 2048.0;
+
+/// Samples piled up at one extreme value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Clipping {
+    /// The extreme value.
+    pub level: f64,
+    /// +1 upper, -1 lower.
+    pub side: f64,
+    /// Samples there.
+    pub count: u64,
+    /// Probability of the pile-up by chance.
+    pub p_value: f64,
+}
+
+/// Pile-up at the largest and at the smallest value.
+///
+/// Toward an extreme the counts of any smooth law fall off, so at most half of the samples in the
+/// last two cells lie in the last; without a grid the last cell is the value itself.
+pub fn clipping(values: &[f64], grid: Option<f64>, level: f64) -> Vec<Clipping> {
+    let side = |side: f64| {
+        let extreme = values
+            .iter()
+            .filter(|value| value.is_finite())
+            .fold(f64::NEG_INFINITY, |best, value| best.max(side * value));
+        let at = |distance: f64| {
+            let place = |value: &&f64| match grid {
+                Some(grid) => ((extreme - side * **value) / grid - distance).abs() < 0.5,
+                None => distance == 0.0 && side * **value == extreme,
+            };
+            values.iter().filter(place).count() as u64
+        };
+        let (last, before) = (at(0.0), at(1.0));
+        let one_side = match grid {
+            Some(_) => p_value::binomial_half(last, last + before),
+            None => SHARED.powi(last.saturating_sub(1).min(64) as i32),
+        };
+        let p_value = p_value::searched(one_side, 2.0);
+        (p_value < level).then_some(Clipping {
+            level: side * extreme,
+            side,
+            count: last,
+            p_value,
+        })
+    };
+    [side(1.0), side(-1.0)].into_iter().flatten().collect()
+}
