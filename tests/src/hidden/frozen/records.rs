@@ -51,6 +51,7 @@ pub fn records() -> Vec<Frozen> {
     }
     for kind in outside::KINDS {
         all.push(Frozen::one(task(&[kind.name], SAMPLES, 1), Change::None));
+        all.push(Frozen::one(task(&[kind.name], MORE, 2), Change::None));
     }
     for seed in 1..=3 {
         all.push(Frozen::one(task(&[], SAMPLES, seed), Change::None));
