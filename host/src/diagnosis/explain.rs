@@ -172,15 +172,15 @@ fn attempt(axis: &mut AxisState, context: &Context<'_>) -> Result<Done, Spoilt> 
 /// Gives the laws of an axis the parameters of the last fit, with their intervals; standard deviations of the
 /// squares of the base components.
 fn with_intervals(axis: &mut AxisState) -> Vec<f64> {
-    let spread = Spread::new(&axis.frame, &axis.data, &axis.laws, &axis.fit);
+    let spread = Spread::new(&axis.bins, &axis.data, &axis.laws, &axis.fit);
     let values = |which: usize| -> Vec<Value> {
-        let values = laws::sized(&axis.frame, &axis.laws, which, &axis.fit);
+        let values = laws::sized(&axis.bins, &axis.laws, which, &axis.fit);
         let both = values.iter().zip(spread.log_deviations(which));
         both.map(|(value, sd)| Value::log_normal(*value, sd))
             .collect()
     };
     let values: Vec<Vec<Value>> = (0..axis.laws.len()).map(values).collect();
-    let units = 0..axis.frame.units().len();
+    let units = 0..axis.bins.units().len();
     let squares_sd = units.map(|component| spread.square_sd(component)).collect();
     drop(spread);
     axis.set_laws(|which, one| {

@@ -7,7 +7,7 @@ use crate::diagnosis::family::level_of_one_test;
 use crate::diagnosis::options::Options;
 pub use crate::diagnosis::progress::{Progress, Step};
 use crate::diagnosis::record::samples::{Samples, Waiting};
-use crate::diagnosis::record::spill::Aside;
+use crate::diagnosis::record::spill::Spilled;
 use crate::diagnosis::refused::Refused;
 use crate::diagnosis::result::finding::AxisDiagnosis;
 use crate::diagnosis::{describe, explain};
@@ -72,12 +72,12 @@ fn diagnose_axes(
         for one in done {
             let (axis, residual) = one?;
             axes.push(axis);
-            residuals.push(Aside::new(residual, is_long));
+            residuals.push(Spilled::new(residual, is_long));
         }
     }
     let residuals: Vec<Vec<f32>> = residuals
         .into_iter()
-        .map(Aside::back)
+        .map(Spilled::back)
         .collect::<Result<_, _>>()?;
     let shared = common_mode::shared(&residuals, signal.rate_hz, level_of_one_test(options));
     for common in &shared.axes {

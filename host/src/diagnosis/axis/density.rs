@@ -8,7 +8,7 @@ impl AxisState {
     /// Two-sided density of the fitted model at `f_hz`, chain and filters included.
     pub fn density(&self, f_hz: f64) -> f64 {
         let laws = (0..self.laws.len()).map(|which| self.law_density(which, f_hz));
-        let sum = self.frame.base_density(&self.fit.squared, f_hz) + laws.sum::<f64>();
+        let sum = self.bins.base_density(&self.fit.squared, f_hz) + laws.sum::<f64>();
         sum * self.filters(f_hz)
     }
 
@@ -25,7 +25,7 @@ impl AxisState {
     /// Its part that law number `which` adds, filters left aside.
     pub fn law_density(&self, which: usize, f_hz: f64) -> f64 {
         self.unit_law_density(which, f_hz).map_or(0.0, |density| {
-            density * self.fit.squared[laws::component_of(&self.frame, &self.laws, which)]
+            density * self.fit.squared[laws::component_of(&self.bins, &self.laws, which)]
         })
     }
 
@@ -34,7 +34,7 @@ impl AxisState {
         let law = &self.laws[which];
         match law.effect.part(&law.values) {
             Part::Term(term) => {
-                Some(self.frame.term_density(&*term, f_hz) * self.frame.chain_power(f_hz))
+                Some(self.bins.term_density(&*term, f_hz) * self.bins.chain_power(f_hz))
             }
             Part::Distortion(_) | Part::Clock(_) | Part::Follows(_) => None,
         }
@@ -52,6 +52,6 @@ impl AxisState {
 
     /// Density of a component of the five terms whose square is 1.
     pub fn component_density(&self, component: usize, f_hz: f64) -> f64 {
-        self.frame.unit_density(component, f_hz, self.filters(f_hz))
+        self.bins.unit_density(component, f_hz, self.filters(f_hz))
     }
 }

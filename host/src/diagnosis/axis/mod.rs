@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use crate::chain::Chain;
 use crate::diagnosis::explanation::{Candidate, Change, Explanation, Snapshot};
 use crate::diagnosis::laws::{self, Law, search};
-use crate::diagnosis::record::bins::Frame;
+use crate::diagnosis::record::bins::SpectralBins;
 use crate::diagnosis::record::bridge::bridge;
 use crate::diagnosis::record::powers::{self, Powers};
 use crate::diagnosis::record::residual::{Residual, TakenOut};
@@ -20,7 +20,7 @@ use crate::diagnosis::record::wave::{Outlier, Wave};
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::finding::Remark;
 use crate::diagnosis::result::place::Place;
-use crate::diagnosis::statistic::matched_filter::{Transformer, Whole};
+use crate::diagnosis::statistic::matched_filter::{Transform, Transformer};
 use crate::fit::likelihood::{Data, Fit};
 use crate::model::kind::Kind;
 use crate::spectrum::Line;
@@ -92,7 +92,7 @@ pub struct AxisState {
     /// What is left of the record.
     pub residual: Residual,
     /// Bins and expectations.
-    pub frame: Frame,
+    pub bins: SpectralBins,
     /// The laws among the explanations.
     pub laws: Vec<Law>,
     /// Spectrum of the residual.
@@ -106,7 +106,7 @@ pub struct AxisState {
     /// What the bins are made for: ranges that are left out of the record.
     left_out: Vec<Range<usize>>,
     fast: Arc<Transformer>,
-    seen: Made<Arc<Seen>>,
+    seen: Made<Arc<Whitened>>,
     powers: OnceLock<Arc<Powers>>,
     starts: OnceLock<Option<Arc<search::Starts>>>,
     lines: OnceLock<Vec<Line>>,
@@ -137,10 +137,10 @@ impl<T> Made<T> {
     }
 }
 
-/// The mended record's transform, closed into a ring, and the densities that whiten it.
-pub struct Seen {
+/// The residual's transform, closed into a ring, and the densities that whiten it.
+pub struct Whitened {
     /// Transform.
-    pub whole: Whole,
+    pub transform: Transform,
     /// Density at every ordinate.
     pub density: Vec<f64>,
     /// Ordinates below what the converter's filter shuts out.
@@ -150,17 +150,17 @@ pub struct Seen {
 impl AxisState {
     /// An axis with nothing known. `None` where the record is too short, or all the same.
     pub fn new(measured: Arc<Vec<f64>>, rate_hz: f64, chain: Option<&Chain>) -> Option<Self> {
-        let frame = Frame::new(&measured, rate_hz, chain)?;
+        let bins = SpectralBins::new(&measured, rate_hz, chain)?;
         let fast = Transformer::new(measured.len());
-        let data = frame.first();
-        let fit = laws::fit(&frame, &data, &[])?;
+        let data = bins.first();
+        let fit = laws::fit(&bins, &data, &[])?;
         let mut state = Self {
             rate_hz,
             chain: chain.cloned(),
             explanations: Vec::new(),
             excluded: Vec::new(),
             residual: Residual::new(Arc::clone(&measured)),
-            frame,
+            bins,
             laws: Vec::new(),
             data,
             fit,
@@ -370,25 +370,25 @@ impl AxisState {
     /// # Errors
     /// [`NoFit`] where what is left cannot be fitted any more.
     pub fn refresh(&mut self) -> Result<(), NoFit> {
-        self.forget_whole();
+        self.forget_whitened();
         self.powers = OnceLock::new();
         let spread = self.is_filtered().then_some(SPREAD);
         self.residual = self.residual.after(self.taken_out(), spread);
         let values = self.residual.values();
         let left_out: Vec<Range<usize>> = self.residual.left_out().cloned().collect();
         if self.left_out == left_out {
-            self.frame.leave_out(&self.excluded_hz());
-            self.data = self.frame.measure(&values);
+            self.bins.leave_out(&self.excluded_hz());
+            self.data = self.bins.measure(&values);
         } else {
             self.starts = OnceLock::new();
-            let frame = Frame::new(&values, self.rate_hz, self.chain.as_ref());
-            self.frame = frame.ok_or(NoFit)?;
-            self.frame.leave_out(&self.excluded_hz());
-            self.data = self.frame.first();
+            let bins = SpectralBins::new(&values, self.rate_hz, self.chain.as_ref());
+            self.bins = bins.ok_or(NoFit)?;
+            self.bins.leave_out(&self.excluded_hz());
+            self.data = self.bins.first();
             self.left_out = left_out;
         }
         self.laws = Snapshot::of(&self.explanations).laws;
-        let fit = search::polish(&self.frame, &self.data, &mut self.laws, 0, 0.05);
+        let fit = search::polish(&self.bins, &self.data, &mut self.laws, 0, 0.05);
         self.fit = fit.ok_or(NoFit)?;
         let mut polished = self.laws.iter();
         for one in &mut self.explanations {
@@ -483,16 +483,16 @@ impl AxisState {
         near.into_iter().all(|range| range.end <= index)
     }
 
-    /// Transform of the mended record and what whitens it; made once for each state.
-    pub fn whole(&self) -> Arc<Seen> {
+    /// Transform of the residual and what whitens it; made once for each state.
+    pub fn whitened(&self) -> Arc<Whitened> {
         let cell = self.seen.cell();
         let seen = cell.get_or_init(|| {
-            let mut whole = self.fast.transform(&self.filled, self.rate_hz);
-            let density = self.whitening(&whole);
-            whole.close(&density);
-            let top = self.shut_out(&whole);
-            Arc::new(Seen {
-                whole,
+            let mut transform = self.fast.transform(&self.filled, self.rate_hz);
+            let density = self.densities(&transform);
+            transform.close(&density);
+            let top = self.shut_out(&transform);
+            Arc::new(Whitened {
+                transform,
                 density,
                 top,
             })
@@ -501,11 +501,11 @@ impl AxisState {
     }
 
     /// The first ordinate that the chain shuts out, or how many there are.
-    fn shut_out(&self, whole: &Whole) -> usize {
+    fn shut_out(&self, whole: &Transform) -> usize {
         /// Steps over the band in which its response is followed.
         const STEPS: usize = 4096;
         let count = whole.ordinates().len();
-        let passes = |k: usize| self.frame.chain_power(whole.frequency(k)) >= SHUT_OUT;
+        let passes = |k: usize| self.bins.chain_power(whole.frequency(k)) >= SHUT_OUT;
         let stride = count.div_ceil(STEPS);
         let mut steps = (1..count).step_by(stride).chain([count - 1]);
         let Some(beyond) = steps.find(|&k| !passes(k)) else {
@@ -517,7 +517,7 @@ impl AxisState {
     }
 
     /// Gives up the transform until it is asked for again: a long record has no room for two.
-    pub fn forget_whole(&self) {
+    pub fn forget_whitened(&self) {
         self.seen.forget();
     }
 
@@ -528,7 +528,7 @@ impl AxisState {
 
     /// Transform of the record with `outliers` put back, for noise of the `density` that it has without
     /// them.
-    pub fn with(&self, outliers: &[Outlier], density: &[f64]) -> Whole {
+    pub fn with(&self, outliers: &[Outlier], density: &[f64]) -> Transform {
         let mut series = self.fast.series(&self.filled);
         for one in outliers {
             // The last few samples may be left over.
@@ -544,8 +544,8 @@ impl AxisState {
     /// Power of the whitened record over time; made once for each state.
     pub fn powers(&self) -> Arc<Powers> {
         let powers = self.powers.get_or_init(|| {
-            let seen = self.whole();
-            let powers = powers::powers(&seen.whole, &seen.density, |n| self.usable(n));
+            let seen = self.whitened();
+            let powers = powers::powers(&seen.transform, &seen.density, |n| self.usable(n));
             Arc::new(powers)
         });
         Arc::clone(powers)
@@ -557,7 +557,7 @@ impl AxisState {
         rayon::join(|| self.lines(level), || self.powers());
     }
 
-    /// Lines of the mended record at a family-wise `level`, the same for each of its states.
+    /// Lines of the residual at a family-wise `level`, the same for each of its states.
     pub fn lines(&self, level: f64) -> &[Line] {
         self.lines.get_or_init(|| {
             let Ok(found) = record_lines::search(self.filled.as_slice(), self.rate_hz, level);
@@ -567,7 +567,7 @@ impl AxisState {
 
     /// Where searches for laws begin; `None` without bins.
     pub fn starts(&self) -> Option<Arc<search::Starts>> {
-        let made = || search::Starts::new(&self.frame).map(Arc::new);
+        let made = || search::Starts::new(&self.bins).map(Arc::new);
         self.starts.get_or_init(made).clone()
     }
 }

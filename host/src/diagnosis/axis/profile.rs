@@ -18,7 +18,7 @@ use realfft::num_complex::Complex64;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 use crate::diagnosis::axis::AxisState;
-use crate::diagnosis::statistic::matched_filter::{Impulse, Step, Transformer, Whole};
+use crate::diagnosis::statistic::matched_filter::{Impulse, Step, Transform, Transformer};
 
 /// Ordinates, from the lowest, whose density is fitted anew.
 const LOW: usize = 1024;
@@ -43,7 +43,7 @@ pub enum Noise {
 
 /// A record on its ring, and what whitens it.
 pub struct Profile<'a> {
-    record: &'a Whole,
+    record: &'a Transform,
     density: &'a [f64],
     /// Numbers of the low ordinates that count.
     low: Vec<usize>,
@@ -52,7 +52,7 @@ pub struct Profile<'a> {
     /// That of walk and of flicker of size 1.
     shapes: [Vec<f64>; 2],
     /// What is free at the seam.
-    seam: [Whole; 2],
+    seam: [Transform; 2],
     /// Squares of walk and flicker without a waveform.
     squares: [f64; 2],
     /// Log-likelihood with these.
@@ -84,7 +84,7 @@ struct Best {
 
 impl<'a> Profile<'a> {
     /// Of a `record` of an axis whitened by `density`.
-    pub fn new(axis: &AxisState, record: &'a Whole, density: &'a [f64]) -> Self {
+    pub fn new(axis: &AxisState, record: &'a Transform, density: &'a [f64]) -> Self {
         let last = LOW.min(density.len() - 2);
         let low: Vec<usize> = (1..=last).filter(|&k| density[k].is_finite()).collect();
         let shapes = [0, 1].map(|term| -> Vec<f64> {
@@ -120,7 +120,7 @@ impl<'a> Profile<'a> {
     }
 
     /// A waveform of any size, whose transform is `wave`.
-    pub fn fit(&self, wave: &Whole) -> Joint {
+    pub fn fit(&self, wave: &Transform) -> Joint {
         let best = self.best(&[wave, &self.seam[0], &self.seam[1]]);
         let twice = 2.0 * (best.nats - self.null).max(0.0);
         let size = best.sizes[0];
@@ -140,7 +140,7 @@ impl<'a> Profile<'a> {
     }
 
     /// Walk, flicker and the sizes of `waves` that are likeliest together.
-    fn best(&self, waves: &[&Whole]) -> Best {
+    fn best(&self, waves: &[&Transform]) -> Best {
         let after = self.low.last().map_or(1, |last| last + 1);
         let mut high = Linear::new(waves.len());
         let above = (after..self.density.len()).map(|k| (k, self.density[k]));
@@ -200,7 +200,7 @@ impl<'a> Profile<'a> {
     }
 
     /// Ordinates that decide about a waveform.
-    fn deciding(&self, wave: &Whole, squares: [f64; 2]) -> f64 {
+    fn deciding(&self, wave: &Transform, squares: [f64; 2]) -> f64 {
         let after = self.low.last().map_or(1, |last| last + 1);
         let above = (after..self.density.len()).map(|k| (k, self.density[k]));
         let low = self.low.iter().copied().zip(self.densities(squares));
@@ -225,8 +225,8 @@ impl Linear {
     /// Adds ordinates with their densities.
     fn add(
         &mut self,
-        record: &Whole,
-        waves: &[&Whole],
+        record: &Transform,
+        waves: &[&Transform],
         ordinates: impl Iterator<Item = (usize, f64)>,
     ) {
         for (k, density) in ordinates {

@@ -12,22 +12,22 @@ const BLOCKS: usize = 64;
 /// Share of a block's samples that must be there.
 const MOST: f64 = 0.5;
 
-/// The ramp of the mended record, beside all that was fitted to it; `None` where gaps leave too
+/// The ramp of the residual, beside all that was fitted to it; `None` where gaps leave too
 /// little.
 pub fn ramp(axis: &AxisState) -> Option<Ramp> {
     let mut slope = Slope::new(&blocks(axis), &axis.fit.squared[..SEEN.len()])?;
     // Over the length of the record laws are as good as white.
     let slow_hz = axis.rate_hz / axis.residual.len() as f64;
     let power = axis.filters(slow_hz);
-    for unit in SEEN.len()..axis.frame.units().len() {
-        slope.beside(axis.frame.unit_density(unit, slow_hz, power));
+    for unit in SEEN.len()..axis.bins.units().len() {
+        slope.beside(axis.bins.unit_density(unit, slow_hz, power));
     }
     for which in 0..axis.laws.len() {
         if let Some(density) = axis.unit_law_density(which, slow_hz) {
             slope.beside(density * power);
         }
     }
-    let components = laws::components(&axis.frame, &axis.laws);
+    let components = laws::components(&axis.bins, &axis.laws);
     Ramp::new(&axis.data, &components, &axis.fit, &slope)
 }
 

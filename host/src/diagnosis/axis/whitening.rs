@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::record::bridge::block_means;
-use crate::diagnosis::statistic::matched_filter::{Transformer, Whole};
+use crate::diagnosis::statistic::matched_filter::{Transform, Transformer};
 
 /// Points of the table of densities.
 const TABLE: usize = 2048;
@@ -36,7 +36,7 @@ impl AxisState {
     fn ratio(&self, f_hz: f64) -> f64 {
         let place = self.data.f_hz.partition_point(|&f| f < f_hz);
         let at = |bin: usize| {
-            let dof = self.frame.dof()[bin];
+            let dof = self.bins.dof()[bin];
             let own = dof / (dof + OWN_RATIO);
             own * (self.data.psd[bin] / self.fit.expected[bin]).ln()
         };
@@ -56,11 +56,11 @@ impl AxisState {
     /// Densities that whiten `whole`: the model's, drawn to the measured bins where these are sure,
     /// so that a test of moments does not suffer from a model that is still wrong in frequency.
     /// What a converter's filter shuts out does not count.
-    pub(crate) fn whitening(&self, whole: &Whole) -> Vec<f64> {
+    pub(crate) fn densities(&self, whole: &Transform) -> Vec<f64> {
         self.tabulate(whole, |f_hz| self.density(f_hz) * self.ratio(f_hz))
     }
 
-    fn tabulate(&self, whole: &Whole, density: impl Fn(f64) -> f64) -> Vec<f64> {
+    fn tabulate(&self, whole: &Transform, density: impl Fn(f64) -> f64) -> Vec<f64> {
         let count = whole.ordinates().len();
         let (low, high) = (whole.frequency(1).ln(), whole.frequency(count - 1).ln());
         let table: Vec<f64> = (0..=TABLE)
@@ -114,7 +114,7 @@ impl AxisState {
     }
 
     /// `values` in means over `factor` samples: their transform, and what whitens it.
-    pub fn slow(&self, values: &[f64], factor: usize) -> (Whole, Vec<f64>) {
+    pub fn slow(&self, values: &[f64], factor: usize) -> (Transform, Vec<f64>) {
         let means = block_means(values, factor);
         let rate_hz = self.rate_hz / factor as f64;
         let mut whole = Transformer::new(means.len()).transform(&means, rate_hz);

@@ -65,7 +65,7 @@ pub fn coefficients(squared: &[f64], squares_sd: &[f64]) -> PerCoefficient<Coeff
 /// taken out one by one.
 pub fn even_density(axis: &AxisState) -> [f64; 2] {
     // Behind a converter's filter they have a component of their own.
-    if axis.frame.units().len() > SEEN.len() {
+    if axis.bins.units().len() > SEEN.len() {
         return [0.0; 2];
     }
     let rounding = axis.explanation(rounding::KIND).map_or(0.0, |one| {

@@ -3,7 +3,7 @@
 use crate::diagnosis::describe::coefficients::coefficients_of;
 use crate::diagnosis::explanation::{Explanation, Snapshot};
 use crate::diagnosis::laws;
-use crate::diagnosis::record::bins::Frame;
+use crate::diagnosis::record::bins::SpectralBins;
 use crate::diagnosis::result::finding::{Finding, Gain};
 use crate::fit::likelihood::Fit;
 use crate::model::PerCoefficient;
@@ -17,9 +17,9 @@ pub fn named_effects(findings: &[Finding]) -> Vec<ModelEffect> {
 }
 
 /// The laws of a snapshot with the sizes of a fit that has them.
-pub fn law_effects(frame: &Frame, snapshot: &Snapshot, fit: &Fit) -> Vec<ModelEffect> {
+pub fn law_effects(bins: &SpectralBins, snapshot: &Snapshot, fit: &Fit) -> Vec<ModelEffect> {
     let sized = |which: usize| {
-        let values = laws::sized(frame, &snapshot.laws, which, fit);
+        let values = laws::sized(bins, &snapshot.laws, which, fit);
         ModelEffect::of(snapshot.laws[which].effect, values).ok()
     };
     (0..snapshot.laws.len()).filter_map(sized).collect()

@@ -131,7 +131,7 @@ impl Judge<'_> {
                 r,
                 ..held_out::coefficients(&fit.squared)
             },
-            effects: law_effects(&self.axis.frame, snapshot, fit),
+            effects: law_effects(&self.axis.bins, snapshot, fit),
         };
         let expected = self.held.expected(self.axis, &model, snapshot);
         let error = self.held.error_percent(&expected);
@@ -187,9 +187,9 @@ fn takes_slope(explanations: &[Explanation]) -> bool {
 /// What is left of an axis without the bands that were left out, where there are any: a tone that
 /// wanders and that all axes see is no more a common noise than it is a noise.
 fn passed(axis: &AxisState) -> Option<Series> {
-    let seen = axis.whole();
+    let seen = axis.whitened();
     let kept = |k: usize| f64::from(u8::from(seen.density[k].is_finite()));
-    let passed = || seen.whole.filtered(|k| kept(k).into());
+    let passed = || seen.transform.filtered(|k| kept(k).into());
     (!axis.excluded().is_empty()).then(passed)
 }
 

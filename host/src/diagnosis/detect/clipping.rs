@@ -23,11 +23,11 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     let Some((clipping, places)) = values.clipping.get(known) else {
         return Ok(Vec::new());
     };
-    let seen = look.axis.whole();
+    let seen = look.axis.whitened();
     // Known to the rounding of the mean that was taken out and put back.
     let slack = 4.0 * f64::EPSILON * values.largest;
     let level = Value::normal(clipping.level, slack);
-    let replaced = filter::sizes_at(&seen.whole, &seen.density, places);
+    let replaced = filter::sizes_at(&seen.transform, &seen.density, places);
     let candidate = Candidate::new(
         Estimate::new(KIND, [level, Value::exact(clipping.side)]),
         clipping.p_value,

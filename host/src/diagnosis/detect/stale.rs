@@ -20,8 +20,8 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     let candidate = candidate
         .filter(|_| !look.axis.has(KIND))
         .map(|(stale, places)| {
-            let seen = look.axis.whole();
-            let replaced = filter::sizes_at(&seen.whole, &seen.density, places);
+            let seen = look.axis.whitened();
+            let replaced = filter::sizes_at(&seen.transform, &seen.density, places);
             let share = Value::normal(stale.share, stale.share_sd);
             Proposal::Explain(Box::new(Candidate::new(
                 Estimate::new(KIND, [share]),

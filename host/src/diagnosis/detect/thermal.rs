@@ -14,7 +14,7 @@ use crate::diagnosis::record::wave::Wave;
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
 use crate::diagnosis::statistic::matched_filter::{
-    Half, Projection, Transformer, Whole, held_out_gain,
+    Half, Projection, Transform, Transformer, held_out_gain,
 };
 use crate::diagnosis::statistic::p_value;
 use crate::model::thermal::KIND;
@@ -110,12 +110,12 @@ pub fn follows(
     };
     let trials = lags.len() as f64;
     let p_of = |z: f64| p_value::searched(p_value::two_sided(z), trials);
-    let at = |lag: f64, record: &Whole, density: &[f64]| {
+    let at = |lag: f64, record: &Transform, density: &[f64]| {
         Projection::new(record, density, &wave(lag, density), Half::Both)
     };
     let larger =
         |a: &(Projection, f64), b: &(Projection, f64)| a.0.z().abs().total_cmp(&b.0.z().abs());
-    let first = |record: &Whole, density: &[f64]| {
+    let first = |record: &Transform, density: &[f64]| {
         let all = lags.par_iter().map(|&lag| (at(lag, record, density), lag));
         let all: Vec<_> = all.collect();
         all.into_iter().max_by(larger)

@@ -1,6 +1,6 @@
 //! Warm-up: the level settles exponentially from the start.
 //!
-//! Seen on the record's slow copy, where each settling is compared with the noise at all frequencies at
+//! Whitened on the record's slow copy, where each settling is compared with the noise at all frequencies at
 //! once.
 
 use rayon::prelude::*;
@@ -15,7 +15,7 @@ use crate::diagnosis::record::wave::Wave;
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
 use crate::diagnosis::statistic::matched_filter::{
-    Half, Projection, Settling, Transformer, Whole, held_out_gain,
+    Half, Projection, Settling, Transform, Transformer, held_out_gain,
 };
 use crate::diagnosis::statistic::p_value;
 use crate::model::warmup::KIND;
@@ -100,13 +100,13 @@ pub fn warm_up(axis: &AxisState, level: f64, noise: Noise) -> Option<SlowChange>
 
 /// A slow record and what it settles by.
 struct Settlings {
-    record: Whole,
+    record: Transform,
     density: Vec<f64>,
     transformer: Transformer,
 }
 
 impl Settlings {
-    fn new(record: Whole, density: Vec<f64>) -> Self {
+    fn new(record: Transform, density: Vec<f64>) -> Self {
         Self {
             transformer: Transformer::new(record.len()),
             record,
@@ -114,7 +114,7 @@ impl Settlings {
         }
     }
 
-    fn wave(&self, samples: f64) -> Whole {
+    fn wave(&self, samples: f64) -> Transform {
         let settling = Settling {
             samples,
             len: self.record.len(),

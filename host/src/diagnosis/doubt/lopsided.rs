@@ -35,9 +35,9 @@ pub struct Lopsided {
 
 /// Of what is left of an axis.
 pub fn lopsided(axis: &AxisState) -> Lopsided {
-    let seen = axis.whole();
+    let seen = axis.whitened();
     let white = seen
-        .whole
+        .transform
         .filtered(|k| Complex64::new(seen.density[k].sqrt().recip(), 0.0));
     let white = &*white;
     let counted = |n: usize| axis.usable(n).then(|| white[n]);

@@ -17,7 +17,7 @@ const BINS_PER_OCTAVE: f64 = 16.0;
 /// to bin no mean over points can follow.
 const PASSED: f64 = 0.1;
 
-/// The ordinates of a mended record in two halves.
+/// The ordinates of a residual in two halves.
 pub struct Ordinates<'a> {
     axis: &'a AxisState,
     fitted: Data,
@@ -65,27 +65,27 @@ impl<'a> Ordinates<'a> {
 
     /// Densities of the base components and the laws at the bins.
     fn components(&self, laws: &[Law], data: &Data) -> Vec<Vec<f64>> {
-        let frame = &self.axis.frame;
+        let bins = &self.axis.bins;
         let parts: Vec<Part> = laws
             .iter()
             .map(|law| law.effect.part(&law.values))
             .collect();
         let power = |f_hz: f64| -> f64 {
             let powers = parts.iter().map(|part| match part {
-                Part::Distortion(filter) => filter.power(f_hz, frame.rate_hz()),
+                Part::Distortion(filter) => filter.power(f_hz, bins.rate_hz()),
                 Part::Term(_) | Part::Clock(_) | Part::Follows(_) => 1.0,
             });
             powers.product()
         };
         let at =
             |density: &dyn Fn(f64) -> f64| data.f_hz.iter().map(|&f_hz| density(f_hz)).collect();
-        let mut all: Vec<Vec<f64>> = (0..frame.units().len())
-            .map(|unit| at(&|f_hz| frame.unit_density(unit, f_hz, power(f_hz))))
+        let mut all: Vec<Vec<f64>> = (0..bins.units().len())
+            .map(|unit| at(&|f_hz| bins.unit_density(unit, f_hz, power(f_hz))))
             .collect();
         for part in &parts {
             if let Part::Term(term) = part {
                 all.push(at(&|f_hz| {
-                    frame.term_density(&**term, f_hz) * frame.chain_power(f_hz) * power(f_hz)
+                    bins.term_density(&**term, f_hz) * bins.chain_power(f_hz) * power(f_hz)
                 }));
             }
         }
@@ -95,10 +95,10 @@ impl<'a> Ordinates<'a> {
 
 /// Means of the periodogram over bins of a `half` of the ordinates.
 fn bins(axis: &AxisState, half: Half) -> Option<Data> {
-    let seen = axis.whole();
+    let seen = axis.whitened();
     let (mut f_hz, mut psd, mut variance) = (Vec::new(), Vec::new(), Vec::new());
     let mut first = 1;
-    let shut = (1..seen.top).find(|&k| axis.frame.chain_power(seen.whole.frequency(k)) < PASSED);
+    let shut = (1..seen.top).find(|&k| axis.bins.chain_power(seen.transform.frequency(k)) < PASSED);
     let top = shut.unwrap_or(seen.top);
     while first < top {
         let next = (first as f64 * (1.0 / BINS_PER_OCTAVE).exp2()) as usize;
@@ -107,8 +107,8 @@ fn bins(axis: &AxisState, half: Half) -> Option<Data> {
         let (mut count, mut sum, mut log) = (0.0, 0.0, 0.0);
         for k in counted {
             count += 1.0;
-            sum += seen.whole.ordinates()[k].norm_sqr() / seen.whole.power();
-            log += seen.whole.frequency(k).ln();
+            sum += seen.transform.ordinates()[k].norm_sqr() / seen.transform.power();
+            log += seen.transform.frequency(k).ln();
         }
         if count > 0.0 {
             f_hz.push(f64::exp(log / count));

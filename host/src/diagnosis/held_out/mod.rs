@@ -20,7 +20,7 @@ pub mod size;
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::explanation::{Explanation, Snapshot};
 use crate::diagnosis::laws::{components, search};
-use crate::diagnosis::record::bins::Frame;
+use crate::diagnosis::record::bins::SpectralBins;
 use crate::diagnosis::record::residual::Residual;
 use crate::fit::likelihood::components::SEEN;
 use crate::fit::likelihood::log_likelihood;
@@ -34,8 +34,8 @@ pub const SEEN_COST: f64 = 0.5;
 
 /// The two halves of an axis.
 pub struct Halves {
-    train: Frame,
-    held: Frame,
+    train: SpectralBins,
+    held: SpectralBins,
     measured: Residual,
 }
 
@@ -54,8 +54,8 @@ impl Halves {
         let measured = axis.residual.with([]);
         let values = measured.values();
         let chain = axis.chain.as_ref();
-        let frame = |parity| Frame::of_parts(half(&values, parity), axis.rate_hz, chain);
-        let (train, held) = rayon::join(|| frame(0), || frame(1));
+        let bins = |parity| SpectralBins::of_parts(half(&values, parity), axis.rate_hz, chain);
+        let (train, held) = rayon::join(|| bins(0), || bins(1));
         let (mut train, mut held) = (train?, held?);
         let excluded_hz = axis.excluded_hz();
         train.leave_out(&excluded_hz);

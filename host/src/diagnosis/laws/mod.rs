@@ -8,7 +8,7 @@ mod rise;
 pub mod search;
 pub mod spread;
 
-use crate::diagnosis::record::bins::Frame;
+use crate::diagnosis::record::bins::SpectralBins;
 use crate::fit::likelihood::{Data, Fit, maximise};
 use crate::model::effect::Part;
 use crate::model::kind::Kind;
@@ -36,23 +36,23 @@ impl Law {
 
 /// Expectations of all components: the five terms' (without the ramp), then one of each law that
 /// adds, all of them through the laws that filter.
-pub fn components(frame: &Frame, laws: &[Law]) -> Vec<Vec<f64>> {
-    let power = passed(frame, laws);
+pub fn components(bins: &SpectralBins, laws: &[Law]) -> Vec<Vec<f64>> {
+    let power = passed(bins, laws);
     let mut all = if laws.iter().all(Law::adds) {
-        frame.units().to_vec()
+        bins.units().to_vec()
     } else {
-        frame.units_through(&power)
+        bins.units_through(&power)
     };
     all.extend(
         laws.iter()
-            .filter_map(|law| component_through(frame, law, &power)),
+            .filter_map(|law| component_through(bins, law, &power)),
     );
     all
 }
 
 /// What the laws that filter leave of the power at a frequency.
-fn passed(frame: &Frame, laws: &[Law]) -> impl Fn(f64) -> f64 + use<> {
-    let rate_hz = frame.rate_hz();
+fn passed(bins: &SpectralBins, laws: &[Law]) -> impl Fn(f64) -> f64 + use<> {
+    let rate_hz = bins.rate_hz();
     let parts = laws.iter().map(|law| law.effect.part(&law.values));
     let filters: Vec<_> = parts
         .filter_map(|part| match part {
@@ -64,31 +64,33 @@ fn passed(frame: &Frame, laws: &[Law]) -> impl Fn(f64) -> f64 + use<> {
 }
 
 /// Component of a law through filters of this `power`; `None` for one that filters itself.
-fn component_through(frame: &Frame, law: &Law, power: impl Fn(f64) -> f64) -> Option<Vec<f64>> {
+fn component_through(
+    bins: &SpectralBins,
+    law: &Law,
+    power: impl Fn(f64) -> f64,
+) -> Option<Vec<f64>> {
     match law.effect.part(&law.values) {
-        Part::Term(term) => {
-            Some(frame.expect(|f_hz| frame.term_density(&*term, f_hz) * power(f_hz)))
-        }
+        Part::Term(term) => Some(bins.expect(|f_hz| bins.term_density(&*term, f_hz) * power(f_hz))),
         Part::Distortion(_) | Part::Clock(_) | Part::Follows(_) => None,
     }
 }
 
 /// Likelihood with these laws.
-pub fn fit(frame: &Frame, data: &Data, laws: &[Law]) -> Option<Fit> {
-    maximise(data, &components(frame, laws))
+pub fn fit(bins: &SpectralBins, data: &Data, laws: &[Law]) -> Option<Fit> {
+    maximise(data, &components(bins, laws))
 }
 
 /// Place of a law's component in a fit.
-pub fn component_of(frame: &Frame, laws: &[Law], which: usize) -> usize {
-    frame.units().len() + laws[..which].iter().filter(|law| law.adds()).count()
+pub fn component_of(bins: &SpectralBins, laws: &[Law], which: usize) -> usize {
+    bins.units().len() + laws[..which].iter().filter(|law| law.adds()).count()
 }
 
 /// Values of a law with the size that a fit gives it.
-pub fn sized(frame: &Frame, laws: &[Law], which: usize, fit: &Fit) -> Vec<f64> {
+pub fn sized(bins: &SpectralBins, laws: &[Law], which: usize, fit: &Fit) -> Vec<f64> {
     let law = &laws[which];
     let mut values = law.values.clone();
     if let Some(size) = law.effect.size() {
-        let squared = fit.squared[component_of(frame, laws, which)];
+        let squared = fit.squared[component_of(bins, laws, which)];
         values[size] = squared.powf(1.0 / squared_power(law));
     }
     values

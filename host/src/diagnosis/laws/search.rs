@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use crate::diagnosis::laws::rise::Rise;
 use crate::diagnosis::laws::{Law, component_of, component_through, components, passed};
-use crate::diagnosis::record::bins::Frame;
+use crate::diagnosis::record::bins::SpectralBins;
 use crate::diagnosis::statistic::p_value;
 use crate::fit::likelihood::scoring::{Range, greatest_beside, maximise_beside};
 use crate::fit::likelihood::{Data, Fit};
@@ -43,13 +43,13 @@ fn greatest(
 
 /// Moves the shapes of the laws from number `from` on until the likelihood gains no more.
 pub fn polish(
-    frame: &Frame,
+    bins: &SpectralBins,
     data: &Data,
     laws: &mut [Law],
     from: usize,
     first_step: f64,
 ) -> Option<Fit> {
-    let all = components(frame, laws);
+    let all = components(bins, laws);
     let (squared, value) = greatest(data, &all, None)?;
     let mut best = Standing {
         components: all,
@@ -67,10 +67,7 @@ pub fn polish(
                 let before = laws[law].values[place];
                 laws[law].values[place] = before * factor;
                 let sound = laws[law].effect.is_sound(&laws[law].values);
-                match sound
-                    .then(|| moved(frame, data, laws, law, &best))
-                    .flatten()
-                {
+                match sound.then(|| moved(bins, data, laws, law, &best)).flatten() {
                     Some(next) if next.value > best.value + WORTH => {
                         best = next;
                         gained = true;
@@ -90,7 +87,7 @@ pub fn polish(
 
 /// What stands after law number `which` was moved.
 fn moved(
-    frame: &Frame,
+    bins: &SpectralBins,
     data: &Data,
     laws: &[Law],
     which: usize,
@@ -99,12 +96,11 @@ fn moved(
     // A term that moves changes its own component alone, a filter all of them.
     let components = if laws[which].adds() {
         let mut components = from.components.clone();
-        let power = passed(frame, laws);
-        components[component_of(frame, laws, which)] =
-            component_through(frame, &laws[which], power)?;
+        let power = passed(bins, laws);
+        components[component_of(bins, laws, which)] = component_through(bins, &laws[which], power)?;
         components
     } else {
-        components(frame, laws)
+        components(bins, laws)
     };
     let (squared, value) = greatest(data, &components, Some(&from.squared))?;
     Some(Standing {
@@ -114,7 +110,7 @@ fn moved(
     })
 }
 
-/// Where searches begin: every law of the catalogue at its starting values. Made once for a frame.
+/// Where searches begin: every law of the catalogue at its starting values. Made once for a bins.
 pub struct Starts {
     starts: Vec<Start>,
 }
@@ -126,12 +122,12 @@ struct Start {
 }
 
 impl Starts {
-    /// For the bins of a frame; `None` if it has none.
-    pub fn new(frame: &Frame) -> Option<Self> {
-        let bins = frame.bins();
+    /// For the bins of a bins; `None` if it has none.
+    pub fn new(bins: &SpectralBins) -> Option<Self> {
+        let all = bins.all();
         let band = Band {
-            from_hz: bins.first()?.f_hz,
-            to_hz: bins.last()?.f_hz,
+            from_hz: all.first()?.f_hz,
+            to_hz: all.last()?.f_hz,
         };
         let laws = CATALOGUE.iter().flat_map(|&effect| {
             let values = effect.starts(&band);
@@ -141,7 +137,7 @@ impl Starts {
         let starts = laws
             .into_par_iter()
             .map(|law| Start {
-                component: component_through(frame, &law, |_| 1.0),
+                component: component_through(bins, &law, |_| 1.0),
                 law,
             })
             .collect();
@@ -162,7 +158,7 @@ impl Starts {
     /// What each of an effect's starts changes in the expectation of a fit with `laws`.
     fn directions(
         &self,
-        frame: &Frame,
+        bins: &SpectralBins,
         laws: &[Law],
         base: &Fit,
         effect: Kind,
@@ -175,7 +171,7 @@ impl Starts {
                     let mut all = laws.to_vec();
                     all.push(start.law.clone());
                     let mut change: Vec<f64> = base.expected.iter().map(|e| -e).collect();
-                    for (component, squared) in components(frame, &all).iter().zip(&base.squared) {
+                    for (component, squared) in components(bins, &all).iter().zip(&base.squared) {
                         for (change, one) in change.iter_mut().zip(component) {
                             *change += squared * one;
                         }
@@ -227,7 +223,7 @@ pub struct Found {
 
 /// The best values of `effect` beside the `laws` that are there, whose fit is `base`.
 pub fn search(
-    frame: &Frame,
+    bins: &SpectralBins,
     data: &Data,
     laws: &[Law],
     base: &Fit,
@@ -235,7 +231,7 @@ pub fn search(
     effect: Kind,
 ) -> Option<Found> {
     let unfiltered = laws.iter().all(Law::adds);
-    let mut present = components(frame, laws);
+    let mut present = components(bins, laws);
     let mut squared = base.squared.clone();
     let mut best: Option<(f64, &Law)> = None;
     for start in starts.promising(data, base, &present, effect, unfiltered) {
@@ -251,7 +247,7 @@ pub fn search(
             _ => {
                 let mut all = laws.to_vec();
                 all.push(start.law.clone());
-                let all = components(frame, &all);
+                let all = components(bins, &all);
                 squared.resize(all.len(), 0.0);
                 let found = greatest(data, &all, Some(&squared));
                 squared.truncate(base.squared.len());
@@ -268,10 +264,10 @@ pub fn search(
     if value - base.log_likelihood < NEAR {
         return None;
     }
-    let path = Rise::new(data, base, &present)?.path(starts.directions(frame, laws, base, effect));
+    let path = Rise::new(data, base, &present)?.path(starts.directions(bins, laws, base, effect));
     let mut all = laws.to_vec();
     all.push(law.clone());
-    let fit = polish(frame, data, &mut all, laws.len(), 0.3)?;
+    let fit = polish(bins, data, &mut all, laws.len(), 0.3)?;
     let nats = fit.log_likelihood - base.log_likelihood;
     let law = all.pop()?;
     // A filter that shuts out most of the band would make every law anew from white noise.

@@ -3,13 +3,13 @@
 use nalgebra::DMatrix;
 
 use crate::diagnosis::laws::{Law, component_of, fit, squared_power};
-use crate::diagnosis::record::bins::Frame;
+use crate::diagnosis::record::bins::SpectralBins;
 use crate::fit::likelihood::{Data, Fit};
 
 /// Uncertainty of a fit with laws: covariance of the logarithms of all shapes, from the curvature of
 /// the likelihood with all sizes free, and how the squares move with the shapes.
 pub struct Spread<'a> {
-    frame: &'a Frame,
+    bins: &'a SpectralBins,
     laws: &'a [Law],
     best: &'a Fit,
     /// Law and place of each shape.
@@ -22,7 +22,7 @@ pub struct Spread<'a> {
 
 impl<'a> Spread<'a> {
     /// Of the fit `best`.
-    pub fn new(frame: &'a Frame, data: &Data, laws: &'a [Law], best: &'a Fit) -> Self {
+    pub fn new(bins: &'a SpectralBins, data: &Data, laws: &'a [Law], best: &'a Fit) -> Self {
         let places: Vec<(usize, usize)> = (0..laws.len())
             .flat_map(|law| laws[law].shape().map(move |place| (law, place)))
             .collect();
@@ -32,7 +32,7 @@ impl<'a> Spread<'a> {
                 let (law, place) = places[number];
                 trial[law].values[place] *= step.exp();
             }
-            fit(frame, data, &trial)
+            fit(bins, data, &trial)
         };
         let fall = |moves: &[(usize, f64)]| {
             at(moves).map_or(f64::NAN, |fit| best.log_likelihood - fit.log_likelihood)
@@ -79,7 +79,7 @@ impl<'a> Spread<'a> {
             .collect();
         Self {
             covariance: curvature.try_inverse(),
-            frame,
+            bins,
             laws,
             best,
             places,
@@ -106,7 +106,7 @@ impl<'a> Spread<'a> {
         let law = &self.laws[which];
         let own = |place: usize| -> f64 {
             if law.effect.size() == Some(place) {
-                let component = component_of(self.frame, self.laws, which);
+                let component = component_of(self.bins, self.laws, which);
                 // Of the size itself, of which the square is a power.
                 self.square_sd(component) / self.best.squared[component] / squared_power(law)
             } else {

@@ -23,7 +23,7 @@ const BINS_PER_OCTAVE: f64 = 16.0;
 
 /// What the spectra of one axis have in common: bins, and what they are expected to be.
 #[derive(Clone)]
-pub struct Frame {
+pub struct SpectralBins {
     settings: Settings,
     estimate: Estimate,
     design: Arc<Design>,
@@ -42,7 +42,7 @@ pub struct Frame {
     plan: Plan,
 }
 
-impl Frame {
+impl SpectralBins {
     /// For records like `values`, with missing samples where these are not finite. `None` where
     /// they are too few for a spectrum, or all the same.
     pub fn new(values: &[f64], rate_hz: f64, chain: Option<&Chain>) -> Option<Self> {
@@ -98,7 +98,7 @@ impl Frame {
         })
     }
 
-    /// Spectrum of the record that the frame was made for, bin by bin.
+    /// Spectrum of the record that the bins was made for, bin by bin.
     pub fn first(&self) -> Data {
         self.data.clone()
     }
@@ -132,7 +132,7 @@ impl Frame {
     }
 
     /// Degrees of freedom of the bins, and their frequencies.
-    pub fn bins(&self) -> &[estimate::Bin] {
+    pub fn all(&self) -> &[estimate::Bin] {
         &self.estimate.bins
     }
 

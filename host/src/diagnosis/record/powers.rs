@@ -6,7 +6,7 @@
 use rayon::prelude::*;
 use realfft::num_complex::Complex64;
 
-use crate::diagnosis::statistic::matched_filter::Whole;
+use crate::diagnosis::statistic::matched_filter::Transform;
 use crate::diagnosis::statistic::spread::middle_spread;
 
 /// Samples of a block.
@@ -22,7 +22,7 @@ pub struct Powers {
 }
 
 /// Whitens `whole` by `density` and sums squares over blocks; `usable` tells samples that count.
-pub fn powers(whole: &Whole, density: &[f64], usable: impl Fn(usize) -> bool + Sync) -> Powers {
+pub fn powers(whole: &Transform, density: &[f64], usable: impl Fn(usize) -> bool + Sync) -> Powers {
     // What is left out of the band leaves that many degrees of freedom less.
     let seen = density.iter().filter(|density| density.is_finite()).count();
     let share = seen as f64 / density.len() as f64;

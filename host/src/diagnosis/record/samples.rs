@@ -6,7 +6,7 @@
 use std::ops::Range;
 
 use crate::bins::record::Account;
-use crate::diagnosis::record::spill::Aside;
+use crate::diagnosis::record::spill::Spilled;
 use crate::signal::Signal;
 use crate::source::{Block, Chunk, Source, SourceError, Values};
 
@@ -35,8 +35,8 @@ pub struct Waiting {
 }
 
 enum Waits {
-    Codes(Aside<i32>),
-    Floats(Aside<f64>),
+    Codes(Spilled<i32>),
+    Floats(Spilled<f64>),
 }
 
 impl Waiting {
@@ -44,8 +44,8 @@ impl Waiting {
     pub fn new(samples: AxisSamples, in_file: bool) -> Self {
         Self {
             values: match samples.values {
-                Values::Codes(codes) => Waits::Codes(Aside::new(codes, in_file)),
-                Values::Floats(floats) => Waits::Floats(Aside::new(floats, in_file)),
+                Values::Codes(codes) => Waits::Codes(Spilled::new(codes, in_file)),
+                Values::Floats(floats) => Waits::Floats(Spilled::new(floats, in_file)),
             },
             missing: samples.missing,
         }

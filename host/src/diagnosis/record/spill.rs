@@ -6,7 +6,7 @@ use std::io::{self, Read, Seek, Write};
 use bytemuck::Pod;
 
 /// Numbers put aside.
-pub enum Aside<T> {
+pub enum Spilled<T> {
     /// In memory.
     Kept(Vec<T>),
     /// In a file that is gone when it is closed.
@@ -18,7 +18,7 @@ pub enum Aside<T> {
     },
 }
 
-impl<T: Pod> Aside<T> {
+impl<T: Pod> Spilled<T> {
     /// Writes `values` to the folder for temporary files if `in_file`; where that does not work they
     /// stay in memory.
     pub fn new(values: Vec<T>, in_file: bool) -> Self {
@@ -64,8 +64,8 @@ mod tests {
     fn what_is_put_aside_comes_back() {
         let values: Vec<f64> = (0..10_000).map(|n| f64::from(n).sqrt()).collect();
         for in_file in [true, false] {
-            let aside = Aside::new(values.clone(), in_file);
-            assert_eq!(matches!(aside, Aside::Written { .. }), in_file);
+            let aside = Spilled::new(values.clone(), in_file);
+            assert_eq!(matches!(aside, Spilled::Written { .. }), in_file);
             assert_eq!(aside.back().expect("nothing has touched it"), values);
         }
     }

@@ -16,7 +16,7 @@
 //! `<x, g_t> / <g, g>`.
 //!
 //! Quantisation noise, a difference of neighbours, would need one more sample to close into a ring:
-//! the first sample is set free ([`Whole::close`]), and with it that sum; so is the level across
+//! the first sample is set free ([`Transform::close`]), and with it that sum; so is the level across
 //! the seam, which the line through noisy ends does not match exactly.
 //!
 //! Ordinates with even and with odd numbers are independent of one another and see the same hours:
@@ -38,7 +38,7 @@ const END: usize = 256;
 const SHARED: usize = 1 << 14;
 
 /// A transformed record.
-pub struct Whole {
+pub struct Transform {
     rate_hz: f64,
     len: usize,
     ordinates: Vec<Complex64>,
@@ -89,14 +89,14 @@ impl Transformer {
     }
 
     /// Transform of `values`, none of which is missing, less the line through their ends.
-    pub fn transform(&self, values: &[f64], rate_hz: f64) -> Whole {
+    pub fn transform(&self, values: &[f64], rate_hz: f64) -> Transform {
         self.transform_in_place(self.series(values), rate_hz)
     }
 
     /// The same of a series of [`Self::len`] samples, in its own memory.
-    pub fn transform_in_place(&self, mut bridge: Series, rate_hz: f64) -> Whole {
+    pub fn transform_in_place(&self, mut bridge: Series, rate_hz: f64) -> Transform {
         take_out_line(&mut bridge);
-        Whole {
+        Transform {
             rate_hz,
             len: self.len,
             ordinates: self.ring.forward(bridge),
@@ -105,12 +105,12 @@ impl Transformer {
     }
 
     /// Transform of a waveform that begins with the ring.
-    pub fn waveform(&self, waveform: &impl Waveform, rate_hz: f64) -> Whole {
+    pub fn waveform(&self, waveform: &impl Waveform, rate_hz: f64) -> Transform {
         self.waveform_at(waveform, 0, rate_hz)
     }
 
     /// Transform of a waveform that begins with the sample `index`.
-    pub fn waveform_at(&self, waveform: &impl Waveform, index: usize, rate_hz: f64) -> Whole {
+    pub fn waveform_at(&self, waveform: &impl Waveform, index: usize, rate_hz: f64) -> Transform {
         let shift = |k: usize| {
             let turns = (k as u64 * index as u64 % self.len as u64) as usize;
             if turns <= self.len / 2 {
@@ -123,7 +123,7 @@ impl Transformer {
             0 => Complex64::ZERO,
             _ => waveform.at(self.ring.turn(k)) * shift(k),
         };
-        Whole {
+        Transform {
             rate_hz,
             len: self.len,
             ordinates: (0..=self.len / 2).map(at).collect(),
@@ -146,7 +146,7 @@ fn take_out_line(values: &mut [f64]) {
     }
 }
 
-impl Whole {
+impl Transform {
     /// Samples.
     pub fn len(&self) -> usize {
         self.len
@@ -312,7 +312,7 @@ impl Half {
 
 /// The statistic of `waveform` at every moment, for noise of the two-sided densities `density`
 /// at the ordinates.
-pub fn matched(whole: &Whole, density: &[f64], waveform: &(impl Waveform + Sync)) -> Match {
+pub fn matched(whole: &Transform, density: &[f64], waveform: &(impl Waveform + Sync)) -> Match {
     let noise = |k: usize| density[k] * whole.rate_hz;
     let response = |k: usize| waveform.at(whole.ring.turn(k)).conj() / noise(k);
     let [information, curvature] = sums(1..whole.ordinates.len(), |k| {
@@ -358,7 +358,7 @@ pub struct Projection {
 
 impl Projection {
     /// Of `record` on `wave`, both transforms of the same length.
-    pub fn new(record: &Whole, density: &[f64], wave: &Whole, half: Half) -> Self {
+    pub fn new(record: &Transform, density: &[f64], wave: &Transform, half: Half) -> Self {
         let [product, power] = sums(1..record.ordinates.len(), |k| {
             if !half.has(k) {
                 return [0.0; 2];
@@ -396,7 +396,7 @@ impl Projection {
 }
 
 /// Gain of a waveform in log-likelihood on the odd ordinates, its size fitted to the even ones.
-pub fn held_out_gain(record: &Whole, density: &[f64], wave: &Whole) -> f64 {
+pub fn held_out_gain(record: &Transform, density: &[f64], wave: &Transform) -> f64 {
     let seen = Projection::new(record, density, wave, Half::Even);
     Projection::new(record, density, wave, Half::Odd).gain(seen.size())
 }

@@ -32,7 +32,7 @@ mod tests {
         for range in [0..0, 5..6, 3..PART, 3..3 * PART + 3, 1..5 * PART] {
             let count = range.len() as f64;
             let sum = 0.5 * (range.start as f64 + range.end as f64 - 1.0) * count;
-            // Whole numbers below 2^53: exact.
+            // Transform numbers below 2^53: exact.
             assert_eq!(sums(range, |k| [1.0, k as f64]), [count, sum]);
         }
     }

@@ -113,7 +113,7 @@ fn weight(axis: &AxisState, which: usize, place: usize, f_hz: f64) -> f64 {
             }
             share
                 * by_both(&|part| match part {
-                    Part::Term(term) => axis.frame.term_density(&**term, f_hz).ln(),
+                    Part::Term(term) => axis.bins.term_density(&**term, f_hz).ln(),
                     _ => 0.0,
                 })
         }
@@ -139,12 +139,12 @@ struct Group {
 
 impl Tiles {
     fn new(axis: &AxisState) -> Self {
-        let seen = axis.whole();
+        let seen = axis.whitened();
         let mut groups = Vec::new();
         let mut octave = FIRST;
         while octave < seen.top {
             let size = octave / PER_OCTAVE;
-            let counts = counting(axis, seen.whole.len(), size);
+            let counts = counting(axis, seen.transform.len(), size);
             for part in 0..PER_OCTAVE {
                 let start = octave + part * size;
                 let known = |range: Range<usize>| seen.density[range].iter().all(|s| s.is_finite());
@@ -165,7 +165,7 @@ impl Tiles {
                 if sum > 0.0 {
                     parts.iter_mut().for_each(|[one, _]| *one *= count / sum);
                     groups.push(Group {
-                        f_hz: seen.whole.frequency(start + size / 2),
+                        f_hz: seen.transform.frequency(start + size / 2),
                         parts,
                     });
                 }
@@ -246,7 +246,7 @@ impl<'a> Scores<'a> {
     }
 
     fn change(&self, axis: &AxisState) -> Option<Change> {
-        let duration_s = axis.whole().whole.len() as f64 / axis.rate_hz;
+        let duration_s = axis.whitened().transform.len() as f64 / axis.rate_hz;
         let trials = BLOCKS.len() as f64 + 1.0;
         let by_length = BLOCKS.iter().filter_map(|&count| {
             let blocks = self.blocks(count);

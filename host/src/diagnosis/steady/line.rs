@@ -20,7 +20,7 @@ const PARTS: usize = 8;
 /// Cycles that a part must have for what wanders below not to pass the window.
 const LEAST_CYCLES: f64 = 8.0;
 
-/// Probability that a steady line of `cycles` a sample in the mended record differs as much between
+/// Probability that a steady line of `cycles` a sample in the residual differs as much between
 /// parts; 1 where the record is too short to tell.
 pub fn p_steady(axis: &AxisState, cycles: f64) -> f64 {
     let length = axis.filled.len() / PARTS;

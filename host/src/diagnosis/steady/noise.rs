@@ -19,7 +19,7 @@ use std::ops::Range;
 use rayon::prelude::*;
 use realfft::num_complex::Complex64;
 
-use crate::diagnosis::axis::{AxisState, Seen};
+use crate::diagnosis::axis::{AxisState, Whitened};
 use crate::diagnosis::statistic::matched_filter::smooth_len;
 use crate::diagnosis::statistic::p_value;
 use crate::fft::{self, long::Long};
@@ -65,17 +65,17 @@ pub struct Unsteady {
 
 /// Strength of the whitened record in the band of the ordinates, at `ordinates.len()` moments, in
 /// units of its density.
-pub fn strengths(seen: &Seen, ordinates: Range<usize>) -> Vec<f64> {
+pub fn strengths(seen: &Whitened, ordinates: Range<usize>) -> Vec<f64> {
     over_time(seen, whitened(seen, ordinates).collect())
 }
 
-fn whitened(seen: &Seen, ordinates: Range<usize>) -> impl Iterator<Item = Complex64> {
-    let pairs = seen.whole.ordinates()[ordinates.clone()].iter();
+fn whitened(seen: &Whitened, ordinates: Range<usize>) -> impl Iterator<Item = Complex64> {
+    let pairs = seen.transform.ordinates()[ordinates.clone()].iter();
     let pairs = pairs.zip(&seen.density[ordinates]);
     pairs.map(|(ordinate, density)| ordinate / density.sqrt())
 }
 
-fn over_time(seen: &Seen, mut band: Vec<Complex64>) -> Vec<f64> {
+fn over_time(seen: &Whitened, mut band: Vec<Complex64>) -> Vec<f64> {
     // A length with large prime factors would take many times the time and the memory.
     band.truncate(smooth_len(band.len()));
     if band.len() > LONGEST {
@@ -83,46 +83,46 @@ fn over_time(seen: &Seen, mut band: Vec<Complex64>) -> Vec<f64> {
     } else {
         fft::inverse(band.len()).process(&mut band);
     }
-    let unit = (band.len() as f64 * seen.whole.power()).recip();
+    let unit = (band.len() as f64 * seen.transform.power()).recip();
     band.iter().map(|value| value.norm_sqr() * unit).collect()
 }
 
 /// Power in a band over time, at even moments, over its mean: of the record as it is, whether or not the band is left out.
 pub fn course(axis: &AxisState, band: &Range<f64>) -> Vec<f64> {
-    let seen = axis.whole();
-    let place = |f_hz: f64| (f_hz / seen.whole.frequency(1)) as usize;
-    let last = seen.whole.ordinates().len();
+    let seen = axis.whitened();
+    let place = |f_hz: f64| (f_hz / seen.transform.frequency(1)) as usize;
+    let last = seen.transform.ordinates().len();
     let ordinates = place(band.start).max(1)..(place(band.end) + 1).min(last);
-    let powers = over_time(&seen, seen.whole.ordinates()[ordinates].to_vec());
+    let powers = over_time(&seen, seen.transform.ordinates()[ordinates].to_vec());
     let mean = powers.iter().sum::<f64>() / powers.len().max(1) as f64;
     powers.iter().map(|power| power / mean).collect()
 }
 
-/// The least steady band between the frequencies `within`, leaving out those of `apart`, if it is
+/// The least steady band between the frequencies `within`, leaving out those of `excluded_hz`, if it is
 /// significant at a family-wise `level`.
 pub fn unsteady(
     axis: &AxisState,
     within: Range<f64>,
-    apart: &[Range<f64>],
+    excluded_hz: &[Range<f64>],
     level: f64,
 ) -> Option<Unsteady> {
-    let seen = axis.whole();
-    let length = seen.whole.len();
+    let seen = axis.whitened();
+    let length = seen.transform.len();
     let mut best: Option<Best> = None;
     let mut trials = 0.0;
     let sizes = std::iter::successors(Some(NARROWEST), |size| Some(size * WIDER));
     let sizes: Vec<usize> = sizes.take_while(|size| size * SHORTEST <= length).collect();
     let groups = sizes.into_par_iter();
-    let groups = groups.map(|size| Groups::new(axis, &seen, size, &within, apart));
+    let groups = groups.map(|size| Groups::new(axis, &seen, size, &within, excluded_hz));
     for groups in groups.collect::<Vec<Groups>>() {
         trials += groups.search(&mut best);
     }
     let best = best?;
     let p_value = p_value::searched(best.tail, FREE_ENDS * trials);
     (p_value < level).then(|| Unsteady {
-        from_hz: seen.whole.frequency(best.ordinates.start),
-        to_hz: seen.whole.frequency(best.ordinates.end),
-        peak_hz: seen.whole.frequency(best.peak + best.size / 2),
+        from_hz: seen.transform.frequency(best.ordinates.start),
+        to_hz: seen.transform.frequency(best.ordinates.end),
+        peak_hz: seen.transform.frequency(best.peak + best.size / 2),
         tile_s: length as f64 / best.size as f64 / axis.rate_hz,
         variance: 8.0 * best.mean,
         p_value,
@@ -152,18 +152,18 @@ struct Groups {
 impl Groups {
     fn new(
         axis: &AxisState,
-        seen: &Seen,
+        seen: &Whitened,
         size: usize,
         within: &Range<f64>,
-        apart: &[Range<f64>],
+        excluded_hz: &[Range<f64>],
     ) -> Self {
-        let counts = counting(axis, seen.whole.len(), size);
+        let counts = counting(axis, seen.transform.len(), size);
         // One plan and one memory for thousands of groups, else as `strengths`.
         let plan = fft::inverse(size);
         let mut scratch = vec![Complex64::ZERO; plan.get_inplace_scratch_len()];
         let mut band = Vec::with_capacity(size);
         let mut strengths = Vec::with_capacity(size);
-        let unit = (size as f64 * seen.whole.power()).recip();
+        let unit = (size as f64 * seen.transform.power()).recip();
         let mut groups = Self {
             size,
             starts: Vec::new(),
@@ -171,14 +171,16 @@ impl Groups {
             tiles: vec![0.0],
         };
         let last = seen.top;
-        let first = (within.start / seen.whole.frequency(1)).ceil() as usize;
+        let first = (within.start / seen.transform.frequency(1)).ceil() as usize;
         let mut start = first.max(NARROWEST);
-        while start + size < last && seen.whole.frequency(start + size) <= within.end {
+        while start + size < last && seen.transform.frequency(start + size) <= within.end {
             let (low, high) = (
-                seen.whole.frequency(start),
-                seen.whole.frequency(start + size),
+                seen.transform.frequency(start),
+                seen.transform.frequency(start + size),
             );
-            let is_apart = apart.iter().any(|one| one.start < high && low < one.end);
+            let is_apart = excluded_hz
+                .iter()
+                .any(|one| one.start < high && low < one.end);
             if !is_apart {
                 band.clear();
                 band.extend(whitened(seen, start..start + size));

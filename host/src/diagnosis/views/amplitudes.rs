@@ -13,7 +13,7 @@ impl Counts {
     /// Of what is left of an axis, whitened by what its spectrum is. Samples that are missing or
     /// masked do not count.
     pub fn new(axis: &AxisState) -> Self {
-        let seen = axis.whole();
+        let seen = axis.whitened();
         let rate_hz = axis.rate_hz;
         // Bands that are left out and what a converter shuts out are no part of it; the rest is scaled
         // back to a deviation of one.
@@ -24,7 +24,7 @@ impl Counts {
             true => (share * seen.density[k] * rate_hz).sqrt().recip(),
             false => 0.0,
         };
-        let white = seen.whole.filtered(|k| response(k).into());
+        let white = seen.transform.filtered(|k| response(k).into());
         let mut counts = vec![0; 2 * CLASSES];
         for (index, value) in white.iter().enumerate() {
             if axis.usable(index) {

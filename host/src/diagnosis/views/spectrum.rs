@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::bins::point;
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::laws;
-use crate::diagnosis::record::bins::Frame;
+use crate::diagnosis::record::bins::SpectralBins;
 use crate::diagnosis::result::views::SpectrumPoint;
 use crate::diagnosis::views::Burst;
 use crate::fit::likelihood::Fit;
@@ -31,20 +31,20 @@ pub(crate) struct Pooled<'a> {
     runs: Vec<(Range<usize>, f64)>,
     /// Degrees of freedom of the bins.
     edf: Vec<f64>,
-    frame: Held<'a>,
+    bins: Held<'a>,
 }
 
 /// Bins for the record as measured: those of the axis, unless parts of it are masked by now.
 enum Held<'a> {
-    Own(Box<Frame>),
-    Axis(&'a Frame),
+    Own(Box<SpectralBins>),
+    Axis(&'a SpectralBins),
 }
 
 impl Held<'_> {
-    fn get(&self) -> &Frame {
+    fn get(&self) -> &SpectralBins {
         match self {
-            Self::Own(frame) => frame,
-            Self::Axis(frame) => frame,
+            Self::Own(bins) => bins,
+            Self::Axis(bins) => bins,
         }
     }
 }
@@ -57,26 +57,26 @@ impl<'a> Pooled<'a> {
         let whole = axis
             .residual
             .is_masked()
-            .then(|| Frame::new(measured, axis.rate_hz, axis.chain.as_ref()))
+            .then(|| SpectralBins::new(measured, axis.rate_hz, axis.chain.as_ref()))
             .flatten();
-        let held = whole.map_or(Held::Axis(&axis.frame), |frame| Held::Own(Box::new(frame)));
-        let frame = held.get();
-        let mut after = sum(&laws::components(frame, &axis.laws), &axis.fit.squared);
-        for (after, bin) in after.iter_mut().zip(frame.bins()) {
+        let held = whole.map_or(Held::Axis(&axis.bins), |bins| Held::Own(Box::new(bins)));
+        let bins = held.get();
+        let mut after = sum(&laws::components(bins, &axis.laws), &axis.fit.squared);
+        for (after, bin) in after.iter_mut().zip(bins.all()) {
             let adds = bursts.iter().map(|burst| burst.adds(bin.f_hz, *after));
             *after += adds.sum::<f64>();
         }
         if !wave.is_empty() {
-            let waves = frame.measure(wave).psd;
+            let waves = bins.measure(wave).psd;
             after
                 .iter_mut()
                 .zip(waves)
                 .for_each(|(sum, wave)| *sum += wave);
         }
-        let before = sum(frame.units(), &before.squared);
-        let psd = frame.measure(measured).psd;
-        let f_hz: Vec<f64> = frame.bins().iter().map(|bin| bin.f_hz).collect();
-        let edf: Vec<f64> = frame.bins().iter().map(|bin| bin.edf).collect();
+        let before = sum(bins.units(), &before.squared);
+        let psd = bins.measure(measured).psd;
+        let f_hz: Vec<f64> = bins.all().iter().map(|bin| bin.f_hz).collect();
+        let edf: Vec<f64> = bins.all().iter().map(|bin| bin.edf).collect();
         let runs = pool::runs(edf.iter().copied(), LEAST_EDF);
         let points = runs
             .iter()
@@ -99,13 +99,13 @@ impl<'a> Pooled<'a> {
             points,
             runs,
             edf,
-            frame: held,
+            bins: held,
         }
     }
 
     /// Adds the densities of a simulated record.
     pub fn add_simulated(&mut self, simulated: &[f64]) {
-        let psd = self.frame.get().measure(simulated).psd;
+        let psd = self.bins.get().measure(simulated).psd;
         if psd.len() != self.edf.len() {
             return;
         }

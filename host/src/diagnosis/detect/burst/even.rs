@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::diagnosis::axis::Seen;
+use crate::diagnosis::axis::Whitened;
 use crate::diagnosis::statistic::p_value;
 use crate::diagnosis::steady::noise::strengths;
 
@@ -15,8 +15,8 @@ const LEAST_MOMENTS: usize = 8;
 ///
 /// The mean of `n` strengths follows a gamma law of shape `n`; twice the log-likelihood ratio of one
 /// factor for each band against one for all is chi-squared with one degree less than bands.
-pub fn p_value(seen: &Seen, stretch: &Range<usize>) -> f64 {
-    let length = seen.whole.len();
+pub fn p_value(seen: &Whitened, stretch: &Range<usize>) -> f64 {
+    let length = seen.transform.len();
     let mut bands = Vec::new();
     let mut top = seen.top - 1;
     while top >= 2 * LEAST_ORDINATES {
@@ -75,7 +75,7 @@ mod tests {
             }
         });
         let axis = AxisState::new(Arc::new(values.collect()), 1000.0, None).expect("long enough");
-        p_value(&axis.whole(), &STRETCH)
+        p_value(&axis.whitened(), &STRETCH)
     }
 
     #[test]

@@ -61,10 +61,10 @@ pub fn even(look: &Look<'_>) -> Option<Burst> {
         return None;
     }
     let burst = burst(&axis.powers(), look.level())?;
-    let seen = axis.whole();
+    let seen = axis.whitened();
     let range = &burst.range;
     // A stretch that is most of the record is its law.
-    let is_law = range.len() > seen.whole.len() / 2;
+    let is_law = range.len() > seen.transform.len() / 2;
     let rests = burst.factor < 1.0 && axis.has(rounding::KIND);
     // Of samples that were taken out close together, something stays.
     let near = range.start.saturating_sub(REMAINS)..range.end + REMAINS;

@@ -188,8 +188,8 @@ fn quiet(axis: &AxisState, places: &[Place]) -> Quiet {
         .iter()
         .map(|place| axis.density(place.cycles * axis.rate_hz))
         .fold(f64::INFINITY, f64::min);
-    let seen = axis.whole();
-    let (whole, density) = (&seen.whole, &seen.density);
+    let seen = axis.whitened();
+    let (whole, density) = (&seen.transform, &seen.density);
     let mut values = whole.filtered(|k| Complex64::new((least / density[k]).min(1.0), 0.0));
     for (index, value) in values.iter_mut().enumerate() {
         if !axis.usable(index) {

@@ -182,7 +182,7 @@ fn hum(look: &Look<'_>, base: Value, lines: Vec<(u32, Measured)>) -> Proposal {
 
 /// Amplitude of a line as it was ahead of the declared chain, like that of all other effects.
 fn ahead_of_chain(axis: &AxisState, one: &Measured) -> Value {
-    let passed = axis.frame.chain_power(one.line.frequency_hz).sqrt();
+    let passed = axis.bins.chain_power(one.line.frequency_hz).sqrt();
     Value::normal(one.line.amplitude / passed, one.amplitude_sd / passed)
 }
 

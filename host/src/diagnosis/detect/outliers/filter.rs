@@ -6,7 +6,7 @@
 
 use super::pursuit::Pursuit;
 use crate::diagnosis::record::wave::Outlier;
-use crate::diagnosis::statistic::matched_filter::{Impulse, Whole, matched};
+use crate::diagnosis::statistic::matched_filter::{Impulse, Transform, matched};
 use crate::diagnosis::statistic::p_value;
 use crate::diagnosis::statistic::spread::middle_spread;
 
@@ -40,7 +40,7 @@ pub struct Found {
 /// The filter's output is measured in units of its own middle spread where that is wider than the
 /// model says, so that a model that is wrong elsewhere makes no outliers.
 pub fn outliers(
-    whole: &Whole,
+    whole: &Transform,
     density: &[f64],
     level: f64,
     usable: impl Fn(usize) -> bool,
@@ -127,7 +127,7 @@ pub fn together(found: &[Outlier], len: usize) -> f64 {
 
 /// How much the samples at `indices`, ascending, differ from what all others predict for them. Those behind
 /// the length that transforms fast are predicted by nobody and left out.
-pub fn sizes_at(whole: &Whole, density: &[f64], indices: &[usize]) -> Vec<Outlier> {
+pub fn sizes_at(whole: &Transform, density: &[f64], indices: &[usize]) -> Vec<Outlier> {
     /// Rounds in which neighbours settle what is whose.
     const ROUNDS: usize = 4;
     /// Samples to either side that count as such.
@@ -163,7 +163,7 @@ pub fn sizes_at(whole: &Whole, density: &[f64], indices: &[usize]) -> Vec<Outlie
 
 /// The filter's answer to one sample of size one, from that moment on, over its peak, as far as it
 /// matters.
-fn answer(whole: &Whole, density: &[f64]) -> Vec<f64> {
+fn answer(whole: &Transform, density: &[f64]) -> Vec<f64> {
     let answer = whole.answer(|k| density[k].recip());
     let peak = answer[0];
     let mut answer = answer[..REACH.min(answer.len() / 2)].to_vec();

@@ -17,7 +17,7 @@ use crate::diagnosis::record::powers::Powers;
 use crate::diagnosis::record::wave::{Outlier, Wave};
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
-use crate::diagnosis::statistic::matched_filter::Whole;
+use crate::diagnosis::statistic::matched_filter::Transform;
 use crate::diagnosis::steady::band_events::is_of_excluded;
 use crate::model::outliers::KIND;
 use filter::Found;
@@ -40,8 +40,8 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     let mut proposals = Vec::new();
     let mut found = Found::default();
     if old.is_empty() || look.character.outliers_sought_among == among {
-        let seen = axis.whole();
-        found = sought(look, &seen.whole, &seen.density, &powers);
+        let seen = axis.whitened();
+        found = sought(look, &seen.transform, &seen.density, &powers);
         if found.outliers.is_empty() {
             return Ok(proposals);
         }
@@ -50,8 +50,8 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
         // In noise that they themselves had raised, beside lines and jumps that were still there, the
         // first are known less well, in size and in place, than they can be now: all are looked
         // for again. What the record is without them makes room meanwhile.
-        let density = axis.whole().density.clone();
-        axis.forget_whole();
+        let density = axis.whitened().density.clone();
+        axis.forget_whitened();
         found = sought(look, &axis.with(old, &density), &density, &powers);
         proposals.push(Proposal::Learn(Lesson::OutliersSoughtAmong(among)));
         let places = |all: &[Outlier]| -> Vec<usize> { all.iter().map(|one| one.index).collect() };
@@ -121,7 +121,7 @@ fn candidate(look: &Look<'_>, found: Found) -> Candidate {
 }
 
 /// Samples of `whole` that stand out of noise of this `density`, whose strength over time is known.
-fn sought(look: &Look<'_>, whole: &Whole, density: &[f64], powers: &Powers) -> Found {
+fn sought(look: &Look<'_>, whole: &Transform, density: &[f64], powers: &Powers) -> Found {
     let local = look.character.strength_moves.then(|| powers.local());
     let mut found = filter::outliers(
         whole,

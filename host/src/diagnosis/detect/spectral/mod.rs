@@ -85,8 +85,8 @@ fn significant(look: &Look<'_>) -> Result<Vec<Found>, NoFit> {
     let starts = axis.starts().ok_or(NoFit)?;
     let kinds = CATALOGUE.par_iter().filter(|kind| look.is_open(**kind));
     let found = kinds.filter_map(|&kind| {
-        let (frame, data) = (&axis.frame, &axis.data);
-        search::search(frame, data, &axis.laws, &axis.fit, &starts, kind)
+        let (bins, data) = (&axis.bins, &axis.data);
+        search::search(bins, data, &axis.laws, &axis.fit, &starts, kind)
     });
     let mut found: Vec<Found> = found.collect();
     // Only what is significant competes: a search over more shapes gains more by chance.
@@ -150,7 +150,7 @@ fn is_line(look: &Look<'_>, one: &Found) -> bool {
     if one.law.effect != resonance::KIND || width_hz > SEEN_BY_BINS * f_hz {
         return false;
     }
-    let component = laws::component_of(&axis.frame, &axis.laws, axis.laws.len());
+    let component = laws::component_of(&axis.bins, &axis.laws, axis.laws.len());
     let line = lines::measure_near(axis, f_hz, one.p_value).line;
     width_hz * look.duration_s() < RESOLVED
         || 0.5 * line.amplitude.powi(2) > SHARE * one.fit.squared[component]
@@ -167,7 +167,7 @@ pub fn band_of(axis: &AxisState, which: usize, share: f64) -> std::ops::Range<f6
         Part::Distortion(filter) => filter.power(f_hz, axis.rate_hz) <= 1.0 - share,
         Part::Clock(_) | Part::Follows(_) => false,
     };
-    let bins = axis.frame.bins().iter().map(|bin| bin.f_hz);
+    let bins = axis.bins.all().iter().map(|bin| bin.f_hz);
     let inside: Vec<f64> = bins.filter(|&f_hz| decides(f_hz)).collect();
     match (inside.first(), inside.last()) {
         (Some(&from_hz), Some(&to_hz)) => from_hz..to_hz,

@@ -3,12 +3,12 @@
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::axis::profile::Profile;
 use crate::diagnosis::record::wave::{Jump, Outlier};
-use crate::diagnosis::statistic::matched_filter::{Match, Step, Transformer, Whole, matched};
+use crate::diagnosis::statistic::matched_filter::{Match, Step, Transform, Transformer, matched};
 use crate::diagnosis::statistic::p_value;
 
 /// The largest jump, significant or not.
 pub fn largest_jump(
-    whole: &Whole,
+    whole: &Transform,
     density: &[f64],
     usable: impl Fn(usize) -> bool,
 ) -> Option<Jump> {
@@ -20,7 +20,7 @@ pub fn largest_jump(
 /// `first` is where it was seen.
 pub fn beside_walk(
     axis: &AxisState,
-    mut whole: Whole,
+    mut whole: Transform,
     density: &[f64],
     first: &Jump,
     usable: impl Fn(usize) -> bool,
@@ -40,7 +40,7 @@ pub fn beside_walk(
 
 /// The largest jump, and the statistic of all.
 fn largest(
-    whole: &Whole,
+    whole: &Transform,
     density: &[f64],
     usable: impl Fn(usize) -> bool,
 ) -> Option<(Jump, Match)> {
@@ -63,7 +63,7 @@ fn largest(
 }
 
 /// The statistic of a jump at every moment.
-pub fn statistic(whole: &Whole, density: &[f64]) -> Match {
+pub fn statistic(whole: &Transform, density: &[f64]) -> Match {
     matched(whole, density, &Step)
 }
 

@@ -88,8 +88,8 @@ impl<'a> Pursuit<'a> {
     fn placing(&self) -> Option<Match> {
         let factor = self.axis().slow_factor();
         (factor > 1 && factor <= FINE).then(|| {
-            let seen = self.axis().whole();
-            filter::statistic(&seen.whole, &seen.density)
+            let seen = self.axis().whitened();
+            filter::statistic(&seen.transform, &seen.density)
         })
     }
 

@@ -30,7 +30,7 @@ pub fn levels(axis: &AxisState) -> Option<Telegraph> {
     let Some(number) = axis.law_number(one) else {
         return Some(Telegraph::of(&one.effect.plain()));
     };
-    let values = laws::sized(&axis.frame, &axis.laws, number, &axis.fit);
+    let values = laws::sized(&axis.bins, &axis.laws, number, &axis.fit);
     Some(Telegraph::with_spectrum_of(&Markov::of(&values)))
 }
 
@@ -119,14 +119,14 @@ pub fn supersede(candidate: &mut Candidate) {
 
 /// Logarithm of the odds that what looks like Markov noise in the spectrum switches between two levels.
 pub fn log_odds(axis: &AxisState, law: &Law, fit: &Fit) -> Option<f64> {
-    let component = laws::component_of(&axis.frame, &axis.laws, axis.laws.len());
+    let component = laws::component_of(&axis.bins, &axis.laws, axis.laws.len());
     let squared = fit.squared[component];
     let time_s = Markov::of(&law.values).time_s;
     let Part::Term(term) = law.effect.part(&law.values) else {
         return None;
     };
     let wander =
-        |f_hz: f64| squared * axis.frame.term_density(&*term, f_hz) * axis.frame.chain_power(f_hz);
-    let rest = |f_hz: f64| axis.frame.base_density(&fit.squared, f_hz);
+        |f_hz: f64| squared * axis.bins.term_density(&*term, f_hz) * axis.bins.chain_power(f_hz);
+    let rest = |f_hz: f64| axis.bins.base_density(&fit.squared, f_hz);
     two_levels::log_odds(axis, squared.sqrt(), time_s, wander, rest)
 }

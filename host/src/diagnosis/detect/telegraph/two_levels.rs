@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use realfft::num_complex::Complex64;
 
 use crate::diagnosis::axis::AxisState;
-use crate::diagnosis::statistic::matched_filter::{Transformer, Whole};
+use crate::diagnosis::statistic::matched_filter::{Transform, Transformer};
 use crate::model::random::Gaussian;
 use crate::model::random::Seed;
 
@@ -45,8 +45,8 @@ pub fn log_odds(
         copy = Transformer::new(LONGEST).transform(&axis.filled, axis.rate_hz);
         (&copy, 1)
     } else {
-        seen = axis.whole();
-        (&seen.whole, 1)
+        seen = axis.whitened();
+        (&seen.transform, 1)
     };
     let rate_hz = axis.rate_hz / factor as f64;
     let densities = |density: &dyn Fn(f64) -> f64| -> Vec<f64> {
@@ -60,7 +60,7 @@ pub fn log_odds(
         .zip(&rest)
         .map(|(wander, rest)| wander / (wander + rest))
         .collect();
-    let excess_of = |whole: &Whole| excess(&whole.filtered(|k| Complex64::new(filter[k], 0.0)));
+    let excess_of = |whole: &Transform| excess(&whole.filtered(|k| Complex64::new(filter[k], 0.0)));
     let transformer = Transformer::new(record.len());
     let dwell = 2.0 * time_s * rate_hz;
     let simulate = |two_levels: bool| -> (f64, f64) {
