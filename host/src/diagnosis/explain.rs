@@ -161,7 +161,7 @@ struct Done {
 
 fn attempt(axis: &mut AxisState, context: &Context<'_>) -> Result<Done, Spoilt> {
     let (character, latest) = search::search(axis, context)?;
-    let doubts = doubt::hear(axis, context.level, character.strength_moves);
+    let doubts = doubt::hear(axis, context.level, &character);
     let unexplained = doubts.map_err(|_| Spoilt { latest })?;
     Ok(Done {
         unexplained,

@@ -5,12 +5,14 @@
 //! remarks on.
 
 pub mod colour;
+pub mod grouped_samples;
 pub mod law;
 pub mod left_over;
 pub mod lopsided;
 pub mod tops;
 
 use crate::diagnosis::axis::{AxisState, NoFit};
+use crate::diagnosis::detect::look::Character;
 use crate::diagnosis::result::finding::Remark;
 
 /// Speaks against names of one sort.
@@ -26,6 +28,7 @@ pub static DOUBTS: &[&Doubt] = &[
     &tops::DOUBT,
     &lopsided::DOUBT,
     &law::DOUBT,
+    &grouped_samples::DOUBT,
     &colour::OF_TERMS,
     &left_over::DOUBT,
 ];
@@ -38,6 +41,8 @@ pub struct Hearing<'a> {
     pub level: f64,
     /// Whether the strength of its noise moves all the time.
     pub strength_moves: bool,
+    /// Whether large samples of it were seen to come in groups.
+    pub large_samples_in_groups: bool,
     /// What there is to say.
     pub remarks: Vec<Remark>,
 }
@@ -46,13 +51,14 @@ pub struct Hearing<'a> {
 ///
 /// # Errors
 /// [`NoFit`] where what is left without a name cannot be fitted.
-pub fn hear(axis: &mut AxisState, level: f64, strength_moves: bool) -> Result<Vec<Remark>, NoFit> {
+pub fn hear(axis: &mut AxisState, level: f64, character: &Character) -> Result<Vec<Remark>, NoFit> {
     let excluded = axis.excluded().iter().map(|one| one.remark.clone());
     let mut hearing = Hearing {
         remarks: excluded.collect(),
         axis,
         level,
-        strength_moves,
+        strength_moves: character.strength_moves,
+        large_samples_in_groups: character.large_samples_in_groups,
     };
     for doubt in DOUBTS {
         (doubt.hear)(&mut hearing)?;

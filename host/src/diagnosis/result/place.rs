@@ -21,6 +21,8 @@ pub enum Place {
     Period(f64),
     /// In the power over time, slower than this period, seconds.
     Slower(f64),
+    /// In a stretch of time, from and to, seconds since the start of the record.
+    Stretch([f64; 2]),
     /// Among the largest values.
     UpperSide,
     /// Among the smallest.
@@ -61,6 +63,7 @@ impl fmt::Display for Place {
             Self::Line(f_hz) => write!(f, "{f_hz:.5} Hz"),
             Self::Period(period_s) => write!(f, "period {period_s:.4} s"),
             Self::Slower(period_s) => write!(f, "period down to {period_s:.4} s"),
+            Self::Stretch([from_s, to_s]) => write!(f, "{from_s:.3} s to {to_s:.3} s"),
             Self::UpperSide => f.write_str("upper side"),
             Self::LowerSide => f.write_str("lower side"),
         }

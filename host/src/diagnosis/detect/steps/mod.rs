@@ -34,6 +34,9 @@ pub fn proposals(look: &Look<'_>, first: Jump) -> Vec<Proposal> {
     let mut jumps: Vec<Jump> = axis.residual.jumps().copied().collect();
     let mut pursuit = Pursuit::new(look);
     let new = pursuit.all(first, jumps.len());
+    if new.is_empty() {
+        return Vec::new();
+    }
     let gain = pursuit.gain(&new);
     join(&mut jumps, new, 4 * axis.slow_factor());
     if jumps.len() > MOST {

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::{MOST, filter, is_of_burst};
 use crate::diagnosis::axis::profile::Noise;
 use crate::diagnosis::axis::{AxisState, SPREAD};
+use crate::diagnosis::detect::burst;
 use crate::diagnosis::detect::look::Look;
 use crate::diagnosis::record::bridge::block_means;
 use crate::diagnosis::record::wave::{Jump, Wave};
@@ -14,11 +15,15 @@ use crate::diagnosis::statistic::matched_filter::{Match, Transformer, held_out_g
 /// Samples in one of the slow copy up to which jumps are placed to the sample.
 const FINE: usize = 8;
 
+/// Samples on either side of a shock in which no jump is looked for any more: as many as make a stretch of its
+/// own ([`burst::LONG`]).
+const SHOCK: usize = burst::LONG;
+
 /// A copy of a record out of which jumps are taken.
 pub struct Pursuit<'a> {
     look: &'a Look<'a>,
     left: Arc<Vec<f64>>,
-    /// What a converter's filter makes of the jumps that were taken out.
+    /// What a converter's filter makes of the jumps that were taken out, and what turned out to be none.
     about: Vec<Range<usize>>,
 }
 
@@ -66,22 +71,43 @@ impl<'a> Pursuit<'a> {
         let filter = self.placing();
         let reach = 2 * self.axis().slow_factor();
         let mut next = Some(first);
-        let mut all = Vec::new();
+        let mut all: Vec<Jump> = Vec::new();
         while let Some(jump) = next.filter(|_| known + all.len() <= MOST) {
             let jump = match &filter {
                 Some(statistic) => filter::place(statistic, jump, reach),
                 None => jump,
             };
-            Wave::Steps(vec![jump]).take_out(Arc::make_mut(&mut self.left).as_mut_slice());
-            if self.axis().is_filtered() {
-                let from = jump.index.saturating_sub(SPREAD);
-                self.about.push(from..jump.index + SPREAD);
+            let is_here = |old: &Jump| old.index.abs_diff(jump.index) <= 2 * reach;
+            let grows = |old: &Jump| is_here(old) && jump.z.abs() >= old.z.abs();
+            if all.iter().any(grows) {
+                // Taken out it left a larger one: what is here is no jump, but a shock, say.
+                let (gone, kept) = all.into_iter().partition(|old| is_here(old));
+                all = kept;
+                self.give_back(gone);
+                self.about
+                    .push(jump.index.saturating_sub(SHOCK)..jump.index + SHOCK);
+            } else {
+                self.take_out(jump);
+                all.push(jump);
             }
-            all.push(jump);
             next = self.largest(Noise::Fitted);
         }
         all.sort_by_key(|jump| jump.index);
         all
+    }
+
+    fn take_out(&mut self, jump: Jump) {
+        Wave::Steps(vec![jump]).take_out(Arc::make_mut(&mut self.left).as_mut_slice());
+        if self.axis().is_filtered() {
+            let from = jump.index.saturating_sub(SPREAD);
+            self.about.push(from..jump.index + SPREAD);
+        }
+    }
+
+    fn give_back(&mut self, mut jumps: Vec<Jump>) {
+        jumps.sort_by_key(|jump| jump.index);
+        jumps.iter_mut().for_each(|jump| jump.height = -jump.height);
+        Wave::Steps(jumps).take_out(Arc::make_mut(&mut self.left).as_mut_slice());
     }
 
     /// What places a jump of the slow copy among the samples themselves.

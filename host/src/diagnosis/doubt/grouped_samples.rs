@@ -1,0 +1,54 @@
+//! Large samples that come in groups: something that rings, or a tone that is switched on, goes beyond the
+//! threshold several times. They are no outliers, and what they are has no name.
+
+use super::{Doubt, Hearing};
+use crate::diagnosis::axis::NoFit;
+use crate::diagnosis::detect::outliers::filter;
+use crate::diagnosis::record::wave::Outlier;
+use crate::diagnosis::result::finding::Remark;
+use crate::diagnosis::result::place::Place;
+use crate::diagnosis::steady::band_events::is_of_excluded;
+
+/// Remarks on groups that were seen on the way and are there still. Their test is that of outliers.
+pub static DOUBT: Doubt = Doubt { tests: 0, hear };
+
+/// Samples on either side of the largest that are its group.
+const GROUP: usize = 1024;
+
+fn hear(hearing: &mut Hearing<'_>) -> Result<(), NoFit> {
+    if !hearing.large_samples_in_groups {
+        return Ok(());
+    }
+    let axis = &*hearing.axis;
+    let seen = axis.whitened();
+    let usable = |index: usize| axis.usable(index);
+    let (transform, density) = (&seen.transform, &seen.density);
+    let found = filter::outliers(transform, density, hearing.level, usable, |_| 1.0);
+    let grouped = filter::together(&found.outliers, axis.ring_len());
+    let samples = found.outliers.iter().map(|one| one.index..one.index + 1);
+    let samples: Vec<_> = samples.collect();
+    // What belongs to an excluded band is remarked on with it.
+    if grouped >= hearing.level || is_of_excluded(axis, &samples) {
+        return Ok(());
+    }
+    let by_size = |a: &&Outlier, b: &&Outlier| a.size.abs().total_cmp(&b.size.abs());
+    if let Some(largest) = found.outliers.iter().max_by(by_size) {
+        let near = |one: &&Outlier| one.index.abs_diff(largest.index) <= GROUP;
+        let group: Vec<&Outlier> = found.outliers.iter().filter(near).collect();
+        let at_s = |index: usize| index as f64 / axis.rate_hz;
+        let ends = group.first().zip(group.last());
+        let (first, last) = ends.map_or((largest, largest), |(first, last)| (*first, *last));
+        hearing.remarks.push(Remark {
+            test: "samples".into(),
+            place: Place::Stretch([at_s(first.index), at_s(last.index)]),
+            p_value: found.p_value.max(grouped),
+            description: format!(
+                "{} samples far out, in groups rather than by themselves, the largest {:.1} \
+                 deviations: something that rings, a knock, or a tone that is switched",
+                found.outliers.len(),
+                (largest.size / largest.size_sd).abs()
+            ),
+        });
+    }
+    Ok(())
+}
