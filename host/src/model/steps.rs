@@ -43,21 +43,29 @@ impl Term for Steps {
         // The first sample at or after the time is the first at the new level.
         let first = |time_s: f64| (time_s * rate_hz - LATE).ceil().max(0.0) as u64;
         let jump = |&(time_s, height): &(f64, f64)| (first(time_s), height);
-        let mut jumps: Vec<(u64, f64)> = self.0.iter().map(jump).collect();
-        jumps.sort_by_key(|&(index, _)| std::cmp::Reverse(index));
-        Box::new(Staircase {
-            jumps,
-            index: 0,
-            level: 0.0,
-        })
+        Box::new(Staircase::new(self.0.iter().map(jump)))
     }
 }
 
-struct Staircase {
+/// The course of some jumps, sample by sample from the first.
+pub struct Staircase {
     /// Those to come, the next one last.
     jumps: Vec<(u64, f64)>,
     index: u64,
     level: f64,
+}
+
+impl Staircase {
+    /// Of jumps, each with the first sample at its new level and its height.
+    pub fn new(jumps: impl IntoIterator<Item = (u64, f64)>) -> Self {
+        let mut jumps: Vec<(u64, f64)> = jumps.into_iter().collect();
+        jumps.sort_by_key(|&(index, _)| std::cmp::Reverse(index));
+        Self {
+            jumps,
+            index: 0,
+            level: 0.0,
+        }
+    }
 }
 
 impl Generator for Staircase {

@@ -38,19 +38,27 @@ impl Term for WarmUp {
     }
 
     fn generator(&self, rate_hz: f64, _seed: Seed) -> Box<dyn Generator> {
-        Box::new(Settling {
-            amplitude: self.amplitude,
-            decay: 1.0 / (self.time_s * rate_hz),
-            index: 0,
-        })
+        Box::new(Settling::new(self.amplitude, self.time_s * rate_hz))
     }
 }
 
-struct Settling {
+/// The course of a settling, sample by sample from the first.
+pub struct Settling {
     amplitude: f64,
     /// Data period over the time constant.
     decay: f64,
     index: u64,
+}
+
+impl Settling {
+    /// From `amplitude` down, with a time constant of so many samples.
+    pub fn new(amplitude: f64, samples: f64) -> Self {
+        Self {
+            amplitude,
+            decay: samples.recip(),
+            index: 0,
+        }
+    }
 }
 
 impl Generator for Settling {

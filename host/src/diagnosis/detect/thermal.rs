@@ -17,6 +17,7 @@ use crate::diagnosis::statistic::matched_filter::{
     Half, Projection, Transform, Transformer, held_out_gain,
 };
 use crate::diagnosis::statistic::p_value;
+use crate::model::follows::{Follows, Leader};
 use crate::model::thermal::KIND;
 
 /// What follows the covariate, with its lag in seconds, if it is not known yet.
@@ -59,7 +60,7 @@ pub fn with_settling_lag(look: &Look<'_>, time_s: f64, settling: &Wave) -> Optio
         held_out_nats,
         ..
     } = look.axis.explanations()[place].clone();
-    let lag_s = crate::model::follows::Follows::of_temperature(&effect.plain()).lag_s;
+    let lag_s = Follows::of_temperature(&effect.plain()).lag_s;
     if (time_s / lag_s).ln().abs() >= ALIKE.ln() {
         return None;
     }
@@ -91,17 +92,7 @@ pub fn follows(
         lags.push(lag);
         lag *= 2.0;
     }
-    let lagged = |lag: f64| -> Vec<f64> {
-        let keep = if lag > 0.0 { (-1.0 / lag).exp() } else { 0.0 };
-        let mut state = means[0];
-        means
-            .iter()
-            .map(|value| {
-                state = keep * state + (1.0 - keep) * value;
-                state
-            })
-            .collect()
-    };
+    let lagged = |lag: f64| behind(&means, lag, 0.0);
     let open = |lag: f64| transformer.transform(&lagged(lag), rate_hz);
     let wave = |lag: f64, density: &[f64]| {
         let mut wave = open(lag);
@@ -166,20 +157,9 @@ pub fn follows(
     } else {
         f64::INFINITY
     };
-    let keep = if lag > 0.0 {
-        (-1.0 / (lag * factor as f64)).exp()
-    } else {
-        0.0
-    };
     let mean = column.iter().sum::<f64>() / column.len() as f64;
-    let mut state = column[0];
-    let full: Vec<f32> = column
-        .iter()
-        .map(|value| {
-            state = keep * state + (1.0 - keep) * value;
-            (state - mean) as f32
-        })
-        .collect();
+    let full = behind(column, lag * factor as f64, mean);
+    let full: Vec<f32> = full.into_iter().map(|value| value as f32).collect();
     Some((
         SlowChange {
             wave: Wave::Follows {
@@ -194,4 +174,17 @@ pub fn follows(
         },
         lag * factor as f64 / axis.rate_hz,
     ))
+}
+
+/// A column behind a first-order lag of so many samples, about `reference`.
+fn behind(column: &[f64], lag: f64, reference: f64) -> Vec<f64> {
+    let follows = Follows {
+        leader: Leader::Temperature,
+        gain: 1.0,
+        lag_s: lag,
+    };
+    let mut lagged = vec![0.0; column.len()];
+    // In samples: one a second.
+    follows.follower(1.0, reference).add_to(column, &mut lagged);
+    lagged
 }

@@ -5,6 +5,9 @@ use std::sync::Arc;
 use realfft::num_complex::Complex64;
 
 use crate::fft::phasor::Phasor;
+use crate::model::random::Generator;
+use crate::model::steps::Staircase;
+use crate::model::warmup::Settling;
 
 /// A sample that does not belong.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,24 +80,13 @@ impl Wave {
     pub fn take_out(&self, values: &mut [f64]) {
         match self {
             Self::Steps(jumps) => {
-                let mut level = 0.0;
-                let mut from = 0;
-                for jump in jumps {
-                    let end = jump.index.min(values.len());
-                    values[from..end]
-                        .iter_mut()
-                        .for_each(|value| *value -= level);
-                    level += jump.height;
-                    from = end;
-                }
-                values[from..].iter_mut().for_each(|value| *value -= level);
+                let down = |jump: &Jump| (jump.index as u64, -jump.height);
+                Staircase::new(jumps.iter().map(down)).add_to(values);
             }
             Self::WarmUp { amplitude, samples } => {
                 // Beyond 40 time constants nothing is left.
                 let end = ((40.0 * samples) as usize).min(values.len());
-                for (index, value) in values[..end].iter_mut().enumerate() {
-                    *value -= amplitude * (-(index as f64) / samples).exp();
-                }
+                Settling::new(-amplitude, *samples).add_to(&mut values[..end]);
             }
             Self::Line {
                 cycles,
