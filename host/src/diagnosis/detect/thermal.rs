@@ -73,107 +73,144 @@ pub fn with_settling_lag(look: &Look<'_>, time_s: f64, settling: &Wave) -> Optio
     })))
 }
 
-/// Whether the level follows `column`, one value a sample, `lag` samples behind at most some.
-pub fn follows(
+/// Whether the level follows `column`, one value a sample, with the lag behind it in seconds.
+fn follows(
     axis: &AxisState,
     column: &[f64],
     level: f64,
     noise: Noise,
 ) -> Option<(SlowChange, f64)> {
     let factor = axis.drift_factor();
-    let (mut record, mut density) = axis.slow(&axis.filled, factor);
-    let transformer = Transformer::new(record.len());
-    let rate_hz = axis.rate_hz / factor as f64;
-    let means = block_means(column, factor);
-    // First-order lags from none to an eighth of the record.
-    let mut lags = vec![0.0];
-    let mut lag = 4.0;
-    while lag < means.len() as f64 / 8.0 {
-        lags.push(lag);
-        lag *= 2.0;
-    }
-    let lagged = |lag: f64| behind(&means, lag, 0.0);
-    let open = |lag: f64| transformer.transform(&lagged(lag), rate_hz);
-    let wave = |lag: f64, density: &[f64]| {
-        let mut wave = open(lag);
-        wave.close(density);
-        wave
-    };
-    let trials = lags.len() as f64;
-    let p_of = |z: f64| p_value::searched(p_value::two_sided(z), trials);
-    let at = |lag: f64, record: &Transform, density: &[f64]| {
-        Projection::new(record, density, &wave(lag, density), Half::Both)
-    };
-    let larger =
-        |a: &(Projection, f64), b: &(Projection, f64)| a.0.z().abs().total_cmp(&b.0.z().abs());
-    let first = |record: &Transform, density: &[f64]| {
-        let all = lags.par_iter().map(|&lag| (at(lag, record, density), lag));
-        let all: Vec<_> = all.collect();
-        all.into_iter().max_by(larger)
-    };
-    let (mut projection, mut lag) = first(&record, &density)?;
-    let mut told = None;
-    if noise == Noise::Anew && p_of(projection.z()) >= level {
+    let mut lags = Lags::new(axis, column);
+    let mut best = lags.best()?;
+    let mut beside_walk = None;
+    if noise == Noise::Anew && lags.p_value(best.0.z()) >= level {
         // Walk and flicker may have been taken for it.
-        let profile = Profile::new(axis, &record, &density);
-        let joints = lags.par_iter();
-        let joints: Vec<_> = joints
-            .map(|&lag| profile.fit(&wave(lag, &density)))
-            .collect();
-        let joint = joints
-            .into_iter()
-            .max_by(|a, b| a.z.abs().total_cmp(&b.z.abs()))?;
-        let beside = profile.density(&joint);
-        told = Some(joint.z);
-        density = beside;
-        record.close(&density);
-        (projection, lag) = first(&record, &density)?;
+        beside_walk = Some(lags.beside_walk(axis)?);
+        best = lags.best()?;
     }
-    // The top between the steps.
-    let mut step = 0.35;
-    while lag > 0.0 && step > 5e-3 {
-        let best = [f64::exp(step), f64::exp(-step)]
-            .map(|factor| (at(lag * factor, &record, &density), lag * factor))
-            .into_iter()
-            .max_by(larger)?;
-        if best.0.z().abs() > projection.z().abs() {
-            (projection, lag) = best;
-        } else {
-            step *= 0.5;
-        }
-    }
-    let z = told.unwrap_or(projection.z());
-    let p_value = p_of(z);
+    let (projection, lag) = lags.refined(best)?;
+    let z = beside_walk.unwrap_or(projection.z());
+    let p_value = lags.p_value(z);
     if p_value >= level || !z.is_finite() {
         return None;
     }
-    // The square of z falls as a parabola in the logarithm of the lag.
-    let lag_log_sd = if lag > 0.0 {
-        let h = 0.1_f64;
-        let square = |lag: f64| at(lag, &record, &density).z().powi(2);
-        let top = projection.z().powi(2);
-        let bend = (2.0 * top - square(lag * h.exp()) - square(lag * (-h).exp())) / (2.0 * h * h);
-        bend.max(1e-9).recip().sqrt()
-    } else {
-        f64::INFINITY
-    };
     let mean = column.iter().sum::<f64>() / column.len() as f64;
     let full = behind(column, lag * factor as f64, mean);
     let full: Vec<f32> = full.into_iter().map(|value| value as f32).collect();
-    Some((
-        SlowChange {
-            wave: Wave::Follows {
-                gain: projection.size(),
-                column: Arc::new(full),
-            },
-            z,
-            size_sd: projection.size_sd(),
-            time_log_sd: lag_log_sd,
-            p_value,
-            nats: held_out_gain(&record, &density, &wave(lag, &density)),
+    let change = SlowChange {
+        wave: Wave::Follows {
+            gain: projection.size(),
+            column: Arc::new(full),
         },
-        lag * factor as f64 / axis.rate_hz,
-    ))
+        z,
+        size_sd: projection.size_sd(),
+        time_log_sd: lags.log_sd(projection, lag),
+        p_value,
+        nats: held_out_gain(&lags.record, &lags.density, &lags.wave(lag)),
+    };
+    Some((change, lag * factor as f64 / axis.rate_hz))
+}
+
+/// A slow record and the column that it may follow, in means over as many samples.
+struct Lags {
+    record: Transform,
+    density: Vec<f64>,
+    transformer: Transformer,
+    means: Vec<f64>,
+    /// First-order lags that are tried, samples of the slow record: none, and up to an eighth of its length.
+    trials: Vec<f64>,
+}
+
+impl Lags {
+    fn new(axis: &AxisState, column: &[f64]) -> Self {
+        /// Shortest lag that is tried, samples: a shorter one is as good as none.
+        const SHORTEST: f64 = 4.0;
+        let factor = axis.drift_factor();
+        let (record, density) = axis.slow(&axis.filled, factor);
+        let means = block_means(column, factor);
+        let longest = means.len() as f64 / 8.0;
+        let lags = std::iter::successors(Some(SHORTEST), |lag| Some(2.0 * lag));
+        let lags = lags.take_while(|lag| *lag < longest);
+        Self {
+            transformer: Transformer::new(record.len()),
+            record,
+            density,
+            trials: std::iter::once(0.0).chain(lags).collect(),
+            means,
+        }
+    }
+
+    fn wave(&self, lag: f64) -> Transform {
+        let lagged = behind(&self.means, lag, 0.0);
+        let mut wave = self.transformer.transform(&lagged, self.record.rate_hz());
+        wave.close(&self.density);
+        wave
+    }
+
+    fn at(&self, lag: f64) -> Projection {
+        Projection::new(&self.record, &self.density, &self.wave(lag), Half::Both)
+    }
+
+    /// Probability of as large a statistic at the best of all lags.
+    fn p_value(&self, z: f64) -> f64 {
+        p_value::searched(p_value::two_sided(z), self.trials.len() as f64)
+    }
+
+    /// The best of the lags that are tried.
+    fn best(&self) -> Option<(Projection, f64)> {
+        let all = self.trials.par_iter().map(|&lag| (self.at(lag), lag));
+        let all: Vec<_> = all.collect();
+        all.into_iter().max_by(larger)
+    }
+
+    /// Whitens by walk and flicker fitted anew beside the column; its statistic there.
+    fn beside_walk(&mut self, axis: &AxisState) -> Option<f64> {
+        let profile = Profile::new(axis, &self.record, &self.density);
+        let joints = self.trials.par_iter();
+        let joints: Vec<_> = joints.map(|&lag| profile.fit(&self.wave(lag))).collect();
+        let joint = joints
+            .into_iter()
+            .max_by(|a, b| a.z.abs().total_cmp(&b.z.abs()))?;
+        self.density = profile.density(&joint);
+        self.record.close(&self.density);
+        Some(joint.z)
+    }
+
+    /// The top between the lags that are tried.
+    fn refined(&self, (mut projection, mut lag): (Projection, f64)) -> Option<(Projection, f64)> {
+        /// First step of a lag's logarithm, half an octave, and the smallest.
+        const STEPS: [f64; 2] = [0.35, 5e-3];
+        let mut step = STEPS[0];
+        while lag > 0.0 && step > STEPS[1] {
+            let moved = [f64::exp(step), f64::exp(-step)]
+                .map(|factor| (self.at(lag * factor), lag * factor));
+            let best = moved.into_iter().max_by(larger)?;
+            if best.0.z().abs() > projection.z().abs() {
+                (projection, lag) = best;
+            } else {
+                step *= 0.5;
+            }
+        }
+        Some((projection, lag))
+    }
+
+    /// Standard deviation of the logarithm of the lag: the square of the statistic falls as a parabola in it.
+    fn log_sd(&self, top: Projection, lag: f64) -> f64 {
+        /// Step of the logarithm for the second difference.
+        const STEP: f64 = 0.1;
+        if lag <= 0.0 {
+            return f64::INFINITY;
+        }
+        let square = |lag: f64| self.at(lag).z().powi(2);
+        let sides = square(lag * STEP.exp()) + square(lag * (-STEP).exp());
+        let bend = (2.0 * top.z().powi(2) - sides) / (2.0 * STEP * STEP);
+        bend.max(1e-9).recip().sqrt()
+    }
+}
+
+fn larger(a: &(Projection, f64), b: &(Projection, f64)) -> std::cmp::Ordering {
+    a.0.z().abs().total_cmp(&b.0.z().abs())
 }
 
 /// A column behind a first-order lag of so many samples, about `reference`.

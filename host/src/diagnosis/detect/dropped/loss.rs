@@ -224,22 +224,7 @@ fn search(
         .min_by(f64::total_cmp)?;
     let count = ((slowest * values.len() as f64 / CYCLES) as usize).min(BLOCKS);
     let blocks = Blocks::new(values, count, usable);
-    let mut lines: Vec<Line> = places
-        .iter()
-        .map(|place| Line::new(blocks.at(place.cycles), 0.5 * place.width + 2.0 * REACH))
-        .filter(|line| line.gain > LEAST_LINE)
-        .collect();
-    lines.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    let mut apart: Vec<Line> = Vec::new();
-    for line in lines {
-        let place = |line: &Line| line.cycles(line.offset, blocks.len) * values.len() as f64;
-        let alone = |other: &Line| (place(other) - place(&line)).abs() > NEAR as f64;
-        if apart.iter().all(alone) {
-            apart.push(line);
-        }
-    }
-    let mut lines = apart;
-    lines.truncate(MOST_LINES);
+    let mut lines = separate(&blocks, &places, values.len());
     if lines.len() < 2 {
         return None;
     }
@@ -256,71 +241,104 @@ fn search(
         lines = ratio::cleaned(&blocks, &lines, &chosen.turned, chosen.index());
         (tables, found) = looked(&blocks, quiet, &lines, longest);
     }
-    let table_highest = tables.sum.iter().copied().fold(f64::MIN, f64::max);
-    let (chosen, samples_lo, samples_hi) = smallest_of_the_best(&found)?;
-    let Found {
-        best,
-        moment,
-        ref turned,
-        ..
-    } = found[chosen];
+    let case = Case {
+        blocks: &blocks,
+        lines: &lines,
+        longest,
+        tables: &tables,
+        found: &found,
+    };
+    case.judged(level)
+}
 
-    let gains: Vec<f64> = turned
+/// Lines at these places that are strong enough and stand by themselves, the strongest first; the record has
+/// `length` samples.
+fn separate(blocks: &Blocks, places: &[&Place], length: usize) -> Vec<Line> {
+    let lines = places
         .iter()
-        .zip(&lines)
-        .map(|(turned, line)| turned.gain - line.gain)
-        .collect();
-    let nats: f64 = gains.iter().sum();
-    // The tables rest on blocks and on a parabola in frequency; the last word is the fit's.
-    let p_value = (table_highest - tables.mean_ratio() - nats).exp().min(1.0);
-    let loudest = gains
-        .iter()
-        .enumerate()
-        .max_by(|a, b| a.1.total_cmp(b.1))
-        .map(|(line, _)| line)?;
-    let others = ratio::others(&lines, loudest, moment.middle / blocks.len as f64, longest);
-    let left: f64 = turned
-        .iter()
-        .zip(&lines)
-        .map(|(turned, line)| line.seen.left_over(turned.offset, Some(turned.turn), NEAR))
-        .sum();
-    // Noise leaves as many as there are ordinates, with that variance.
-    let spread = ((2 * NEAR + 1) as f64 * lines.len() as f64).sqrt();
-    let explained = left < LEFT_SHARE * nats + 3.0 * spread;
-    if !(p_value < level && others > ODDS && explained) {
-        return None;
+        .map(|place| Line::new(blocks.at(place.cycles), 0.5 * place.width + 2.0 * REACH));
+    let mut lines: Vec<Line> = lines.filter(|line| line.gain > LEAST_LINE).collect();
+    lines.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    let mut separate: Vec<Line> = Vec::new();
+    for line in lines {
+        let place = |line: &Line| line.cycles(line.offset, blocks.len) * length as f64;
+        let alone = |other: &Line| (place(other) - place(&line)).abs() > NEAR as f64;
+        if separate.iter().all(alone) {
+            separate.push(line);
+        }
     }
-    Some(Loss {
-        index: found[chosen].index(),
-        index_sd: moment.sd,
-        index_lo: moment.lo,
-        index_hi: moment.hi,
-        samples: best.samples as u32,
-        samples_lo,
-        samples_hi,
-        nats,
-        held_nats: held(&lines, longest),
-        p_value,
-        lines: turned
-            .iter()
-            .zip(&lines)
-            .enumerate()
-            .map(|(which, (turned, line))| SteadyLine {
-                cycles: line.cycles(turned.offset, blocks.len),
-                cycles_sd: between(&found, chosen, |one| {
-                    line.cycles(one.turned[which].offset, blocks.len)
-                })
-                .sqrt(),
-                cosine: turned.amplitude.re,
-                sine: -turned.amplitude.im,
-                amplitude_sd: between(&found, chosen, |one| one.turned[which].amplitude.norm())
-                    .sqrt(),
-                nats: turned.gain,
-            })
+    separate.truncate(MOST_LINES);
+    separate
+}
+
+/// What speaks for a loss.
+struct Case<'a> {
+    blocks: &'a Blocks,
+    lines: &'a [Line],
+    /// Longest loss that is looked for, samples.
+    longest: usize,
+    tables: &'a Tables,
+    found: &'a [Found],
+}
+
+impl Case<'_> {
+    /// The loss, if it is significant at a `level` and no look-alike.
+    fn judged(&self, level: f64) -> Option<Loss> {
+        let (chosen, samples_lo, samples_hi) = smallest_of_the_best(self.found)?;
+        let Found {
+            best,
+            moment,
+            ref turned,
+            ..
+        } = self.found[chosen];
+        let pairs = || turned.iter().zip(self.lines);
+        let gains: Vec<f64> = pairs()
+            .map(|(turned, line)| turned.gain - line.gain)
+            .collect();
+        let nats: f64 = gains.iter().sum();
+        // The tables rest on blocks and on a parabola in frequency; the last word is the fit's.
+        let highest = self.tables.sum.iter().copied().fold(f64::MIN, f64::max);
+        let p_value = (highest - self.tables.mean_ratio() - nats).exp().min(1.0);
+        let loudest = (0..gains.len()).max_by(|&a, &b| gains[a].total_cmp(&gains[b]))?;
+        let middle = moment.middle / self.blocks.len as f64;
+        let others = ratio::others(self.lines, loudest, middle, self.longest);
+        let left: f64 = pairs()
+            .map(|(turned, line)| line.seen.left_over(turned.offset, Some(turned.turn), NEAR))
+            .sum();
+        // Noise leaves as many as there are ordinates, with that variance.
+        let spread = ((2 * NEAR + 1) as f64 * self.lines.len() as f64).sqrt();
+        let explained = left < LEFT_SHARE * nats + 3.0 * spread;
+        let lines = (0..self.lines.len()).map(|which| self.steady(chosen, which));
+        (p_value < level && others > ODDS && explained).then(|| Loss {
+            index: self.found[chosen].index(),
+            index_sd: moment.sd,
+            index_lo: moment.lo,
+            index_hi: moment.hi,
+            samples: best.samples as u32,
+            samples_lo,
+            samples_hi,
+            nats,
+            held_nats: held(self.lines, self.longest),
+            p_value,
             // A harmonic that was only tried for is one if it is no chance.
-            .filter(|line| line.false_alarm() < level)
-            .collect(),
-    })
+            lines: lines.filter(|line| line.false_alarm() < level).collect(),
+        })
+    }
+
+    /// Line number `which` of the chosen length.
+    fn steady(&self, chosen: usize, which: usize) -> SteadyLine {
+        let (turned, line) = (&self.found[chosen].turned[which], &self.lines[which]);
+        let cycles = |turned: &Turned| line.cycles(turned.offset, self.blocks.len);
+        SteadyLine {
+            cycles: cycles(turned),
+            cycles_sd: between(self.found, chosen, |one| cycles(&one.turned[which])).sqrt(),
+            cosine: turned.amplitude.re,
+            sine: -turned.amplitude.im,
+            amplitude_sd: between(self.found, chosen, |one| one.turned[which].amplitude.norm())
+                .sqrt(),
+            nats: turned.gain,
+        }
+    }
 }
 
 /// Gains of all moments and lengths, and the best of them looked at closely.
