@@ -203,6 +203,16 @@ impl AxisState {
         laws.position(|one| std::ptr::eq(one, explanation))
     }
 
+    /// Its spectrum with the laws that were fitted to it.
+    pub fn fitted(&self) -> search::Fitted<'_> {
+        search::Fitted {
+            bins: &self.bins,
+            data: &self.data,
+            laws: &self.laws,
+            fit: &self.fit,
+        }
+    }
+
     /// Bands that are excluded, with what there is to say of each.
     pub fn excluded(&self) -> &[Excluded] {
         &self.excluded

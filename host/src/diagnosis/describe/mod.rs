@@ -20,6 +20,7 @@ use crate::diagnosis::views::Models;
 use crate::fft::ring::Series;
 use crate::fit::likelihood::Fit;
 use crate::fit::likelihood::components::SEEN;
+use crate::fit::likelihood::ramp::Ramp;
 use crate::model::axis::ModelAxis;
 use crate::model::kind::Kind;
 use crate::model::{Coefficient as Letter, PerCoefficient};
@@ -47,31 +48,25 @@ pub(crate) fn describe(
         axis: &axis,
     };
     let base = judge.judged(&Snapshot::default(), &bare.fit, bare.slope);
-    let last_ramp = if takes_slope(axis.explanations()) {
-        None
-    } else {
-        ramp::ramp(&axis)
-    };
-    let last_slope = slope(last_ramp);
-    let last = judge.judged(&Snapshot::of(axis.explanations()), &axis.fit, last_slope);
-    let findings = judge.findings(held_out_nats, &last.model);
-    let (squares, squares_sd) = own_squares(&axis, squares_sd);
-    let whole = ModelAxis {
-        coefficients: PerCoefficient {
-            r: last_slope,
-            ..held_out::coefficients(&squares)
-        },
-        effects: named_effects(&findings),
-        ..last.model.clone()
-    };
+    let last_ramp = last_ramp(&axis);
+    let now = Snapshot::of(axis.explanations());
+    let noise = judge.judged(&now, &axis.fit, slope(last_ramp));
+    let findings = judge.findings(held_out_nats, &noise.model);
+    let last = last(&axis, &noise, last_ramp, &findings, squares_sd);
     let models = Models {
         base: &base.model,
-        noise: &last.model,
-        whole: &whole,
+        noise: &noise.model,
+        whole: &last.model,
     };
-    let views = bare.before.map(|before| {
-        let held_out = judge.held.beside(&base.expected, &last.expected);
-        Views::new(&axis, before, models, held_out, &findings, mean, options)
+    let views = bare.before.map(|before| Views {
+        held_out: judge.held.beside(&base.expected, &noise.expected),
+        ..Views::new(
+            &axis,
+            before,
+            models,
+            &findings,
+            options.covariate.as_deref(),
+        )
     });
     let passed = passed(&axis);
     let residual = residual(&axis.into_residual(), passed);
@@ -85,19 +80,48 @@ pub(crate) fn describe(
             allan_error_sampling_percent: base.sampling_percent,
         },
         unexplained,
-        last: Final {
-            model: whole,
-            coefficients: PerCoefficient {
-                r: last_ramp.as_ref().map(of_ramp).unwrap_or_default(),
-                ..coefficients(&squares, &squares_sd)
-            },
-            allan_error_percent: last.error_percent,
-            allan_error_sampling_percent: last.sampling_percent,
-        },
+        last,
         findings,
         views: views.unwrap_or_default(),
     };
     (diagnosis, residual)
+}
+
+/// The slope of what is left, unless effects were taken out that go with one: then what is left tells little of it.
+fn last_ramp(axis: &AxisState) -> Option<Ramp> {
+    if takes_slope(axis.explanations()) {
+        None
+    } else {
+        ramp::ramp(axis)
+    }
+}
+
+/// The last model of an axis: its noise less what belongs to effects, and all findings.
+fn last(
+    axis: &AxisState,
+    noise: &Judged,
+    last_ramp: Option<Ramp>,
+    findings: &[Finding],
+    squares_sd: Vec<f64>,
+) -> Final {
+    let (squares, squares_sd) = own_squares(axis, squares_sd);
+    let model = ModelAxis {
+        coefficients: PerCoefficient {
+            r: slope(last_ramp),
+            ..held_out::coefficients(&squares)
+        },
+        effects: named_effects(findings),
+        ..noise.model.clone()
+    };
+    Final {
+        model,
+        coefficients: PerCoefficient {
+            r: last_ramp.as_ref().map(of_ramp).unwrap_or_default(),
+            ..coefficients(&squares, &squares_sd)
+        },
+        allan_error_percent: noise.error_percent,
+        allan_error_sampling_percent: noise.sampling_percent,
+    }
 }
 
 /// Holds models against the half of the record that they were not fitted to.

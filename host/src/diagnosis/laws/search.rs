@@ -221,64 +221,44 @@ pub struct Found {
     pub p_value: f64,
 }
 
-/// The best values of `effect` beside the `laws` that are there, whose fit is `base`.
-pub fn search(
-    bins: &SpectralBins,
-    data: &Data,
-    laws: &[Law],
-    base: &Fit,
-    starts: &Starts,
-    effect: Kind,
-) -> Option<Found> {
-    let unfiltered = laws.iter().all(Law::adds);
-    let mut present = components(bins, laws);
-    let mut squared = base.squared.clone();
-    let mut best: Option<(f64, &Law)> = None;
-    for start in starts.promising(data, base, &present, effect, unfiltered) {
-        let found = match &start.component {
-            Some(component) if unfiltered => {
-                present.push(component.clone());
-                squared.push(0.0);
-                let found = greatest(data, &present, Some(&squared));
-                present.pop();
-                squared.pop();
-                found
-            }
-            _ => {
-                let mut all = laws.to_vec();
-                all.push(start.law.clone());
-                let all = components(bins, &all);
-                squared.resize(all.len(), 0.0);
-                let found = greatest(data, &all, Some(&squared));
-                squared.truncate(base.squared.len());
-                found
-            }
-        };
-        let Some((_, value)) = found else { continue };
-        if best.is_none_or(|(most, _)| value > most) {
-            best = Some((value, &start.law));
-        }
-    }
-    let (value, law) = best?;
+/// A spectrum with the laws that were fitted to it.
+#[derive(Clone, Copy)]
+pub struct Fitted<'a> {
+    /// Its bins.
+    pub bins: &'a SpectralBins,
+    /// What was measured in them.
+    pub data: &'a Data,
+    /// Laws beyond the five terms.
+    pub laws: &'a [Law],
+    /// Fit of all.
+    pub fit: &'a Fit,
+}
+
+/// The best values of a kind of law beside those that are there.
+pub fn search(present: Fitted<'_>, starts: &Starts, kind: Kind) -> Option<Found> {
+    let Fitted {
+        bins,
+        data,
+        laws,
+        fit: base,
+    } = present;
+    let components = components(bins, laws);
+    let (value, law) = best_start(present, &components, starts, kind)?;
     // What is nowhere near significant need not be polished.
     if value - base.log_likelihood < NEAR {
         return None;
     }
-    let path = Rise::new(data, base, &present)?.path(starts.directions(bins, laws, base, effect));
+    let directions = starts.directions(bins, laws, base, kind);
+    let path = Rise::new(data, base, &components)?.path(directions);
     let mut all = laws.to_vec();
     all.push(law.clone());
     let fit = polish(bins, data, &mut all, laws.len(), 0.3)?;
     let nats = fit.log_likelihood - base.log_likelihood;
     let law = all.pop()?;
     // A filter that shuts out most of the band would make every law anew from white noise.
-    let lowest = starts.lowest(effect);
-    if !law.adds()
-        && law
-            .values
-            .iter()
-            .zip(lowest)
-            .any(|(value, lowest)| *value < 0.5 * lowest)
-    {
+    let lowest = starts.lowest(kind);
+    let mut pairs = law.values.iter().zip(lowest);
+    if !law.adds() && pairs.any(|(value, lowest)| *value < 0.5 * lowest) {
         return None;
     }
     Some(Found {
@@ -287,4 +267,40 @@ pub fn search(
         nats,
         p_value: p_value::highest_on_path(nats, path),
     })
+}
+
+/// The start from which the likelihood is largest, with that, beside the `components` that are there.
+fn best_start<'a>(
+    present: Fitted<'_>,
+    components: &[Vec<f64>],
+    starts: &'a Starts,
+    kind: Kind,
+) -> Option<(f64, &'a Law)> {
+    let Fitted {
+        bins,
+        data,
+        laws,
+        fit: base,
+    } = present;
+    let unfiltered = laws.iter().all(Law::adds);
+    let mut best: Option<(f64, &Law)> = None;
+    for start in starts.promising(data, base, components, kind, unfiltered) {
+        let all = match &start.component {
+            Some(own) if unfiltered => [components, std::slice::from_ref(own)].concat(),
+            _ => {
+                let mut all = laws.to_vec();
+                all.push(start.law.clone());
+                super::components(bins, &all)
+            }
+        };
+        let mut squared = base.squared.clone();
+        squared.resize(all.len(), 0.0);
+        let Some((_, value)) = greatest(data, &all, Some(&squared)) else {
+            continue;
+        };
+        if best.is_none_or(|(most, _)| value > most) {
+            best = Some((value, &start.law));
+        }
+    }
+    best
 }

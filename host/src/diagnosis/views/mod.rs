@@ -13,7 +13,7 @@ pub mod spectrum;
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::options::Options;
 use crate::diagnosis::result::finding::Finding;
-use crate::diagnosis::result::views::{Amplitudes, Counts, Course, HeldPoint, Views};
+use crate::diagnosis::result::views::{Amplitudes, Counts, Course, Views};
 use crate::fit::likelihood::Fit;
 use crate::model::axis::ModelAxis;
 use crate::model::burst;
@@ -76,18 +76,17 @@ impl Burst {
 }
 
 impl Views {
-    /// Of an axis that is done, beside a simulated record, which costs as much as some of the tests.
+    /// Of an axis that is done, with a simulated record at the `temperature`, which costs as much as some of the
+    /// tests. The held-out half is not among them yet.
     pub fn new(
         axis: &AxisState,
         before: Before,
         models: Models<'_>,
-        held_out: Vec<HeldPoint>,
         findings: &[Finding],
-        mean: f64,
-        options: &Options,
+        temperature: Option<&[f64]>,
     ) -> Self {
         // One more record's worth of memory at a time.
-        let course = Course::new(axis, findings, mean);
+        let course = Course::new(axis, findings, models.whole.mean);
         let after = Counts::new(axis);
         let bursts = bursts(findings, axis.residual.len() as f64 / axis.rate_hz);
         let wave = deterministic(axis);
@@ -105,14 +104,14 @@ impl Views {
             after,
         };
         drop(wave);
-        let simulated = simulate(axis, models.whole, options.covariate.as_deref());
+        let simulated = simulate(axis, models.whole, temperature);
         if let Some(simulated) = &simulated {
             allan::add_simulated(&mut allan, simulated, axis.rate_hz);
             spectrum.add_simulated(simulated);
         }
         Self {
             allan,
-            held_out,
+            held_out: Vec::new(),
             spectrum: spectrum.points,
             velocity_error,
             simulation_seed: simulated.map(|_| SEED),

@@ -84,10 +84,7 @@ fn significant(look: &Look<'_>) -> Result<Vec<Found>, NoFit> {
     let axis = look.axis;
     let starts = axis.starts().ok_or(NoFit)?;
     let kinds = CATALOGUE.par_iter().filter(|kind| look.is_open(**kind));
-    let found = kinds.filter_map(|&kind| {
-        let (bins, data) = (&axis.bins, &axis.data);
-        search::search(bins, data, &axis.laws, &axis.fit, &starts, kind)
-    });
+    let found = kinds.filter_map(|&kind| search::search(axis.fitted(), &starts, kind));
     let mut found: Vec<Found> = found.collect();
     // Only what is significant competes: a search over more shapes gains more by chance.
     found.retain(|one| one.p_value < level);

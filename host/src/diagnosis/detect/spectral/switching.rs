@@ -85,12 +85,11 @@ fn switches(look: &Look<'_>, axis: &AxisState, jumps: &[f64]) -> Result<bool, No
     /// Odds that take a jump back, which by itself widens the law of amplitudes.
     const PUT_BACK: f64 = 3.0;
     let starts = axis.starts().ok_or(NoFit)?;
-    let (bins, data) = (&axis.bins, &axis.data);
-    let found = search::search(bins, data, &axis.laws, &axis.fit, &starts, markov::KIND);
+    let found = search::search(axis.fitted(), &starts, markov::KIND);
     let Some(found) = found.filter(|one| one.p_value < look.level()) else {
         return Ok(false);
     };
-    let component = laws::component_of(bins, &axis.laws, axis.laws.len());
+    let component = laws::component_of(&axis.bins, &axis.laws, axis.laws.len());
     let height = 2.0 * found.fit.squared[component].sqrt();
     let alike = |jump: &f64| (height / jump.abs()).ln().abs() < ALIKE.ln();
     if !jumps.iter().all(alike) {
