@@ -10,6 +10,9 @@ use inm_host::internals::link::{Patience, SerialConnect};
 /// Environment variable that names the image for QEMU; `cargo xtask test` sets it.
 pub const IMAGE_VARIABLE: &str = "INM_QEMU_IMAGE";
 
+/// Environment variable that names QEMU's program, where it is not on the path; `cargo xtask test` sets it.
+const PROGRAM_VARIABLE: &str = "INM_QEMU";
+
 /// Nanoseconds of an instruction, as a power of two: at 4 ns the three emulated converters
 /// keep up with 4000/s. On a slower core bench time would only pass more slowly.
 const SHIFT: u32 = 2;
@@ -73,7 +76,8 @@ impl Drop for Qemu {
 }
 
 fn launch(image: &OsString) -> io::Result<Child> {
-    Command::new("qemu-system-arm")
+    let program = std::env::var_os(PROGRAM_VARIABLE).unwrap_or_else(|| "qemu-system-arm".into());
+    Command::new(&program)
         .args([
             "-M",
             "netduinoplus2",
@@ -88,5 +92,5 @@ fn launch(image: &OsString) -> io::Result<Child> {
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
         .spawn()
-        .map_err(|error| io::Error::other(format!("qemu-system-arm: {error}")))
+        .map_err(|error| io::Error::other(format!("{}: {error}", program.display())))
 }

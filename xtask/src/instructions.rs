@@ -10,7 +10,7 @@ use anyhow::{Context, Result, bail, ensure};
 
 use crate::image::Image;
 use crate::run::output;
-use crate::tools::{QEMU, ensure_qemu, ensure_target};
+use crate::tools::{ensure_qemu, ensure_target, qemu};
 
 /// Core clock, hertz.
 const CORE_HZ: f64 = 168e6;
@@ -78,7 +78,7 @@ pub fn run() -> Result<()> {
 /// As [`run`].
 pub fn check() -> Result<()> {
     let image = Image::Count.build()?;
-    let mut qemu = Command::new(QEMU);
+    let mut qemu = Command::new(qemu());
     qemu.args(["-M", "netduinoplus2", "-nographic", "-monitor", "none"])
         .args(["-serial", "null", "-icount", "shift=0,sleep=off"])
         .args(["-chardev", "stdio,id=said"])

@@ -37,7 +37,7 @@ use std::process::ExitCode;
 const USAGE: &str = "\
 usage: cargo xtask <command>
 
-  test       every check and every test; installs the thumb target and QEMU if they are missing
+  test       every check and every test; adds the thumb target and unpacks QEMU where they are missing
   firmware   builds the image for the board and says where it is
   size       flash and RAM of both images, by section and symbol, held to their budgets
   instructions

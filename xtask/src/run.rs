@@ -33,11 +33,19 @@ pub fn cargo(arguments: &[&str]) -> Command {
 /// # Errors
 /// The command does not start, or fails.
 pub fn run(command: &mut Command) -> Result<()> {
+    run_in(&root(), command)
+}
+
+/// The same in another folder.
+///
+/// # Errors
+/// The command does not start, or fails.
+pub fn run_in(folder: &Path, command: &mut Command) -> Result<()> {
     let shown = shown(command);
     eprintln!("\n==> {shown}");
     let begin = Instant::now();
     let status = command
-        .current_dir(root())
+        .current_dir(folder)
         .status()
         .with_context(|| format!("cannot run `{shown}`"))?;
     if !status.success() {

@@ -14,7 +14,7 @@ use crate::image::Image;
 use crate::instructions;
 use crate::run::{cargo, run as execute};
 use crate::size;
-use crate::tools::{TARGET, ensure_qemu, ensure_target};
+use crate::tools::{QEMU_VARIABLE, TARGET, ensure_qemu, ensure_target, qemu};
 
 /// Crates that run on the board. Each is checked alone: in a build of the workspace the host's
 /// features leak into what they share.
@@ -136,7 +136,8 @@ fn test_image(image: &Path) -> Result<()> {
             "--ignored",
             "--nocapture",
         ])
-        .env(IMAGE_VARIABLE, image),
+        .env(IMAGE_VARIABLE, image)
+        .env(QEMU_VARIABLE, qemu()),
     )
 }
 
