@@ -43,7 +43,7 @@ fn main() {
          {three_sigma:.1} points (three sigma)\n"
     );
     println!(
-        "{:<34} {:>9} | told from zero, percent                  | interval holds, percent       | bound not overstepped, percent",
+        "{:<34} {:>9} | resolved from zero, percent              | interval holds, percent       | bound not overstepped, percent",
         "case", "samples"
     );
     let heads: Vec<String> = Coefficient::ALL

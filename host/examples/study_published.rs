@@ -9,7 +9,7 @@
 //! cargo run --release -p inm-host --example study_published -- [RECORDS [FIRST_SEED]]
 //! ```
 //!
-//! Estimates that are not told from zero enter with their best value; none is left out.
+//! Estimates that are not resolved from zero enter with their best value; none is left out.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -210,7 +210,7 @@ fn print_ramp(axis: PublishedAxis, truth: f64, fits: &[Fits]) {
     let mean_bound: f64 = ramps.iter().filter_map(|ramp| ramp.upper).sum::<f64>()
         / ramps.iter().filter(|ramp| ramp.upper.is_some()).count() as f64;
     println!(
-        "{:<2} R   published fit {:.1} times the truth on average; likelihood: not told from zero in \
+        "{:<2} R   published fit {:.1} times the truth on average; likelihood: not resolved from zero in \
          {:.1} %, bound or interval holds in {:.1} %, mean bound {:.1} times the truth",
         axis.name(),
         published.iter().sum::<f64>() / published.len() as f64,

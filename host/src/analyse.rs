@@ -352,7 +352,7 @@ fn velocity_error(rate_hz: f64, axis: &Axis, fit: &LikelihoodFit) -> Vec<Growth>
         let value = fit.coefficients.get(one);
         let best = squares.get(one).sqrt();
         let upper = value.hi.or(value.upper).unwrap_or(best);
-        // A ramp that was not told from zero is left out, band included.
+        // A ramp that was not resolved from zero is left out, band included.
         if best == 0.0 && one == Coefficient::R {
             (0.0, 0.0)
         } else {

@@ -313,7 +313,7 @@ fn an_analysis_is_a_model_too() {
         let ratio = axis.coefficients.q / truth.coefficients.q;
         assert!((ratio - 1.0).abs() < 0.05, "{}: {ratio}", axis.name);
     }
-    // What is not told from zero has a bound, and nothing else has.
+    // What is not resolved from zero has a bound, and nothing else has.
     let mut bounded = 0;
     for (axis, bounds) in input.model.axes.iter().zip(&input.bounds) {
         for one in Coefficient::ALL {

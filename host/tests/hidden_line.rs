@@ -59,7 +59,7 @@ fn a_line_inflates_the_published_q_and_the_diagnosis_gives_it_back() {
     }
     let q = axis.last.coefficients.get(Coefficient::Q);
     let (value, lo, hi) = (q.value, q.lo.expect("an end"), q.hi.expect("an end"));
-    let value = value.expect("told from zero");
+    let value = value.expect("resolved from zero");
     assert!(
         (value - truth).abs() < SIGMAS * 0.5 * (hi - lo) / HALF_INTERVAL,
         "seed {SEED}: Q {value:e} ({lo:e} to {hi:e}), the truth is {truth:e}"

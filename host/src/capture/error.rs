@@ -78,7 +78,7 @@ impl CaptureError {
                 "choose another name; a recording never overwrites one"
             }
             Self::Io { .. } => "check the path and its permissions",
-            Self::NotACapture { .. } => "arrays are told by their ending: .npy, .csv, .txt",
+            Self::NotACapture { .. } => "arrays are recognised by their ending: .npy, .csv, .txt",
             Self::Header { .. } | Self::Chain { .. } => {
                 "the header was edited or damaged; restore line 2 from another capture of the \
                  same board"

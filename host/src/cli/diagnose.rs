@@ -32,7 +32,7 @@ pub struct DiagnoseCommand {
     /// Column of temperatures in the same file, by number from 0 or by name.
     #[arg(long, value_name = "COLUMN")]
     temperature: Option<Selector>,
-    /// Degrees that one unit of that column stands for; gains are told for a degree.
+    /// Degrees that one unit of that column stands for; gains are stated for one degree.
     #[arg(
         long,
         value_name = "SCALE",

@@ -214,7 +214,7 @@ fn refusal(signal: &Axis, measured: &[f64]) -> Refused {
     }
 }
 
-/// Slope of a ramp that was told from none.
+/// Slope of a ramp that was resolved from none.
 pub fn slope(ramp: Option<Ramp>) -> f64 {
     let told = ramp.filter(Ramp::identified);
     told.map_or(0.0, |ramp| ramp.per_s.abs())

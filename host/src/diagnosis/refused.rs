@@ -34,7 +34,7 @@ pub enum Refused {
     },
     /// What waited out of memory is lost.
     #[error(
-        "what waited in a file in {folder} cannot be read: {cause}; free space there, or set TMPDIR to another folder"
+        "the spill file in {folder} cannot be read: {cause}; free space there, or set TMPDIR to another folder"
     )]
     Lost {
         /// Folder for temporary files.

@@ -20,7 +20,7 @@ pub struct Input {
     pub name: String,
     /// The model. A coefficient that the analysis could not tell from zero is zero.
     pub model: Model,
-    /// 95 % bounds of the coefficients that could not be told from zero, one set an axis.
+    /// 95 % bounds of the coefficients that could not be resolved from zero, one set an axis.
     pub bounds: Vec<PerCoefficient<Option<f64>>>,
     /// Longest averaging time that matters, seconds.
     pub longest_s: f64,

@@ -74,7 +74,7 @@ struct Largest {
     comment: String,
 }
 
-/// The largest of the axes; where a coefficient could not be told from zero, its bound counts.
+/// The largest of the axes; where a coefficient could not be resolved from zero, its bound counts.
 fn largest(input: &Input, sensor: &Sensor, coefficient: Coefficient) -> anyhow::Result<Largest> {
     let of = |axis: &SensorAxis| {
         let value = *axis.coefficients.get(coefficient);
@@ -97,7 +97,7 @@ fn largest(input: &Input, sensor: &Sensor, coefficient: Coefficient) -> anyhow::
     );
     let symbol = coefficient.symbol();
     let mut comment = match is_bound {
-        true => format!("{symbol} is not told from zero, this is its 95 % bound"),
+        true => format!("{symbol} is not resolved from zero, this is its 95 % bound"),
         false => symbol.to_owned(),
     };
     if sensor.axes.len() > 1 {

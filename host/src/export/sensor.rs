@@ -20,7 +20,7 @@ pub struct SensorAxis {
     pub name: String,
     /// Coefficients in SI units.
     pub coefficients: PerCoefficient<f64>,
-    /// Bounds of those that could not be told from zero, in SI units.
+    /// Bounds of those that could not be resolved from zero, in SI units.
     pub bounds: PerCoefficient<Option<f64>>,
     /// Factor from the unit of the model to the SI unit.
     pub factor: f64,

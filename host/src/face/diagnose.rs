@@ -20,7 +20,7 @@ pub const FAMILY_LEVEL: f64 = 0.005;
 pub struct DiagnosisOptions<'a> {
     /// Probability at most of any finding or remark where nothing is hidden, between 0 and 1.
     pub family_level: f64,
-    /// The temperature, one value a sample; gains are told for one unit of it.
+    /// The temperature, one value a sample; gains are stated for one unit of it.
     pub temperature: Option<Vec<f64>>,
     /// Another record of the same axes: tells whether this one was taken at the rate that it says.
     pub reference: Option<&'a mut dyn Source>,

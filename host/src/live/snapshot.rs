@@ -63,7 +63,7 @@ pub struct NoiseRow {
 pub enum Noise {
     /// Its value, and half the width of its 95 % interval as a fraction of it.
     Value(f64, f64),
-    /// Not told from zero; its 95 % bound.
+    /// Not resolved from zero; its 95 % bound.
     Below(f64),
 }
 

@@ -106,7 +106,7 @@ pub fn panel(
     frame.finish()
 }
 
-/// The straight lines of eq. 8 for the coefficients that were told from zero, each with its letter
+/// The straight lines of eq. 8 for the coefficients that were resolved from zero, each with its letter
 /// where it leaves the field.
 fn terms(frame: &mut Frame<'_>, axis: &AxisAnalysis) {
     let (from, to) = frame.x().ends();

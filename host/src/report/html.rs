@@ -31,7 +31,7 @@ fn write_page(page: &mut String, analysis: &Analysis) -> Result {
 
 const FOOTER: &str = "Intervals are 95 %: chi-squared with the equivalent degrees of \
     freedom of the noise type that the local slope of the curve shows; for coefficients from the \
-    profile of the likelihood of the spectrum, and a coefficient counts as told from zero by a test \
+    profile of the likelihood of the spectrum, and a coefficient counts as resolved from zero by a test \
     of 5 %. The weighted fit weighs each point of the modified Allan variance by its own \
     uncertainty and keeps squares from becoming negative. The published fit is unweighted least \
     squares at 17 averaging times (Pavlov and Petrov, eq. 9 to 11), squares as they come \

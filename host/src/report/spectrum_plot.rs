@@ -132,7 +132,7 @@ pub(super) fn typical_limit(spots: &[Compared]) -> f64 {
     ratio::limit(quantile(&mut sizes, 0.75).unwrap_or(0.0))
 }
 
-/// What each term that was told from zero adds.
+/// What each term that was resolved from zero adds.
 fn terms(frame: &mut Frame<'_>, axis: &AxisAnalysis) {
     let Some(fit) = &axis.fits.likelihood else {
         return;

@@ -116,7 +116,7 @@ pub fn tied(fit: &LikelihoodFit) -> Option<String> {
         .collect();
     (!pairs.is_empty()).then(|| {
         format!(
-            "Tied: {}; the data tell what they add up to better than either.",
+            "Tied: {}; the data resolve their sum better than either.",
             pairs.join(", ")
         )
     })
@@ -131,7 +131,7 @@ pub enum Trust {
     Roughly,
     /// Not zero, but little more.
     Barely,
-    /// Not told from zero: only the bound means something.
+    /// Not resolved from zero: only the bound means something.
     Bound,
 }
 
@@ -171,7 +171,7 @@ pub fn sentence(value: &LikelihoodValue) -> String {
                 )
             });
             format!(
-                "not told from zero; below {}{longer}",
+                "not resolved from zero; below {}{longer}",
                 significant(upper, 2)
             )
         }
@@ -199,7 +199,7 @@ pub fn published(published: &PublishedValue, value: &LikelihoodValue) -> Option<
 pub const NO_SPECTRUM: &str = "No spectrum: gaps leave no stretch of 1024 samples, so there is no \
                                likelihood fit; the weighted one stands in.";
 
-/// Whether a term of the likelihood fit is drawn: where it was told from zero.
+/// Whether a term of the likelihood fit is drawn: where it was resolved from zero.
 pub fn drawn(axis: &AxisAnalysis, coefficient: Coefficient) -> Option<f64> {
     match (&axis.fits.likelihood, &axis.fits.weighted) {
         (Some(fit), _) => fit.coefficients.get(coefficient).value,

@@ -293,7 +293,7 @@ fn rate_from_stamps(
     let period_s = stamps::period_s(&times).map_err(|message| SourceError {
         place: table.name().to_owned(),
         message,
-        remedy: "give --rate HZ beside --time, or in its place".into(),
+        remedy: "give --rate HZ together with --time, or in its place".into(),
     })?;
     Ok(1.0 / period_s)
 }

@@ -29,7 +29,7 @@ const STEPS: usize = 40;
 /// Share of the density that is no walk and no flicker, at least.
 const LEAST: f64 = 1e-3;
 
-/// Size of a term that was not told from zero to begin with, as a share of the lowest density.
+/// Size of a term that was not resolved from zero to begin with, as a share of the lowest density.
 const BEGINNING: f64 = 0.1;
 
 /// What a waveform is compared with.

@@ -1,7 +1,7 @@
 //! How much longer a record would have to be to show a coefficient that this one does not.
 //!
 //! Planned with what the record itself suggests: a coefficient is taken to be what its best
-//! estimate is, although that cannot be told from zero, and everything else as fitted. The answer
+//! estimate is, although that cannot be resolved from zero, and everything else as fitted. The answer
 //! is the least length at which such a coefficient would be found in half of the records.
 
 use super::components::SEEN;

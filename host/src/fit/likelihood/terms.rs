@@ -23,13 +23,13 @@ const LEAST_BINS: usize = 6;
 /// What the likelihood says of one coefficient.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LikelihoodValue {
-    /// The coefficient; `None` where it cannot be told from zero.
+    /// The coefficient; `None` where it cannot be resolved from zero.
     pub value: Option<f64>,
     /// Lower end of its 95 % interval; zero where the data do not exclude it.
     pub lo: f64,
     /// Upper end of its 95 % interval; `None` where the data set none.
     pub hi: Option<f64>,
-    /// Whether it was told from zero, in a test of 5 %.
+    /// Whether it was resolved from zero, in a test of 5 %.
     pub identified: bool,
     /// One-sided 95 % bound, where it was not.
     pub upper: Option<f64>,
@@ -62,7 +62,7 @@ pub struct LikelihoodFit {
 }
 
 impl LikelihoodFit {
-    /// Squares of the best estimates that make the model; a ramp only where it was told from zero.
+    /// Squares of the best estimates that make the model; a ramp only where it was resolved from zero.
     pub fn squares(&self) -> PerCoefficient<f64> {
         PerCoefficient::from_fn(|one| {
             let value = self.coefficients.get(one);

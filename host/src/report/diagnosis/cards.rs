@@ -161,7 +161,7 @@ fn coefficients(
         seen()
             .map(|letter| {
                 let text = row(letter).map_or_else(
-                    || "not told from zero".to_owned(),
+                    || "not resolved from zero".to_owned(),
                     |value| significant(value, 4),
                 );
                 format!("<td>{text}</td>")

@@ -80,10 +80,10 @@ fn verdict(axis: &AxisDiagnosis, level: f64) -> String {
     let names: Vec<&str> = axis.findings.iter().map(|one| one.effect.name()).collect();
     let found = match names.len() {
         0 => format!(
-            "Nothing beside the five terms (any finding in clean data: {} %)",
+            "Nothing beyond the five terms (any finding in clean data: {} %)",
             significant(100.0 * level, 2)
         ),
-        _ => format!("Beside the five terms: {}", names.join(", ")),
+        _ => format!("Beyond the five terms: {}", names.join(", ")),
     };
     match axis.unexplained.len() {
         0 => format!("{found}. Nothing is left unexplained."),

@@ -32,7 +32,7 @@ fn axis(text: &mut String, axis: &AxisDiagnosis, level: f64) -> std::fmt::Result
     if axis.findings.is_empty() && axis.unexplained.is_empty() {
         writeln!(
             text,
-            "  Nothing beside the five terms (any finding in clean data: {} %).",
+            "  Nothing beyond the five terms (any finding in clean data: {} %).",
             significant(100.0 * level, 2)
         )?;
     }
@@ -142,8 +142,8 @@ fn coefficients(text: &mut String, axis: &AxisDiagnosis) -> std::fmt::Result {
                 significant(hi, 4)
             ),
             _ => after.upper.map_or_else(
-                || "not told beside what was taken out of the level".to_owned(),
-                |upper| format!("not told from zero, below {}", significant(upper, 3)),
+                || "not resolved next to what was taken out of the level".to_owned(),
+                |upper| format!("not resolved from zero, below {}", significant(upper, 3)),
             ),
         };
         writeln!(

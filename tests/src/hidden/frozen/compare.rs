@@ -184,7 +184,7 @@ impl<'a> Place<'a> {
             "source" | "mean" => Scale::Relative(ROUNDING),
             "axes" => Scale::Fitted,
             "p_value" => Scale::PValue,
-            // The letters of the coefficients: what is not told from zero is known to its bound.
+            // The letters of the coefficients: what is not resolved from zero is known to its bound.
             "R" | "K" | "B" | "N" | "Q" => {
                 let coefficient = self.axis.map(|axis| &axis["final"]["coefficients"][name]);
                 let width = coefficient.and_then(Value::as_object).and_then(width);

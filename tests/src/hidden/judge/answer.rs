@@ -79,7 +79,7 @@ pub struct Interval {
     pub lo: Option<f64>,
     /// Upper end.
     pub hi: Option<f64>,
-    /// Upper bound of what cannot be told from zero.
+    /// Upper bound of what cannot be resolved from zero.
     pub upper: Option<f64>,
 }
 
