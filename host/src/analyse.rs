@@ -169,7 +169,7 @@ pub struct SpectrumPoint {
     pub edf: f64,
 }
 
-/// Reads `source` to its end and analyses it. `progress` is told the samples read so far.
+/// Reads `source` to its end and analyses it. `progress` is called with the samples read so far.
 ///
 /// # Errors
 /// Whatever ends the source early.

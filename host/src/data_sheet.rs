@@ -1,4 +1,4 @@
-//! Noise that the data sheets state, beside an estimate of N.
+//! Noise that the data sheets state, compared with an estimate of N.
 //!
 //! The sensor is an MMA7331L: 350 ug/sqrt(Hz) typical from 0.1 Hz to 1 kHz (Freescale MMA7331L; the
 //! number as remembered, the band as read). Data sheets mean the root of a one-sided density:

@@ -46,7 +46,7 @@ pub enum Unit {
     /// Degree per second.
     #[serde(rename = "deg/s")]
     DegreePerSecond,
-    /// Volt.
+    /// Volts.
     #[serde(rename = "V")]
     Volt,
     /// Converter counts.

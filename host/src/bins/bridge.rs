@@ -1,6 +1,6 @@
 //! Block means of one axis, for averaging times at which gaps leave no whole difference.
 //!
-//! They run beside the exact bins and are shown only where those have nothing. What they are and
+//! They run together with the exact bins and are shown only where those have nothing. What they are and
 //! how they are biased stands at [`BlockMeans`].
 
 use inm_allan::fixed_point::FixedPoint;

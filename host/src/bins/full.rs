@@ -6,7 +6,7 @@ use inm_allan::fixed_point::FixedPoint;
 use inm_allan::full::{Cumulated, cumulate};
 use inm_allan::{Estimate, Statistic};
 
-/// Samples of one axis between gaps, in counts. Eight bytes each beside the four or eight of the
+/// Samples of one axis between gaps, in counts. Eight bytes each, on top of the four or eight of the
 /// sample itself, once estimates have been asked for.
 #[derive(Debug, Clone, Default)]
 pub struct Segments {

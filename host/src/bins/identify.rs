@@ -13,7 +13,7 @@
 use inm_allan::edf::Noise;
 use inm_allan::{Estimate, Statistic};
 
-/// A type of noise and the next one, as the slope tells them.
+/// A type of noise and the next one, as the slope shows them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mixture {
     /// The steeper falling one.

@@ -22,7 +22,7 @@ pub struct Point {
     pub terms: u64,
     /// Distance between neighbouring differences, data periods.
     pub stride: u64,
-    /// Equivalent degrees of freedom for the noise that the local slope of the curve tells.
+    /// Equivalent degrees of freedom for the noise that the local slope of the curve shows.
     pub edf: f64,
     /// Lower end of the 95 % interval of the deviation.
     pub lo: f64,

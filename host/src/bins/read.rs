@@ -17,7 +17,7 @@ use crate::source::{Source, SourceError};
 /// Columns of an axis that may wait: 16 KiB each from a capture.
 const WAITING: usize = 16;
 
-/// Reads `source` to its end. `progress` is told the samples read so far.
+/// Reads `source` to its end. `progress` is called with the samples read so far.
 ///
 /// # Errors
 /// Whatever ends the source early.

@@ -105,7 +105,7 @@ impl Record {
     pub(super) fn enter(&mut self, chunk: Chunk) -> (Missing, Vec<Column>) {
         match chunk {
             Chunk::Samples(block) => {
-                // Indices jump where samples are missing, told by a gap or not.
+                // Indices jump where samples are missing, announced by a gap or not.
                 let missing = match self.next {
                     Some(next) if block.first < next => Missing::Unknown,
                     Some(next) => Missing::Samples(block.first - next),

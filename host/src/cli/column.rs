@@ -1,4 +1,4 @@
-//! A column of an array file that is no axis: the temperature beside a record.
+//! A column of an array file that is no axis: the temperature recorded with it.
 
 use crate::face::covariate::covariate;
 use crate::signal::Unit;

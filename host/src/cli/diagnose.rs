@@ -41,7 +41,7 @@ pub struct DiagnoseCommand {
         default_value_t = 1.0
     )]
     temperature_scale: f64,
-    /// Another record of the same axes: tells whether this one was taken at the rate that it says.
+    /// Another record of the same axes: shows whether this one was taken at the rate that it says.
     #[arg(long, value_name = "FILE")]
     reference: Option<String>,
     /// Probability of any finding where nothing is hidden.

@@ -24,10 +24,10 @@ pub enum Change {
     Cut(Range<usize>),
     /// A law of the noise; its size is 1, its square a component of the fit.
     Law(Law),
-    /// Nothing: the values themselves lie on a grid. Whether the noise spans so few steps of it that where the
-    /// level lies between two of them decides how strong the noise looks.
+    /// Nothing: the values themselves lie on a grid. Where the noise spans few steps of it, how strong it looks
+    /// depends on where the level lies between two of them.
     Grid {
-        /// See above.
+        /// Whether the level decides how strong the noise looks.
         decides: bool,
     },
 }
@@ -35,7 +35,7 @@ pub enum Change {
 /// What a detector proposes.
 #[derive(Debug, Clone)]
 pub struct Candidate {
-    /// The effect.
+    /// The effect with its parameters.
     pub effect: Estimate,
     /// Probability of as much without it, the search included.
     pub p_value: f64,
@@ -45,7 +45,7 @@ pub struct Candidate {
     pub freedom: f64,
     /// Gain in log-likelihood on data that it was not fitted to, where its detector measures it.
     pub held_out_nats: Option<f64>,
-    /// What it does.
+    /// What it does to the record or to the model of its noise.
     pub change: Change,
     /// The explanation that it takes the place of, by its number.
     pub amends: Option<usize>,
@@ -75,9 +75,9 @@ impl Candidate {
 /// An effect that is in the model.
 #[derive(Debug, Clone)]
 pub struct Explanation {
-    /// The effect.
+    /// The effect with its parameters.
     pub effect: Estimate,
-    /// Probability of as much without it.
+    /// Probability of as much without it, the search included.
     pub p_value: f64,
     /// Other names for it.
     pub rivals: Vec<Rival>,
@@ -85,20 +85,20 @@ pub struct Explanation {
     pub freedom: f64,
     /// Gain in log-likelihood on held-out data, where its detector measured it.
     pub held_out_nats: Option<f64>,
-    /// What it does.
+    /// What it does to the record or to the model of its noise.
     pub change: Change,
     /// Fit without it.
     pub before: Fit,
     /// Fit with it, as it was found.
     pub after: Fit,
-    /// What the model was with it.
+    /// Waveforms and laws of the model with it.
     pub with: Snapshot,
-    /// And without.
+    /// Waveforms and laws of the model without it.
     pub without: Snapshot,
 }
 
 impl Explanation {
-    /// Its kind.
+    /// Kind of its effect.
     pub const fn kind(&self) -> Kind {
         self.effect.kind
     }
@@ -134,7 +134,7 @@ pub struct Snapshot {
 }
 
 impl Snapshot {
-    /// Of a list of explanations.
+    /// What a list of explanations takes out of a record, and its laws.
     pub fn of(explanations: &[Explanation]) -> Self {
         let waves = explanations.iter().flat_map(|one| {
             let waves = one.waves().iter();
@@ -150,7 +150,7 @@ impl Snapshot {
         }
     }
 
-    /// The waveforms.
+    /// The waveforms, of all kinds.
     pub fn waves(&self) -> impl Iterator<Item = &Wave> {
         self.waves.iter().map(|(_, wave)| wave)
     }

@@ -7,7 +7,7 @@ pub struct Options {
     pub family_level: f64,
     /// A covariate, such as the temperature, one value a sample.
     pub covariate: Option<Vec<f64>>,
-    /// Whether views are wanted, with a simulated record of the last model beside the measured one: text
+    /// Whether views are wanted, with a simulated record of the last model next to the measured one: text
     /// needs none.
     pub views: bool,
 }

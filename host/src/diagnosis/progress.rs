@@ -13,5 +13,5 @@ pub enum Step {
     Done,
 }
 
-/// Is told the name of an axis and what has come of it, by several threads.
+/// Called with the name of an axis and what has come of it, by several threads.
 pub type Progress<'a> = dyn Fn(&str, Step) + Sync + 'a;

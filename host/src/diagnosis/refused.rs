@@ -6,14 +6,14 @@ pub const LEAST: usize = 1 << 13;
 /// A record that cannot be diagnosed.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Refused {
-    /// Too short.
+    /// The axis holds too few samples that count.
     #[error(
         "axis {axis} has {samples} samples that count; a diagnosis needs {LEAST} or more; record longer"
     )]
     TooShort {
         /// Name of the axis.
         axis: String,
-        /// Samples.
+        /// How many samples count.
         samples: usize,
     },
     /// Nowhere enough samples in a row.
@@ -32,14 +32,14 @@ pub enum Refused {
         /// Name of the axis.
         axis: String,
     },
-    /// What waited out of memory is lost.
+    /// A spill file cannot be read back.
     #[error(
         "the spill file in {folder} cannot be read: {cause}; free space there, or set TMPDIR to another folder"
     )]
     Lost {
         /// Folder for temporary files.
         folder: String,
-        /// Why.
+        /// What the system says of it.
         cause: String,
     },
     /// All the same, or nothing to fit.

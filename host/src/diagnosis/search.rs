@@ -12,7 +12,7 @@ use crate::diagnosis::detect::look::{Character, Context, Look, Proposal};
 use crate::diagnosis::explanation::Candidate;
 use crate::model::kind::Kind;
 
-/// Rounds, at most: far more than effects that one record can tell apart.
+/// Rounds, at most: far more than effects that one record can resolve.
 const ROUNDS: usize = 24;
 
 /// A search that ended before its end.

@@ -18,7 +18,7 @@ use crate::signal::Unit;
 pub struct Input {
     /// Where it comes from, for people.
     pub name: String,
-    /// The model. A coefficient that the analysis could not tell from zero is zero.
+    /// The model. A coefficient that the analysis did not resolve from zero is zero.
     pub model: Model,
     /// 95 % bounds of the coefficients that could not be resolved from zero, one set an axis.
     pub bounds: Vec<PerCoefficient<Option<f64>>>,

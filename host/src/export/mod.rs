@@ -19,7 +19,7 @@ pub mod shaping_filter;
 pub mod state_space;
 pub mod state_space_json;
 
-/// Formats.
+/// Formats of other programs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Format {
     /// imu.yaml of kalibr.

@@ -1,4 +1,4 @@
-//! What was recorded beside the axes, such as a temperature.
+//! What was recorded together with the axes, such as a temperature.
 
 use crate::diagnosis::record::samples::Samples;
 use crate::source::{Source, SourceError};

@@ -12,19 +12,19 @@ use crate::diagnosis::family::level_of_one_test;
 pub use crate::diagnosis::refused::Refused;
 pub use axes::{Progress, Step};
 
-/// Probability of any finding where nothing is hidden, unless told otherwise: one record in two
+/// Probability of any finding where nothing is hidden, unless another level is given: one record in two
 /// hundred is accused of something for nothing.
 pub const FAMILY_LEVEL: f64 = 0.005;
 
-/// What a diagnosis is told beside the record.
+/// What a diagnosis is given together with the record.
 pub struct DiagnosisOptions<'a> {
     /// Probability at most of any finding or remark where nothing is hidden, between 0 and 1.
     pub family_level: f64,
     /// The temperature, one value a sample; gains are stated for one unit of it.
     pub temperature: Option<Vec<f64>>,
-    /// Another record of the same axes: tells whether this one was taken at the rate that it says.
+    /// Another record of the same axes: shows whether this one was taken at the rate that it says.
     pub reference: Option<&'a mut dyn Source>,
-    /// Whether pictures are wanted, with a simulated record of the last model beside the measured
+    /// Whether pictures are wanted, with a simulated record of the last model next to the measured
     /// one: text needs none.
     pub views: bool,
 }
@@ -53,7 +53,7 @@ pub enum DiagnosisError {
 }
 
 /// Reads `source` to its end and finds out what the five terms get wrong about it, why, and what
-/// mending it gains. `progress` is told the name of an axis and what has come of it, by several
+/// mending it gains. `progress` is called with the name of an axis and what has come of it, by several
 /// threads.
 ///
 /// # Errors
@@ -63,7 +63,7 @@ pub enum DiagnosisError {
 /// ```
 /// use inm_host::{DiagnosisOptions, Model, diagnose, simulate};
 ///
-/// // White noise, and a line of a hundredth of its deviation that nobody told the diagnosis of.
+/// // White noise, and a line of a hundredth of its deviation that the diagnosis does not know of.
 /// let model = Model::from_json(
 ///     r#"{ "schema": 1, "rate_hz": 100, "axes": [ { "name": "X",
 ///          "coefficients": { "N": 1e-3 },

@@ -67,7 +67,7 @@ impl Long {
         self.transform(data, &self.inverse, |turn| turn.conj());
     }
 
-    /// Either way; `turn` tells which.
+    /// Either way; `turn` says which.
     fn transform(
         &self,
         data: &mut [Complex64],

@@ -160,7 +160,7 @@ mod tests {
     /// spectrum must not drown in the rounding of the loud one.
     #[test]
     fn rounding_is_far_below_the_quietest_ordinates() {
-        // A slow cycle 200 dB above the noise, about as a walk of hours beside quantisation.
+        // A slow cycle 200 dB above the noise, about as a walk of hours is above quantisation.
         let len = 1 << 16;
         let noise = series(len);
         let loud: Vec<f64> = (0..len)
@@ -180,7 +180,7 @@ mod tests {
             error += (loud - quiet).norm_sqr();
             power += quiet.norm_sqr();
         }
-        // Half a unit in the last place of 1e6 is 6e-11, beside noise of 1e-4: -124 dB.
+        // Half a unit in the last place of 1e6 is 6e-11, over noise of 1e-4: -124 dB.
         assert!(error < 1e-11 * power, "{:e}, seed 1", error / power);
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Unweighted least squares of `sigma^2` on `[tau^2, tau, 1, 1/tau, 1/tau^2]` at 17 averaging
 //! times, with `C1 = R^2/2`, `C2 = K^2/3`, `C3 = (2 ln2/pi) B^2`, `C4 = N^2` and `C5 = 3 Q^2`.
-//! Which 17 is not told there; here: spaced evenly on the logarithmic axis from one sample to
+//! Which 17 is not said there; here: spaced evenly on the logarithmic axis from one sample to
 //! the record's length over 2.5, rounded, each once.
 //!
 //! On noise-free curves the fit is exact. On measured ones it is ruled by the longest averaging
@@ -32,7 +32,7 @@ pub fn factors(samples: u64) -> Vec<u64> {
 /// Squares of the coefficients, negative where the fit says so, from points of averaging time
 /// in seconds and Allan variance.
 ///
-/// `None` where fewer than five points are given or they cannot tell the terms apart.
+/// `None` where fewer than five points are given or they do not distinguish the terms.
 pub fn fit(points: &[(f64, f64)]) -> Option<PerCoefficient<f64>> {
     if points.len() < Coefficient::ALL.len() {
         return None;

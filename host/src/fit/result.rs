@@ -56,7 +56,7 @@ pub struct WeightedValue {
     pub value: Option<f64>,
     /// Its square, not negative.
     pub squared: f64,
-    /// Lower end of its 95 % interval; zero where the data cannot tell it from zero.
+    /// Lower end of its 95 % interval; zero where it is not resolved from zero.
     pub lo: f64,
     /// Upper end of its 95 % interval.
     pub hi: f64,

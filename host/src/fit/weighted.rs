@@ -157,7 +157,7 @@ fn weigh_and_solve(a: &DMatrix<f64>, y: &DVector<f64>, deviation: &DVector<f64>)
 }
 
 /// Standard error of the square in column `j`, of a fit with the columns `columns` weighted by
-/// `deviation` to points with the covariance `errors`. Infinite if they cannot be told apart.
+/// `deviation` to points with the covariance `errors`. Infinite if the points do not distinguish them.
 fn standard_error(
     a: &DMatrix<f64>,
     deviation: &DVector<f64>,

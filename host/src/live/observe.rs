@@ -1,4 +1,4 @@
-//! Sources that can tell how a recording is going.
+//! Sources that can say how a recording is going.
 
 use super::Snapshot;
 use crate::source::Source;

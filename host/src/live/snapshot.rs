@@ -58,7 +58,7 @@ pub struct NoiseRow {
     pub cells: Vec<Option<Noise>>,
 }
 
-/// What the record tells of a coefficient up to now.
+/// What the record shows of a coefficient up to now.
 #[derive(Debug, Clone, Copy)]
 pub enum Noise {
     /// Its value, and half the width of its 95 % interval as a fraction of it.

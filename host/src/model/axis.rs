@@ -15,7 +15,7 @@ use crate::signal::Unit;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ModelAxis {
-    /// Its name.
+    /// Name of the axis.
     pub name: String,
     /// Unit of the signal.
     #[serde(default)]
@@ -26,7 +26,7 @@ pub struct ModelAxis {
     /// Signal chain behind the terms.
     #[serde(default)]
     pub chain: Option<Chain>,
-    /// The five coefficients.
+    /// The five coefficients, each in its own unit.
     #[serde(default)]
     pub coefficients: PerCoefficient<f64>,
     /// What there is besides.
@@ -137,7 +137,7 @@ impl ModelEffect {
         self.kind
     }
 
-    /// Its parameters.
+    /// Parameters of the effect, in the order of its values.
     pub fn parameters(&self) -> Vec<Parameter> {
         self.kind.parameters(&self.values)
     }

@@ -124,7 +124,7 @@ pub trait Distorter: Send {
 pub struct Parameter {
     /// Its name in model files, with the unit where that is fixed.
     pub name: Cow<'static, str>,
-    /// What it measures.
+    /// What it measures, and thereby its unit and range.
     pub quantity: Quantity,
     /// What it means, in a few words.
     pub meaning: &'static str,

@@ -24,7 +24,7 @@ use super::whole::{Model, SCHEMA};
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{place}: {problem}")]
 pub struct ModelError {
-    /// The file.
+    /// Name of the file.
     pub place: String,
     /// What was found, what was expected, and what to do.
     pub problem: String,

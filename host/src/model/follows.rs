@@ -1,4 +1,4 @@
-//! What follows a series that is not in the model: a column beside the record, or other axes.
+//! What follows a series that is not in the model: a column of the same record, or other axes.
 //!
 //! The law of an axis does not hold it, since the leader's law is not known. A follower makes it,
 //! or takes it out again, where there is the leader's record.
@@ -6,7 +6,7 @@
 /// A leader, and how an axis follows it: `gain` times a first-order lag.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Follows {
-    /// What is followed.
+    /// The series that is followed.
     pub leader: Leader,
     /// Signal per unit of the leader.
     pub gain: f64,
@@ -17,7 +17,7 @@ pub struct Follows {
 /// What an axis can follow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Leader {
-    /// The temperature beside the record, kelvin or degrees Celsius.
+    /// The temperature recorded with the axes, kelvin or degrees Celsius.
     Temperature,
     /// What all axes have in common, as large as it is in the first axis. It is part of each
     /// axis' own noise: its law is in the axis' terms already.

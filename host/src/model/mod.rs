@@ -94,15 +94,15 @@ pub struct Line {
 /// The five coefficients of eq. 8, in the order of falling slope of the Allan curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Coefficient {
-    /// Rate ramp.
+    /// Rate ramp, in the unit of the signal a second.
     R,
-    /// Rate random walk.
+    /// Rate random walk, in the unit of the signal over the root of a second.
     K,
-    /// Bias instability.
+    /// Bias instability, in the unit of the signal.
     B,
-    /// Velocity (or angle) random walk.
+    /// White noise (velocity or angle random walk), in the unit of the signal times the root of a second.
     N,
-    /// Quantisation.
+    /// Quantisation noise, in the unit of the signal times a second.
     Q,
 }
 
@@ -110,7 +110,7 @@ impl Coefficient {
     /// All five.
     pub const ALL: [Self; 5] = [Self::R, Self::K, Self::B, Self::N, Self::Q];
 
-    /// The letter.
+    /// Letter of the coefficient.
     pub const fn symbol(self) -> &'static str {
         match self {
             Self::R => "R",
@@ -186,19 +186,19 @@ impl Coefficient {
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct PerCoefficient<T> {
-    /// Rate ramp.
+    /// That of the rate ramp.
     #[serde(rename = "R")]
     pub r: T,
-    /// Rate random walk.
+    /// That of the rate random walk.
     #[serde(rename = "K")]
     pub k: T,
-    /// Bias instability.
+    /// That of the bias instability.
     #[serde(rename = "B")]
     pub b: T,
-    /// White noise.
+    /// That of the white noise.
     #[serde(rename = "N")]
     pub n: T,
-    /// Quantisation.
+    /// That of the quantisation noise.
     #[serde(rename = "Q")]
     pub q: T,
 }

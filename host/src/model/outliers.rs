@@ -73,7 +73,7 @@ struct Impulses {
     /// Sample of the next impulse, and where between it and the following one.
     next: u64,
     fraction: f64,
-    /// The next sample.
+    /// Index of the next sample.
     index: u64,
 }
 

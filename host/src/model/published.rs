@@ -26,7 +26,7 @@ impl PublishedAxis {
     /// All three.
     pub const ALL: [Self; 3] = [Self::X, Self::Y, Self::Z];
 
-    /// The letter.
+    /// Name of the axis: its letter.
     pub const fn name(self) -> &'static str {
         match self {
             Self::X => "X",

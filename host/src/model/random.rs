@@ -20,7 +20,7 @@ pub trait Generator: Send {
 
 /// The random numbers of one stream.
 pub fn random(seed: Seed) -> Pcg64 {
-    // The generator is told apart by its stream constant; any seed is as good as another.
+    // The generator is distinguished by its stream constant; any seed is as good as another.
     let state = 0x9e37_79b9_7f4a_7c15_u128 << 64 | u128::from(seed.seed);
     Pcg64::new(state, u128::from(seed.stream))
 }
@@ -40,7 +40,7 @@ impl Gaussian {
         }
     }
 
-    /// The next number.
+    /// Draws the next number.
     pub fn draw(&mut self) -> f64 {
         let standard: f64 = StandardNormal.sample(&mut self.random);
         self.deviation * standard

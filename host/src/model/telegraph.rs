@@ -13,7 +13,7 @@ use super::{Seed, Term};
 /// Two levels, at plus and minus half the height, held for exponentially distributed times.
 ///
 /// Its covariance is `(height / 2)^2 exp(-2 |t| / dwell)`, so that spectrum and Allan variance are
-/// those of [`Markov`] noise; the levels tell them apart. S. Machlup, J. Appl. Phys. 25 (1954)
+/// those of [`Markov`] noise; the levels distinguish them. S. Machlup, J. Appl. Phys. 25 (1954)
 /// 341, with equal times at both levels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Telegraph {

@@ -21,7 +21,7 @@ pub struct Model {
     pub schema: u32,
     /// Samples a second.
     pub rate_hz: f64,
-    /// The axes.
+    /// One model an axis.
     pub axes: Vec<ModelAxis>,
     /// Correlation of the random numbers behind K, B, N and Q between the axes, one row an axis:
     /// symmetric, 1 on the diagonal, no negative eigenvalue. `None` for none.

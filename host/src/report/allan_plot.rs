@@ -28,7 +28,7 @@ const SCALING_EDF: f64 = 10.0;
 /// Opacity of the measured band.
 const BAND: f64 = 0.16;
 
-/// Colours of the five terms, told apart by colour-blind eyes too (Okabe and Ito 2008).
+/// Colours of the five terms, distinguished by colour-blind eyes too (Okabe and Ito 2008).
 pub(super) const fn term_colour(coefficient: Coefficient) -> &'static str {
     match coefficient {
         Coefficient::Q => "#cc79a7",

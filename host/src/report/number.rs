@@ -29,7 +29,7 @@ pub fn plain(value: f64) -> String {
     }
 }
 
-/// A count with its thousands apart.
+/// A count with a space between its thousands.
 pub fn grouped(count: u64) -> String {
     let digits = count.to_string();
     let lead = digits.len() % 3;

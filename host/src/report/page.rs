@@ -45,7 +45,7 @@ pub fn foot(page: &mut String, text: &str) -> Result {
     writeln!(page, "<footer><p>{text}</p></footer></main></body></html>")
 }
 
-/// The section that tells what was read.
+/// The section that says what was read.
 pub fn source(page: &mut String, source: &SourceSummary) -> Result {
     let SourceSummary {
         samples,

@@ -7,7 +7,7 @@ use super::spectrum_plot;
 use super::svg::LIGHT;
 use crate::analyse::Analysis;
 
-/// Axes beside one another at most.
+/// Axes next to one another at most.
 const PER_ROW: usize = 3;
 
 /// The bitmap as the bytes of a PNG file: the axes side by side, with common scales so that they

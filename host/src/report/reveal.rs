@@ -1,4 +1,4 @@
-//! What was hidden in a virtual board beside what was found.
+//! What was hidden in a virtual board, next to what was found.
 
 use std::fmt::Write;
 

@@ -21,7 +21,7 @@ pub const HEIGHT: f64 = 480.0;
 /// Degrees of freedom that a plotted point has at least: bins with less are drawn as their mean.
 const LEAST_EDF: f64 = 8.0;
 
-/// Decades left free beside the frequencies.
+/// Decades left free on either side of the frequencies.
 const MARGIN: f64 = 0.1;
 
 /// Decades below the highest density that are shown at most.
@@ -61,7 +61,7 @@ pub(super) fn decades_of(points: impl Iterator<Item = (f64, f64)>) -> [(f64, f64
     ]
 }
 
-/// What stands beside a spectrum of a signal in `unit`.
+/// Titles of a spectrum of a signal in `unit`.
 pub(super) fn titles(head: &str, unit: &str, strip: &str) -> Titles {
     let squared = escape(&squared(&typeset(unit)));
     Titles {

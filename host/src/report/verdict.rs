@@ -107,7 +107,7 @@ fn worst(axis: &AxisAnalysis) -> Option<(f64, f64)> {
         .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
 }
 
-/// Pairs that the data cannot hold apart, in words.
+/// Pairs that the data cannot distinguish, in words.
 pub fn tied(fit: &LikelihoodFit) -> Option<String> {
     let pairs: Vec<String> = fit
         .tied
@@ -178,7 +178,7 @@ pub fn sentence(value: &LikelihoodValue) -> String {
     }
 }
 
-/// What to say of the published fit's value beside that of the likelihood; `None` if it agrees.
+/// What to say of the published fit's value next to that of the likelihood; `None` if it agrees.
 pub fn published(published: &PublishedValue, value: &LikelihoodValue) -> Option<String> {
     let most = value.upper.or(value.hi).unwrap_or(f64::INFINITY);
     let times = |published: f64, best: f64| {
@@ -229,7 +229,7 @@ pub fn velocity_error(axis: &AxisAnalysis) -> Option<String> {
     ))
 }
 
-/// What the data sheets of the known hardware say beside the fitted N.
+/// What the data sheets of the known hardware say of the fitted N.
 pub fn data_sheet(axis: &AxisAnalysis) -> Vec<String> {
     let chain: Option<Chain> = axis.chain.as_ref().and_then(|chain| chain.parse().ok());
     let white = axis

@@ -17,7 +17,7 @@ const CHUNK: usize = 8192;
 pub struct Simulation {
     signal: Signal,
     axes: Vec<AxisSimulation>,
-    /// The column beside the axes, where there is one.
+    /// The column of the temperature, where there is one.
     temperature: Option<Arc<[f64]>>,
     length: u64,
     next: u64,
@@ -33,12 +33,12 @@ impl Simulation {
     /// correlation; effects are independent.
     ///
     /// # Errors
-    /// As [`Model::check`], and if an axis follows the temperature, or shares what no `correlation` tells.
+    /// As [`Model::check`], and if an axis follows the temperature, or shares what no `correlation` says.
     pub fn new(model: &Model, length: u64, seed: u64) -> Result<Self, String> {
         Self::beside(model, length, seed, None)
     }
 
-    /// The same beside a record of the temperature, one value a sample, which axes follow about its mean.
+    /// The same together with a record of the temperature, one value a sample, which axes follow about its mean.
     /// It becomes one more column behind the axes.
     ///
     /// # Errors

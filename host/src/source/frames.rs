@@ -53,7 +53,7 @@ impl Frames {
         self.assembler.flush();
     }
 
-    /// Nothing more will come: hands on the rest and tells what was cut off.
+    /// Nothing more will come: hands on the rest and reports what was cut off.
     pub fn finish(&mut self) {
         self.assembler.finish();
         let cut = self.decoder.pending();

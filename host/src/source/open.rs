@@ -16,7 +16,7 @@ use super::{Source, SourceError};
 /// Stands for standard input in place of a file name.
 pub const STANDARD_INPUT: &str = "-";
 
-/// Bytes that are looked at to tell text from anything else.
+/// Bytes that are looked at to distinguish text from anything else.
 const SNIFFED: u64 = 512;
 
 /// What every capture begins with, of whatever version.

@@ -16,7 +16,7 @@ pub trait Table {
     /// Rows in all, where that is known ahead.
     fn rows(&self) -> Option<u64>;
 
-    /// Whether the elements are integers, so that a unit or a scale must be told.
+    /// Whether the elements are integers, so that a unit or a scale must be given.
     fn is_integer(&self) -> bool;
 
     /// Where row `row` stands, as a person would look it up.

@@ -197,7 +197,7 @@ impl Cascade {
         Ok(())
     }
 
-    /// Tells that samples up to `next` are missing or that the record ends here: what waited for
+    /// Reports that samples up to `next` are missing or that the record ends here: what waited for
     /// them is concluded.
     pub fn finish(&mut self, sink: &mut impl PairSink) {
         for level in &mut self.levels {

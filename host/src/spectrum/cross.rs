@@ -212,7 +212,7 @@ impl Sums {
                 }
             });
         } else if common[0] || common[1] {
-            // Rare: one axis lacks a half, so the halves are told apart.
+            // Rare: one axis lacks a half, so the halves are treated one by one.
             let half = usize::from(common[1]);
             for k in 0..LEN {
                 let x = separate(&one.transform, k, half);

@@ -1,4 +1,4 @@
-//! The floor that lines are told from: long segments, averaged, and the median over neighbours.
+//! The floor that lines stand out of: long segments, averaged, and the median over neighbours.
 //!
 //! Segments of at most [`SEGMENT`] samples with the cascade's taper, half overlapped, in single
 //! precision (after the reference and the weighted mean are taken out, its 24 bits lie far below any
@@ -17,7 +17,7 @@ use std::{collections::VecDeque, sync::Arc};
 /// Samples of a segment, at most.
 pub(super) const SEGMENT: usize = 1 << 18;
 
-/// Lowest bin that is searched: below, too few neighbours tell what the floor is.
+/// Lowest bin that is searched: below, too few neighbours show what the floor is.
 const LOWEST_BIN: usize = 32;
 
 /// Neighbours to either side that the floor is the median of, at most; at low frequencies an

@@ -3,7 +3,7 @@
 //! For `k = folds q + r` each of the short transforms of `points` needs
 //! `sum_m x_{n + points m} e^{-2 pi i r m / folds}` (`record_lines`). Some folds are gathered before
 //! they are added: the sums of all residues are far more than a cache holds, and adding is nothing
-//! beside fetching them.
+//! compared with fetching them.
 
 use rustfft::num_complex::Complex64;
 

@@ -6,7 +6,7 @@
 /// Most samples that a level keeps.
 pub const CAPACITY: usize = 8192;
 
-/// Runs shorter than this tell nothing about frequencies that the segments do not know better.
+/// Runs shorter than this say nothing about frequencies that the segments do not know better.
 pub const SHORTEST: usize = 32;
 
 /// A gap-free run of a level.

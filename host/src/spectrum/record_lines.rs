@@ -30,7 +30,7 @@ use std::{f64::consts::PI, ops::Range};
 /// Points of one short transform, at most.
 const POINTS: usize = 1 << 18;
 
-/// Residues that one replay serves: each needs an accumulator of [`POINTS`], and two replays run beside
+/// Residues that one replay serves: each needs an accumulator of [`POINTS`], and two replays run next to
 /// one another.
 const RESIDUES: usize = 8;
 
@@ -143,7 +143,7 @@ pub fn search<R: Replay + ?Sized>(
     Ok(kept)
 }
 
-/// What the first replay tells.
+/// What the first replay shows.
 struct Survey {
     first: u64,
     len: u64,

@@ -30,7 +30,7 @@ fn cascade(plan: &Plan, samples: &[f64]) -> Cascade {
     cascade
 }
 
-/// Densities over expectations, `[record][bin]`, and the estimate that tells them.
+/// Densities over expectations, `[record][bin]`, and the estimate that gives them.
 fn simulate(records: &[Vec<f64>], density: fn(f64) -> f64) -> (Estimate, Vec<Vec<f64>>) {
     let (plan, settings) = (Plan::new(), Settings::default());
     let estimate = Estimate::new(&cascade(&plan, &records[0]), 1.0, &settings);
@@ -49,7 +49,7 @@ fn simulate(records: &[Vec<f64>], density: fn(f64) -> f64) -> (Estimate, Vec<Vec
 }
 
 /// Mean, variances and correlations of neighbours are as claimed, within `sigmas` of what
-/// `RECORDS` records can tell.
+/// `RECORDS` records can show.
 fn assert_law(name: &str, estimate: &Estimate, ratios: &[Vec<f64>], from: usize, sigmas: f64) {
     let records = ratios.len() as f64;
     let moment = |a: usize, b: usize| {

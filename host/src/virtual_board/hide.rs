@@ -15,7 +15,7 @@ use crate::model::published::{PublishedAxis, RATE_HZ};
 use crate::model::random::random;
 use crate::model::{PerCoefficient, Seed};
 
-/// Stream of random numbers, apart from those of the noise.
+/// Stream of random numbers, another than those of the noise.
 const STREAM: u64 = 2 << 48;
 
 /// Kinds that can act on a sensor.

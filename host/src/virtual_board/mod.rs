@@ -40,7 +40,7 @@ use crate::link::{Connect, LinkError, Port};
 const QUEUE: usize = 4096;
 
 /// Steps of the instrument after which a parcel leaves, empty or not: 50 ms of a board at rest, of
-/// one that streams some 100 conversions. Much work beside handing it over, and no long wait.
+/// one that streams some 100 conversions. Much work compared with handing it over, and no long wait.
 const STEPS: u32 = 200;
 
 /// Parcels that the board is ahead of the host. Enough that neither thread waits for the other

@@ -13,7 +13,7 @@ use crate::model::random::Generator;
 /// Accelerations that are made at a time.
 const BLOCK: usize = 1024;
 
-/// Stream of random numbers, apart from those of simulated records.
+/// Stream of random numbers, another than those of simulated records.
 const STREAM: u64 = 1 << 48;
 
 /// Fraction bits of the channel's level.

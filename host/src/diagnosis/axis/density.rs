@@ -22,7 +22,7 @@ impl AxisState {
         powers.product()
     }
 
-    /// Its part that law number `which` adds, filters left aside.
+    /// Its part that law number `which` adds, filters not included.
     pub fn law_density(&self, which: usize, f_hz: f64) -> f64 {
         self.unit_law_density(which, f_hz).map_or(0.0, |density| {
             density * self.fit.squared[laws::component_of(&self.bins, &self.laws, which)]

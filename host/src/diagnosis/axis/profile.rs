@@ -1,4 +1,4 @@
-//! Waveforms in noise whose slow part is fitted anew beside them.
+//! Waveforms in noise whose slow part is fitted anew together with them.
 //!
 //! A jump or a settling lifts the lowest ordinates, and a fit without it takes it for walk and
 //! flicker: whitened by that fit the waveform hides itself. The ratio of two likelihoods, each with
@@ -37,7 +37,7 @@ const BEGINNING: f64 = 0.1;
 pub enum Noise {
     /// The noise that was fitted without it.
     Fitted,
-    /// Noise whose walk and flicker are fitted anew beside it, where that is needed to see it.
+    /// Noise whose walk and flicker are fitted anew together with it, where that is needed to see it.
     Anew,
 }
 
@@ -59,7 +59,7 @@ pub struct Profile<'a> {
     null: f64,
 }
 
-/// A waveform beside walk and flicker.
+/// A waveform together with walk and flicker.
 #[derive(Debug, Clone)]
 pub struct Joint {
     /// Size over standard deviation that is as rare with all of the density known.
@@ -130,7 +130,7 @@ impl<'a> Profile<'a> {
         }
     }
 
-    /// What whitens the record beside the waveform of a fit.
+    /// What whitens the record together with the waveform of a fit.
     pub fn density(&self, joint: &Joint) -> Vec<f64> {
         let mut density = self.density.to_vec();
         for (&k, low) in self.low.iter().zip(self.densities(joint.squares)) {
@@ -246,7 +246,7 @@ impl Linear {
         }
     }
 
-    /// Sizes that fit best; none where they cannot be told apart.
+    /// Sizes that fit best; none where the data cannot distinguish them.
     fn sizes(self) -> DVector<f64> {
         let count = self.products.len();
         let factors = self.gram.cholesky();

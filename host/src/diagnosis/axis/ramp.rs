@@ -12,7 +12,7 @@ const BLOCKS: usize = 64;
 /// Share of a block's samples that must be there.
 const MOST: f64 = 0.5;
 
-/// The ramp of the residual, beside all that was fitted to it; `None` where gaps leave too
+/// The ramp of the residual, together with all that was fitted to it; `None` where gaps leave too
 /// little.
 pub fn ramp(axis: &AxisState) -> Option<Ramp> {
     let mut slope = Slope::new(&blocks(axis), &axis.fit.squared[..SEEN.len()])?;

@@ -1,4 +1,4 @@
-//! What an explained axis is told as: models before and after, findings with their gains, views.
+//! What is reported of an explained axis: models before and after, findings with their gains, views.
 
 mod coefficients;
 mod effects;
@@ -201,7 +201,7 @@ fn own_squares(axis: &AxisState, mut squares_sd: Vec<f64>) -> (Vec<f64>, Vec<f64
     (squares, squares_sd)
 }
 
-/// Whether effects were taken out that go with a slope, so that what is left tells little of it.
+/// Whether effects were taken out that go with a slope, so that what is left says little of it.
 fn takes_slope(explanations: &[Explanation]) -> bool {
     const SLOW: [Kind; 4] = [steps::KIND, warmup::KIND, thermal::KIND, telegraph::KIND];
     let mut courses = explanations.iter().filter(|one| one.law().is_none());

@@ -22,7 +22,7 @@ const PER_OCTAVE: f64 = 2.0;
 /// Samples handed over at a time.
 const BLOCK: usize = 1 << 16;
 
-/// What axes share.
+/// Noise that the axes of a record share.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Shared {
     /// Axes that share something with the first one.
@@ -35,7 +35,7 @@ pub struct Shared {
 /// What one axis has in common with the first.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Common {
-    /// The axis.
+    /// Number of the axis, from 0.
     pub axis: usize,
     /// Its gain relative to the first axis; needs three axes.
     pub gain: Option<f64>,

@@ -17,7 +17,7 @@ pub static IN_FITTED_NOISE: Detector = Detector {
     look: |look| strongest(look, Noise::Fitted),
 };
 
-/// Looks in noise whose walk and flicker are fitted anew beside each of the three.
+/// Looks in noise whose walk and flicker are fitted anew together with each of the three.
 pub static IN_NOISE_ANEW: Detector = Detector {
     tests: TESTS,
     look: |look| strongest(look, Noise::Anew),

@@ -15,14 +15,14 @@ pub struct Context<'a> {
     pub values: &'a ValueFindings,
     /// Kinds that are not proposed any more: they gained nothing on held-out data.
     pub refused: &'a [Kind],
-    /// Is told each effect that is taken in.
+    /// Called with the kind of each effect that is taken in.
     pub found: &'a (dyn Fn(Kind) + Sync),
 }
 
 /// What was learnt of an axis that explains nothing, yet decides what may be an explanation.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Character {
-    /// Its level switches to and fro, or jumps more often than jumps can be told one by one: single steps are
+    /// Its level switches to and fro, or jumps more often than jumps can be resolved one by one: single steps are
     /// none of it.
     pub level_switches: bool,
     /// Its large samples come in groups, or as the level switches: none of them is an outlier.

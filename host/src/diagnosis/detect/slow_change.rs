@@ -4,7 +4,7 @@ use crate::diagnosis::record::wave::Wave;
 
 /// A waveform that is in the record.
 pub struct SlowChange {
-    /// It.
+    /// The waveform, with its size, in the unit of the signal.
     pub wave: Wave,
     /// Its size over its standard deviation.
     pub z: f64,

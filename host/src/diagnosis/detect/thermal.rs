@@ -1,4 +1,4 @@
-//! Thermal: the level follows the temperature, or another column beside the record, behind a lag.
+//! Thermal: the level follows the temperature, or another column of the same file, behind a lag.
 
 use std::sync::Arc;
 

@@ -214,7 +214,7 @@ mod tests {
     const LENGTH: usize = 1 << 15;
     const RATE_HZ: f64 = 100.0;
 
-    /// White noise of deviation 1 beside a walk whose steps have this one, and a settling.
+    /// White noise of deviation 1, a walk whose steps have this one, and a settling.
     fn axis(seed: u64, walk: f64, amplitude: f64) -> AxisState {
         let mut noise = Gaussian::new(Seed { seed, stream: 0 }, 1.0);
         let mut level = 0.0;

@@ -12,7 +12,7 @@ use crate::diagnosis::steady;
 use crate::model::kind::Kind;
 use crate::model::{resonance, telegraph};
 
-/// Shares of the density, the largest that a law reaches somewhere tells its band.
+/// Shares of the density, the largest that a law reaches somewhere delimits its band.
 const SHARES: [f64; 4] = [0.5, 0.25, 0.1, 0.03];
 
 /// Standard deviation of a parameter's logarithm that is little.
@@ -100,7 +100,7 @@ impl Case<'_> {
         })
     }
 
-    /// Whether a resonance is what is left beside a band that is excluded.
+    /// Whether a resonance is what is left next to a band that is excluded.
     fn is_skirt(&self) -> bool {
         let [f_hz, width_hz, ..] = self.axis.laws[self.which].values[..] else {
             return false;

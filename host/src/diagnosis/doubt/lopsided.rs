@@ -61,7 +61,7 @@ pub fn lopsided(axis: &AxisState) -> Lopsided {
     }
 }
 
-/// A law of amplitudes that is not the same on both sides; outliers that are its tail are taken back.
+/// A law of amplitudes that is not the same on both sides; outliers that belong to its longer side are taken back.
 pub static DOUBT: Doubt = Doubt { tests: 1, hear };
 
 /// Kinds that bend the law of amplitudes themselves.
@@ -76,7 +76,7 @@ fn hear(hearing: &mut Hearing<'_>) -> Result<(), NoFit> {
     if found.p_value >= hearing.level {
         return Ok(());
     }
-    // Its tail passes for them.
+    // Its longer side passes for them.
     if hearing.axis.withdraw(outliers::KIND) {
         hearing.axis.refresh()?;
     }

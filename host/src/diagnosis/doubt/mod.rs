@@ -35,7 +35,7 @@ pub static DOUBTS: &[&Doubt] = &[
 
 /// An axis whose names are heard.
 pub struct Hearing<'a> {
-    /// The axis.
+    /// The axis as it is; a doubt may take explanations back.
     pub axis: &'a mut AxisState,
     /// Level of one test.
     pub level: f64,

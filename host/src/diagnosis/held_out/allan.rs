@@ -1,4 +1,4 @@
-//! A model's Allan deviation beside that of the held-out half of the record.
+//! A model's Allan deviation compared with that of the held-out half of the record.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -39,7 +39,7 @@ pub(crate) enum AtJumps {
 }
 
 impl HeldCurve {
-    /// Of an axis.
+    /// The curve of the held-out blocks of an axis.
     pub fn new(axis: &AxisState) -> Self {
         let record = axis.residual.with([]);
         Self {

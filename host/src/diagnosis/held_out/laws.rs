@@ -1,4 +1,4 @@
-//! What the laws of an axis are worth, each beside all others, by ordinates.
+//! What the laws of an axis are worth, each in a model that has all others, by ordinates.
 
 use nalgebra::{DMatrix, DVector};
 

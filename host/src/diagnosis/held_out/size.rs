@@ -19,7 +19,7 @@ pub struct Sizes<'a> {
     axis: &'a AxisState,
     held: &'a HeldCurve,
     noise: &'a ModelAxis,
-    /// Of all waveforms.
+    /// Allan variance of all waveforms together, by averaging time.
     waves: Arc<Vec<Point>>,
 }
 

@@ -1,6 +1,6 @@
 //! Effects that change the spectrum's shape: search of their parameters by likelihood.
 //!
-//! The sizes of additive laws enter linearly, beside the five terms; shapes (corners, widths,
+//! The sizes of additive laws enter linearly, as the five terms do; shapes (corners, widths,
 //! exponents) are moved by turns in their logarithms until nothing gains.
 
 pub mod departure;

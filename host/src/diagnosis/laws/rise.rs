@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::fit::likelihood::{Data, Fit};
 
-/// The score test (C. R. Rao 1948) of components beside a fit: with `u` the slope of the
+/// The score test (C. R. Rao 1948) of components added to a fit: with `u` the slope of the
 /// log-likelihood at size zero and `I` the information on the size that the present components
 /// leave, the gain is `u^2 / 2 I` where `u` is positive, for as long as it is small.
 pub struct Rise<'a> {
@@ -18,7 +18,7 @@ pub struct Rise<'a> {
 }
 
 impl<'a> Rise<'a> {
-    /// Beside `present` with the fit `base`; `None` if these cannot be told apart.
+    /// Together with `present`, whose fit is `base`; `None` if the data cannot distinguish these.
     pub fn new(data: &Data, base: &'a Fit, present: &[Vec<f64>]) -> Option<Self> {
         let expected = &base.expected;
         let active: Vec<Vec<f64>> = present
@@ -58,7 +58,7 @@ impl<'a> Rise<'a> {
     }
 
     /// Length of the path through `directions` (changes of the expectation) as the data see them,
-    /// radians: each beside the present components, of length one, and the arcs from one to the
+    /// radians: each less its part along the present components, of length one, and the arcs from one to the
     /// next. How many independent searches a search of all of them is (R. B. Davies, Biometrika 74
     /// (1987), eq. 3.1).
     pub fn path(&self, directions: impl Iterator<Item = Vec<f64>>) -> f64 {

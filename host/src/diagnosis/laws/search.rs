@@ -181,7 +181,7 @@ impl Starts {
             })
     }
 
-    /// Those of an effect from which the likelihood rises most at first, beside `present` with the
+    /// Those of an effect from which the likelihood rises most at first, together with `present`, with the
     /// fit `base`; all of them where that says little, as behind a filter.
     fn promising(
         &self,
@@ -209,7 +209,7 @@ impl Starts {
     }
 }
 
-/// A law that was found, beside others.
+/// A law that was found, together with others.
 pub struct Found {
     /// The law with the values that fit best, size 1.
     pub law: Law,

@@ -1,4 +1,4 @@
-//! How well the data tell the values of laws, and the base squares beside them.
+//! How well the data determine the values of laws together with the base squares.
 
 use nalgebra::DMatrix;
 
@@ -14,7 +14,7 @@ pub struct Spread<'a> {
     best: &'a Fit,
     /// Law and place of each shape.
     places: Vec<(usize, usize)>,
-    /// `None` where the data do not tell the shapes apart.
+    /// `None` where the data do not distinguish the shapes.
     covariance: Option<DMatrix<f64>>,
     /// Slope of each square in the logarithm of each shape.
     slopes: Vec<Vec<f64>>,
@@ -101,7 +101,7 @@ impl<'a> Spread<'a> {
         variance.max(0.0).sqrt()
     }
 
-    /// Standard deviations of the logarithms of a law's values. Infinite where the data do not tell.
+    /// Standard deviations of the logarithms of a law's values. Infinite where the data do not determine one.
     pub fn log_deviations(&self, which: usize) -> Vec<f64> {
         let law = &self.laws[which];
         let own = |place: usize| -> f64 {

@@ -1,4 +1,4 @@
-//! What the spectra of one axis have in common while its record is mended and its model grows:
+//! What the spectra of one axis have in common while its residual shrinks and its model grows:
 //! the bins, their degrees of freedom, and the expectation of any law in them.
 //!
 //! These depend on length, gaps and chain alone, and cost far more than a spectrum or a fit; they

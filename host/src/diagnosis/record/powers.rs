@@ -21,7 +21,7 @@ pub struct Powers {
     pub counts: Vec<f64>,
 }
 
-/// Whitens `whole` by `density` and sums squares over blocks; `usable` tells samples that count.
+/// Whitens `whole` by `density` and sums squares over blocks; `usable` says which samples count.
 pub fn powers(whole: &Transform, density: &[f64], usable: impl Fn(usize) -> bool + Sync) -> Powers {
     // What is left out of the band leaves that many degrees of freedom less.
     let seen = density.iter().filter(|density| density.is_finite()).count();

@@ -71,7 +71,7 @@ impl Residual {
         all.unwrap_or_default()
     }
 
-    /// As measured.
+    /// The record as it was measured, in the unit of the signal.
     pub fn measured(&self) -> &[f64] {
         &self.measured
     }

@@ -51,7 +51,7 @@ impl Waiting {
         }
     }
 
-    /// The samples again.
+    /// The samples as they were, read back where they were written.
     ///
     /// # Errors
     /// If they cannot be read any more.
@@ -67,7 +67,7 @@ impl Waiting {
 }
 
 impl Samples {
-    /// Reads `source` to its end; also tells what was lost on the way. `progress` is told the
+    /// Reads `source` to its end; also returns what was lost on the way. `progress` is called with the
     /// samples so far.
     ///
     /// # Errors

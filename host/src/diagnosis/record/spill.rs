@@ -1,17 +1,17 @@
-//! Samples that are not needed for a while: in a file without a name rather than in memory.
+//! Samples that are not needed for a while: in a spill file rather than in memory.
 
 use std::fs::File;
 use std::io::{self, Read, Seek, Write};
 
 use bytemuck::Pod;
 
-/// Numbers put aside.
+/// Numbers in memory, or in a spill file.
 pub enum Spilled<T> {
     /// In memory.
     Kept(Vec<T>),
     /// In a file that is gone when it is closed.
     Written {
-        /// It.
+        /// The file, which has no name.
         file: File,
         /// How many numbers it holds.
         len: usize,
@@ -39,7 +39,7 @@ impl<T: Pod> Spilled<T> {
         }
     }
 
-    /// The numbers again.
+    /// The numbers as they were, read back where they were written.
     ///
     /// # Errors
     /// If the file cannot be read any more.

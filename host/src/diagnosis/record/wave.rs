@@ -12,7 +12,7 @@ use crate::model::warmup::Settling;
 /// A sample that does not belong.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outlier {
-    /// Its index.
+    /// Index of the sample in the record.
     pub index: usize,
     /// How much it is too large, in the unit of the record.
     pub size: f64,
@@ -63,7 +63,7 @@ pub enum Wave {
     },
     /// A covariate, one value a sample, times a gain.
     Follows {
-        /// Gain.
+        /// Gain, unit of the signal a unit of the covariate.
         gain: f64,
         /// The covariate, about its mean.
         column: Arc<Vec<f32>>,

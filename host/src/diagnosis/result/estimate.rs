@@ -10,7 +10,7 @@ use crate::model::kind::Kind;
 pub struct Estimate {
     /// Which effect.
     pub kind: Kind,
-    /// In the catalogue's order; `None` where the record does not tell, as of a harmonic that was not
+    /// In the catalogue's order; `None` where the record does not determine one, as of a harmonic that was not
     /// found. Empty for a law of the noise until the last fit has its values.
     pub values: Vec<Option<Value>>,
 }

@@ -21,11 +21,11 @@ use crate::signal::Unit;
 pub struct Diagnosis {
     /// Version of this structure.
     pub schema: u32,
-    /// What was diagnosed.
+    /// Where the record comes from, and how long it is.
     pub source: SourceSummary,
     /// Probability at most of any finding or remark where nothing is hidden.
     pub family_level: f64,
-    /// The axes.
+    /// One diagnosis an axis, in the order of the record.
     pub axes: Vec<AxisDiagnosis>,
     /// Correlation of the axes' noise, one row each, where they share any.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -51,29 +51,29 @@ impl Diagnosis {
 /// One axis.
 #[derive(Debug, Clone, Serialize)]
 pub struct AxisDiagnosis {
-    /// Its name.
+    /// Name of the axis.
     pub name: String,
     /// Unit of the signal.
     pub unit: Unit,
     /// The five terms alone.
     pub base: Base,
-    /// What there is beside them.
+    /// What there is beyond them.
     pub findings: Vec<Finding>,
     /// What no effect of the catalogue explains.
     pub unexplained: Vec<Remark>,
     /// The model with all findings.
     #[serde(rename = "final")]
     pub last: Final,
-    /// What both models look like beside the record.
+    /// What both models look like next to the record.
     pub views: Views,
 }
 
 /// The five terms alone.
 #[derive(Debug, Clone, Serialize)]
 pub struct Base {
-    /// The model.
+    /// The model of the five terms alone.
     pub model: ModelAxis,
-    /// Where it fails.
+    /// Where that model fails.
     pub discrepancies: Vec<Remark>,
     /// Error of its Allan deviation on the held-out part, percent.
     pub allan_error_percent: Option<f64>,
@@ -104,7 +104,7 @@ pub struct Finding {
     pub cause: String,
     /// What to look at on the bench.
     pub check: String,
-    /// Its parameters.
+    /// Parameters of the effect, in the order and the units of the catalogue.
     #[serde(rename = "parameters", serialize_with = "named")]
     pub estimate: Estimate,
     /// Probability of as much in data without it, the search included.
@@ -187,7 +187,7 @@ pub struct Gain {
 pub struct Final {
     /// The model, as `inm simulate --model` reads it.
     pub model: ModelAxis,
-    /// The five coefficients.
+    /// The five coefficients with their intervals.
     pub coefficients: PerCoefficient<Coefficient>,
     /// Error of its Allan deviation on the held-out part, percent.
     pub allan_error_percent: Option<f64>,
@@ -198,13 +198,13 @@ pub struct Final {
 /// A coefficient of the final model.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct Coefficient {
-    /// Its value; `None` where the data cannot tell it from zero.
+    /// Its value, in its own unit; `None` where it is not resolved from zero.
     pub value: Option<f64>,
     /// Lower end of its 95 % interval.
     pub lo: Option<f64>,
     /// Upper end of its 95 % interval.
     pub hi: Option<f64>,
-    /// Whether the data tell it from zero.
+    /// Whether it is resolved from zero, in a test of 5 %.
     pub identified: bool,
     /// Its 95 % bound.
     pub upper: Option<f64>,

@@ -10,9 +10,9 @@ use serde::ser::{Serialize, SerializeStruct, Serializer};
 pub enum Place {
     /// Between two frequencies, hertz, and where within it is plainest if that is known.
     Band {
-        /// The two frequencies.
+        /// Lower and upper end, hertz.
         ends_hz: [f64; 2],
-        /// The plainest.
+        /// Frequency at which it is plainest, hertz.
         peak_hz: Option<f64>,
     },
     /// At one frequency, hertz.

@@ -5,7 +5,7 @@ use serde::Serialize;
 /// A number with its 95 % interval.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Value {
-    /// The number.
+    /// The best estimate, in the unit of its parameter.
     pub value: f64,
     /// Lower end.
     pub lo: Option<f64>,

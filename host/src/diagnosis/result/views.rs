@@ -112,34 +112,34 @@ pub struct Course {
     pub columns: Vec<Column>,
     /// Mean of the record.
     pub mean: f64,
-    /// What happened.
+    /// Moments and stretches that findings are about.
     pub marks: Vec<Mark>,
 }
 
 /// Some neighbouring samples; all NaN where all are missing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Column {
-    /// The record.
+    /// The record as it was measured.
     pub measured: Extent,
     /// The deterministic part of the model.
     pub modelled: Extent,
 }
 
-/// Extremes and mean.
+/// Extremes and mean of some samples.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Extent {
-    /// Lowest.
+    /// Lowest value, in the unit of the signal.
     pub lo: f64,
-    /// Mean.
+    /// Mean of the values, in the unit of the signal.
     pub mean: f64,
-    /// Highest.
+    /// Highest value, in the unit of the signal.
     pub hi: f64,
 }
 
 /// A moment or a stretch of time that a finding is about.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mark {
-    /// Effect.
+    /// Kind of the effect.
     pub effect: Kind,
     /// Begin, seconds.
     pub from_s: f64,
@@ -152,7 +152,7 @@ pub struct Mark {
 /// The record before and after.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Amplitudes {
-    /// As measured.
+    /// The record as it was measured, whitened by the model of the five terms.
     pub before: Counts,
     /// With all that was found taken out, bad samples left out.
     pub after: Counts,

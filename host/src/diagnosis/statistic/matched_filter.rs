@@ -37,7 +37,7 @@ const END: usize = 256;
 /// Ordinates that are worth a thread of their own.
 const SHARED: usize = 1 << 14;
 
-/// A transformed record.
+/// The Fourier transform of a record, ordinate by ordinate.
 pub struct Transform {
     rate_hz: f64,
     len: usize,
@@ -62,7 +62,7 @@ pub fn smooth_len(len: usize) -> usize {
         .unwrap_or(0)
 }
 
-/// Transforms beside one another.
+/// Makes transforms of records of one length.
 pub struct Transformer {
     len: usize,
     ring: Arc<Ring>,
@@ -147,7 +147,7 @@ fn take_out_line(values: &mut [f64]) {
 }
 
 impl Transform {
-    /// Samples.
+    /// How many samples of the record were transformed.
     pub fn len(&self) -> usize {
         self.len
     }
@@ -291,7 +291,7 @@ pub struct Match {
 /// Which ordinates a statistic looks at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Half {
-    /// All.
+    /// All ordinates.
     Both,
     /// Those with even numbers.
     Even,

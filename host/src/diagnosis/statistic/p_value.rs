@@ -1,4 +1,4 @@
-//! Tails of the laws that the tests' statistics follow, and what a search over many places makes
+//! Probabilities beyond a statistic under the laws that the tests follow, and what a search over many places makes
 //! of them.
 
 use statrs::distribution::{
@@ -123,7 +123,7 @@ mod tests {
         use crate::model::random::Gaussian;
         use crate::model::random::Seed;
         // The largest of a cos t + b sin t, 0 < t < length, for standard normal a and b, at a height
-        // that few reach: the bound is within some percent there, 40 000 draws tell it to 5 %.
+        // that few reach: the bound is within some percent there, 40 000 draws determine it to 5 %.
         let (length, nats, draws) = (1.5_f64, 4.0_f64, 40_000);
         let mut normal = Gaussian::new(Seed { seed: 5, stream: 0 }, 1.0);
         let mut higher = 0;

@@ -1,6 +1,6 @@
 //! Whether a law keeps its size and shape from one moment to the next.
 //!
-//! Noise whose colour changes has a mean spectrum that some steady law comes near. What tells them
+//! Noise whose colour changes has a mean spectrum that some steady law comes near. What distinguishes them
 //! apart is the score of each parameter `p` of the law over time: with the strengths `E` of the whitened
 //! record in tiles of time and frequency (`steadiness`), exponential with mean 1 for a steady law, the
 //! tiles of a block of time give
@@ -43,7 +43,7 @@ const STEP: f64 = 0.05;
 /// A parameter that changes in time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Change {
-    /// Its name.
+    /// Name of the parameter.
     pub parameter: String,
     /// By how much, as the standard deviation of its logarithm.
     pub log_sd: f64,
@@ -73,7 +73,7 @@ pub fn change_of_terms(axis: &AxisState) -> Option<Change> {
     })
 }
 
-/// The plainest change of some parameters, whose weights at a frequency `weight` tells by number.
+/// The plainest change of some parameters, whose weights at a frequency `weight` gives by number.
 fn plainest(
     axis: &AxisState,
     parameters: Vec<String>,
@@ -179,7 +179,7 @@ impl Tiles {
 /// Scores of a parameter in blocks of time.
 struct Scores<'a> {
     tiles: &'a Tiles,
-    /// Of each group.
+    /// Weight of the parameter in each group of ordinates.
     weights: Vec<f64>,
 }
 
@@ -262,7 +262,7 @@ impl<'a> Scores<'a> {
                 p_value: p_value::mean_square(ratio, blocks.freedom),
             })
         });
-        // What the record hardly tells as a whole cannot be seen to change.
+        // What the record as a whole hardly determines cannot be seen to change.
         if self.blocks(BLOCKS[0]).information * (BLOCKS[0] as f64) < LEAST {
             return None;
         }
@@ -279,7 +279,7 @@ impl<'a> Scores<'a> {
         Some(Change { p_value, ..told })
     }
 
-    /// The plainest cycle.
+    /// The most significant cycle of the parameter, in a record of `duration_s`.
     fn cycle(&self, duration_s: f64) -> Change {
         let count = BLOCKS[BLOCKS.len() - 1];
         let blocks = self.blocks(count);
@@ -315,7 +315,7 @@ mod tests {
     const RATE_HZ: f64 = 2000.0;
     const CYCLES: f64 = 9.0;
 
-    /// White noise beside a difference of white noise whose size swings by this share.
+    /// White noise and a difference of white noise whose size swings by this share.
     fn axis(seed: u64, swing: f64) -> AxisState {
         let draw = |stream| {
             let mut noise = Gaussian::new(Seed { seed, stream }, 1.0);

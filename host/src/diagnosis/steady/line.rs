@@ -21,7 +21,7 @@ const PARTS: usize = 8;
 const LEAST_CYCLES: f64 = 8.0;
 
 /// Probability that a steady line of `cycles` a sample in the residual differs as much between
-/// parts; 1 where the record is too short to tell.
+/// parts; 1 where the record is too short for a test.
 pub fn p_steady(axis: &AxisState, cycles: f64) -> f64 {
     let length = axis.filled.len() / PARTS;
     if cycles * (length as f64) < LEAST_CYCLES {

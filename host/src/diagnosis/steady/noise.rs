@@ -40,7 +40,7 @@ const LEAST_TILES: usize = 256;
 /// Moments at which a tile is asked whether its samples count.
 const ASKED: usize = 8;
 
-/// Standard deviations from which a group beside an unsteady band belongs to it.
+/// Standard deviations from which a group next to an unsteady band belongs to it.
 const SKIRT: f64 = 2.5;
 
 /// Free ends make each trial of a band some more.
@@ -252,7 +252,7 @@ impl Groups {
         most.map_or(0, |group| self.starts[group])
     }
 
-    /// A run with the groups beside it that depart by themselves, the same way.
+    /// A run with the groups next to it that depart by themselves, the same way.
     fn skirts(&self, mut run: Range<usize>) -> Range<usize> {
         let (mean, _) = self.judge(&run);
         let departs = |group: usize| {

@@ -1,4 +1,4 @@
-//! Noise whose power moves in time, apart from single stretches.
+//! Noise whose power moves in time all along the record, not in single stretches.
 
 use crate::diagnosis::record::powers::{BLOCK, Powers};
 use crate::diagnosis::statistic::{matched_filter, p_value};
@@ -17,10 +17,10 @@ pub struct Movement {
     pub p_value: f64,
 }
 
-/// How the power of the noise moves in time, apart from single stretches.
+/// How the power of the noise moves in time all along the record.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wander {
-    /// The strongest cycle.
+    /// The most significant cycle of the power.
     pub cyclic: Movement,
     /// Neighbouring moments that are stronger or weaker together.
     pub slow: Movement,

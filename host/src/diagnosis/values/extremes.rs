@@ -3,14 +3,14 @@
 use crate::diagnosis::statistic::p_value;
 
 /// Probability that the next value equals the extreme, where no grid is coarse enough to be seen: the
-/// two largest of a million normal numbers are a fifth of a deviation apart, and more distinct values
+/// two largest of a million normal numbers differ by a fifth of a deviation, and more distinct values
 /// than are counted lie closer than a ten-thousandth.
 const SHARED: f64 = 1.0 / 2048.0;
 
 /// Samples piled up at one extreme value.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Clipping {
-    /// The extreme value.
+    /// The extreme value, in the unit of the signal.
     pub level: f64,
     /// +1 upper, -1 lower.
     pub side: f64,

@@ -13,10 +13,10 @@ const LOOK: usize = 1 << 20;
 /// the level lies between two steps than where it lies on one.
 const DECIDES: f64 = 2.0;
 
-/// A coarse grid.
+/// A grid that the values lie on and nobody declared.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coarse {
-    /// Its step.
+    /// Distance of neighbouring values, in the unit of the signal.
     pub step: f64,
     /// Whether the noise lies on so few steps that where the level is between two of them decides how
     /// strong it looks.
@@ -24,7 +24,7 @@ pub struct Coarse {
 }
 
 impl Coarse {
-    /// A grid of this `step`, if it is coarser than `declared` beside noise of the deviation `noise`, which as it
+    /// A grid of this `step`, if it is coarser than `declared` and not lost in noise of the deviation `noise`, which as it
     /// is has the root mean square `rms`.
     pub fn new(step: f64, declared: Option<f64>, noise: f64, rms: f64) -> Option<Self> {
         /// Least step over that of the codes: a grid of every second code is one.

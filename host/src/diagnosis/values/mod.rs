@@ -20,7 +20,7 @@ pub struct ValueFindings {
     pub stale: Option<(Stale, Vec<usize>)>,
     /// Pile-ups, and where they are.
     pub clipping: Vec<(Clipping, Vec<usize>)>,
-    /// Grid of the values that is coarser than declared, beside the short-term noise.
+    /// Grid of the values that is coarser than declared, and not lost in the short-term noise.
     pub coarse: Option<Coarse>,
     /// Largest size of a value: what its rounding is a share of.
     pub largest: f64,

@@ -1,14 +1,14 @@
 //! Samples that repeat the one before, more often than chance has it.
 //!
 //! How often chance has it is read off the increments next to zero. On a coarse grid, of which the
-//! noise spans a few steps, those of one and two steps tell it: for normal increments `ln p(k)` is a
+//! noise spans a few steps, those of one and two steps determine it: for normal increments `ln p(k)` is a
 //! parabola in `k`, so `p(0) = p(1) (p(1) / p(2))^(1/3)`. On a fine one the density of increments is even
 //! there: with `c` of them within `m` steps on either side, zero itself has `c / 2m`. A long record of
 //! fine codes repeats itself a few times an hour.
 
 use crate::diagnosis::statistic::p_value;
 
-/// Increments next to zero that tell the density there, at least.
+/// Increments next to zero from which the density there is estimated, at least.
 const NEAR: usize = 64;
 
 /// Numbers of steps that the smallest increment may be, where nobody declared the step.

@@ -23,7 +23,7 @@ const TIMES_S: [f64; 6] = [0.1, 1.0, 10.0, 60.0, 300.0, 600.0];
 /// Part of a block that the alignment takes at most.
 const ALIGNED: f64 = 0.25;
 
-/// Windows begin this part of their length apart.
+/// From the beginning of a window to that of the next is this part of its length.
 const STEP: usize = 4;
 
 /// Windows that do not overlap, at least, for an observation.

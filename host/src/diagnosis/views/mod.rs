@@ -1,7 +1,7 @@
 //! What a diagnosis looks like: measured, modelled and simulated side by side, axis by axis.
 //!
 //! Before is the model of five terms alone, after the extended one: the law of its noise and what
-//! its deterministic part (lines, steps, settling, outliers) adds in this very record. Beside both
+//! its deterministic part (lines, steps, settling, outliers) adds in this very record. With both
 //! stands one simulated record of the extended model, as `inm simulate` makes it.
 
 pub mod allan;

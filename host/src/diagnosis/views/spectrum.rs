@@ -26,7 +26,7 @@ impl SpectrumPoint {
 
 /// The points of an axis, with the bins that they are made of.
 pub(crate) struct Pooled<'a> {
-    /// The points.
+    /// Points of the density, by ascending frequency.
     pub points: Vec<SpectrumPoint>,
     runs: Vec<(Range<usize>, f64)>,
     /// Degrees of freedom of the bins.

@@ -1,4 +1,4 @@
-//! What the bins are expected to be for each of the terms that the spectrum tells of.
+//! What the bins are expected to be for each of the terms that show in the spectrum.
 
 use crate::fit::design::Design;
 use crate::model::Coefficient;

@@ -20,7 +20,7 @@ pub struct Data {
     pub f_hz: Vec<f64>,
     /// Two-sided density, squared units of the signal per hertz; not negative.
     pub psd: Vec<f64>,
-    /// Degrees of freedom that each may claim beside its neighbours.
+    /// Degrees of freedom that each may claim, its neighbours being counted as well.
     pub dof: Vec<f64>,
     /// Covariance relative to the product of the expectations.
     pub covariance: DMatrix<f64>,

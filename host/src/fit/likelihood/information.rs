@@ -1,4 +1,4 @@
-//! What the bins tell of the squares, and how these scatter.
+//! How well the bins determine the squares, and how these scatter.
 //!
 //! With `a_ib = E_ib / E_b` the score of the likelihood is `sum_b dof_b/2 a_ib (y_b / E_b - 1)`. If
 //! bins were independent its variance would be the Fisher information `I`; with the relative
@@ -32,7 +32,7 @@ pub fn covariance(data: &Data, components: &[Vec<f64>], expected: &[f64]) -> DMa
     &inverse * scatter * &inverse
 }
 
-/// Correlation matrix of a covariance; zero beside a variance of zero.
+/// Correlation matrix of a covariance; zero in the row and column of a variance of zero.
 pub fn correlation(covariance: &DMatrix<f64>) -> DMatrix<f64> {
     let deviation = covariance.diagonal().map(f64::sqrt);
     DMatrix::from_fn(covariance.nrows(), covariance.ncols(), |i, j| {

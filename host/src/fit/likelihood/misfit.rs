@@ -26,7 +26,7 @@ const MEDIAN_SCATTER: f64 = 1.06;
 /// which halves their number.
 const SIGMAS: f64 = 4.0;
 
-/// Degrees of freedom from which a bin tells of a misfit.
+/// Degrees of freedom from which a bin shows a misfit.
 const TELLING: f64 = 10.0;
 
 /// Rounds of leaving out and allowing; two are usual.

@@ -9,7 +9,7 @@ use nalgebra::{DMatrix, DVector};
 /// Relative slope below which an unknown at zero stays there.
 const SLOPE: f64 = 1e-10;
 
-/// Added to the unit diagonal, so that unknowns that cannot be told apart share.
+/// Added to the unit diagonal, so that unknowns that cannot be distinguished share.
 const RIDGE: f64 = 1e-12;
 
 /// Minimises `x' G x / 2 - h' x` under `x >= 0`. `gram` is symmetric, with a diagonal that is

@@ -25,7 +25,7 @@ const CLOSE: f64 = 1e-3;
 /// weak to be seen.
 const LEAST_DOF: f64 = 3.0;
 
-/// What a record tells of a ramp.
+/// What a record shows of a ramp.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Ramp {
     /// The slope, unit of the signal per second, with its sign.

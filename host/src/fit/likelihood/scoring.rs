@@ -73,7 +73,7 @@ pub fn maximise(data: &Data, components: &[Vec<f64>]) -> Option<Fit> {
     maximise_beside(data, components, &vec![0.0; data.len()], None)
 }
 
-/// As [`maximise`], beside a part `fixed` of the expectation; searches from the squares `start`
+/// As [`maximise`], together with a part `fixed` of the expectation; searches from the squares `start`
 /// alone, where they are given.
 pub fn maximise_beside(
     data: &Data,

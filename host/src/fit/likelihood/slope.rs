@@ -15,7 +15,7 @@ use crate::model::Coefficient;
 use crate::spectrum::Cascade;
 
 /// Blocks that the record is averaged into, about; the ends of the outermost, where a walk keeps
-/// what it tells of a slope, are then a hundredth of the record away.
+/// what it shows of a slope, are then a hundredth of the record away.
 const BLOCKS: u64 = 64;
 
 /// Most blocks, where gaps make many short ones.
@@ -54,7 +54,7 @@ pub fn blocks(cascade: &Cascade, rate_hz: f64, units_per_count: f64) -> Vec<Bloc
             });
         }
     }
-    // The longest tell most.
+    // The longest show most.
     let length = |block: &Block| block.to_s - block.from_s;
     blocks.sort_by(|one, other| length(other).total_cmp(&length(one)));
     blocks.truncate(MOST_BLOCKS);
@@ -185,7 +185,7 @@ mod tests {
                 .expect("blocks")
                 .variance(&squared)
         };
-        // A walk tells of a slope by its two ends only; blocks blunt them by a sixty-fourth.
+        // A walk shows a slope by its two ends only; blocks blunt them by a sixty-fourth.
         let walk = alone(0) * duration_s;
         assert!((1.0..1.02).contains(&walk), "{walk}");
         // White noise: 12 N^2 / T^3, less what means of blocks lose, a part in 64^2.

@@ -1,4 +1,4 @@
-//! The five terms by likelihood: values, intervals, and what cannot be told.
+//! The five terms by likelihood: values, intervals, and what is not resolved.
 
 use serde::Serialize;
 
@@ -47,7 +47,7 @@ pub struct LikelihoodFit {
     /// The coefficients.
     #[serde(flatten)]
     pub coefficients: PerCoefficient<LikelihoodValue>,
-    /// Pairs whose squares have a correlation beyond [`TIED`]: the data tell their combination
+    /// Pairs whose squares have a correlation beyond [`TIED`]: the data determine their combination
     /// better than either.
     pub tied: Vec<[&'static str; 2]>,
     /// Error of the model's deviation that had to be allowed for at every frequency, percent; zero

@@ -1,4 +1,4 @@
-//! What a record of a given length can tell of the squares at best.
+//! How well a record of a given length determines the squares at best.
 //!
 //! The information of Whittle's likelihood over the frequencies `j / T` of a record: one degree of
 //! information each, `I_ij = sum_j u_i(f_j) u_j(f_j) / S(f_j)^2`, with `u` the spectra of the terms

@@ -1,4 +1,4 @@
-//! How often the whitened record takes which values, before and after, beside the normal law.
+//! How often the whitened record takes which values, before and after, with the normal law.
 
 use std::f64::consts::TAU;
 

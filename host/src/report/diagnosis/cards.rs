@@ -52,7 +52,7 @@ pub fn remark(page: &mut String, one: &Remark) -> Result {
     )
 }
 
-/// Coefficients with the finding: those that the next one was found beside, else the final ones.
+/// Coefficients with the finding: those that the next one was found with, else the final ones.
 fn with(axis: &AxisDiagnosis, index: usize) -> PerCoefficient<Option<f64>> {
     let has_any = |one: &&Finding| {
         Coefficient::ALL
@@ -186,7 +186,7 @@ fn coefficients(
     )
 }
 
-/// The coefficients that change with a finding; the ramp is told once, beside all of them.
+/// The coefficients that change with a finding; the ramp is shown once, with all of them.
 pub fn seen() -> impl Iterator<Item = Coefficient> {
     Coefficient::ALL
         .into_iter()

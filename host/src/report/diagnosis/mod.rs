@@ -1,7 +1,7 @@
 //! A diagnosis for people: text, one self-contained page, one bitmap.
 //!
 //! Four pictures an axis, each with the record, the model of five terms alone (before) and the
-//! extended model (after) on the same scales, and a simulation of the latter beside them.
+//! extended model (after) on the same scales, and a simulation of the latter next to them.
 
 mod allan;
 mod amplitudes;

@@ -6,7 +6,7 @@ use super::super::svg::LIGHT;
 use super::{HEIGHT, pictures};
 use crate::diagnosis::result::finding::Diagnosis;
 
-/// Pictures beside one another.
+/// Pictures next to one another.
 const PER_ROW: usize = 2;
 
 /// The bitmap as the bytes of a PNG file: for each axis two rows of two pictures.

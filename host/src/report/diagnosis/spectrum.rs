@@ -54,7 +54,7 @@ pub fn panel(axis: &AxisDiagnosis, id: &str, theme: &Theme) -> String {
     let limit = typical_limit(&before).max(typical_limit(&after));
     ratio::open(&mut frame, limit);
     if !axis.findings.is_empty() {
-        // Where a single point tells little the line would be a scribble.
+        // Where a single point says little the line would be a scribble.
         let line = before.iter().map(|one| {
             let sure = one.width() < limit;
             (one.x, if sure { one.off() } else { f64::NAN })

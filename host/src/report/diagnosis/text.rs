@@ -8,7 +8,7 @@ use crate::diagnosis::result::finding::{AxisDiagnosis, Diagnosis, Finding, Remar
 use crate::diagnosis::result::value::Value;
 use crate::model::Coefficient;
 
-/// Findings that are all told in full; of more, the small ones in a line each.
+/// Findings that are all printed in full; of more, the small ones in a line each.
 pub(super) const MOST_TOLD: usize = 3;
 
 /// Numbers of one finding that are listed, at most; JSON has all.

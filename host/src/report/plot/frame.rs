@@ -91,12 +91,12 @@ impl Title {
     }
 }
 
-/// What stands beside the fields.
+/// Titles around the fields.
 #[derive(Debug, Clone, Default)]
 pub struct Titles {
     /// Above, bold.
     pub head: String,
-    /// Below.
+    /// Title of the axis below.
     pub x: Title,
     /// On the left.
     pub y: Title,
@@ -161,7 +161,7 @@ impl<'a> Frame<'a> {
         &self.main
     }
 
-    /// Colours.
+    /// Colours that it is drawn in.
     pub const fn theme(&self) -> &'a Theme {
         self.theme
     }
@@ -229,7 +229,7 @@ impl<'a> Frame<'a> {
                      y=\"{:.1}\" text-anchor=\"end\" fill=\"{}\">{}</text>",
                     theme.grid,
                     LEFT - 7.0,
-                    // Labels at the ends stay beside the frame.
+                    // Labels at the ends stay within the frame.
                     (tick.at + 4.0).clamp(top + 8.0, bottom),
                     theme.faint,
                     tick.label,

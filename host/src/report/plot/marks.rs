@@ -63,7 +63,7 @@ impl Frame<'_> {
         );
     }
 
-    /// Dots.
+    /// Draws a dot at each of the points.
     pub fn dots(
         &mut self,
         field: Field,
@@ -80,7 +80,7 @@ impl Frame<'_> {
         }
     }
 
-    /// Crosses.
+    /// Draws a cross at each of the points.
     pub fn crosses(&mut self, field: Field, points: impl IntoIterator<Item = (f64, f64)>) {
         let colour = self.theme.simulated;
         for point in points {

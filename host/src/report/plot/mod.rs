@@ -11,7 +11,7 @@ pub mod tags;
 /// How a line is drawn.
 #[derive(Debug, Clone, Copy)]
 pub struct Stroke {
-    /// Colour.
+    /// Colour of the line, as SVG has it.
     pub colour: &'static str,
     /// Width, pixels.
     pub width: f64,

@@ -7,7 +7,7 @@ use super::frame::{Field, Frame};
 const LIMITS: [f64; 6] = [2.0, 5.0, 10.0, 20.0, 50.0, 100.0];
 const WIDEST: f64 = 200.0;
 
-/// A measured value with its interval beside what a model expects.
+/// A measured value with its interval over what a model expects.
 #[derive(Debug, Clone, Copy)]
 pub struct Compared {
     /// Place on the horizontal axis.

@@ -22,7 +22,7 @@ pub struct Scale {
 pub struct Tick {
     /// Its pixel.
     pub at: f64,
-    /// What stands beside it.
+    /// Its label.
     pub label: String,
 }
 

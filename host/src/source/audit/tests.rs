@@ -53,7 +53,7 @@ impl Board {
     }
 }
 
-/// Batches from the board to the audit; what was told.
+/// Batches from the board to the audit; what was reported.
 fn pass(board: &mut Board, audit: &mut Audit, count: usize) -> Vec<State> {
     let told = (0..count).filter_map(|_| audit.batch(&board.batch(None), 0));
     told.collect()

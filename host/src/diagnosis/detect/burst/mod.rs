@@ -42,7 +42,7 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
         return Ok(strength::moves());
     }
     // Where the level switches, a stretch shorter than its dwell is two jumps too close to be
-    // told apart.
+    // resolved.
     let dwell_s = telegraph::levels(axis).map_or(0.0, |levels| levels.dwell_s);
     if (burst.range.len() as f64) < dwell_s * axis.rate_hz {
         return Ok(Vec::new());

@@ -35,7 +35,7 @@ use super::ratio::{
 const BLOCKS: usize = 512;
 const FEWEST_BLOCKS: usize = 64;
 
-/// Cycles of a line in a block, at least: fewer are not told from drift.
+/// Cycles of a line in a block, at least: fewer are not resolved from drift.
 const CYCLES: f64 = 8.0;
 
 /// Samples lost that are looked for, at most: as many as the slowest line has to a cycle, but
@@ -71,12 +71,12 @@ pub struct Loss {
     pub index_lo: f64,
     /// Upper end.
     pub index_hi: f64,
-    /// Samples lost. Numbers that differ by a common period of all lines cannot be told apart:
+    /// Samples lost. Numbers that differ by a common period of all lines cannot be distinguished:
     /// the smallest.
     pub samples: u32,
     /// 95 % interval of that number, half a sample beyond the whole numbers that it holds.
     pub samples_lo: f64,
-    /// Its upper end.
+    /// Upper end of that interval.
     pub samples_hi: f64,
     /// Gain in log-likelihood over steady lines.
     pub nats: f64,

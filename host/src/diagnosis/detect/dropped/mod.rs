@@ -1,4 +1,4 @@
-//! Dropped: samples lost without a trace, told by the lines that jump with them.
+//! Dropped: samples lost without a trace, recognised by the lines that jump with them.
 
 mod demodulate;
 mod loss;
@@ -21,7 +21,7 @@ use loss::Loss;
 /// cut there, and a steep filter remembers that many.
 const CUT: f64 = 64.0;
 
-/// Lines that are followed: the strongest tell it, and a record of many lines has no time for all of them.
+/// Lines that are followed: the strongest show a loss best, and a record of many lines has no time for all of them.
 const MOST_LINES: usize = 16;
 
 /// Standard deviations of the moment that are left out as well.

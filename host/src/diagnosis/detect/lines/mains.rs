@@ -12,7 +12,7 @@ pub enum Group {
     Hum {
         /// Base frequency, hertz.
         base_hz: f64,
-        /// Its standard deviation.
+        /// Standard deviation of the base frequency, hertz.
         base_sd_hz: f64,
         /// The lines with their harmonic numbers.
         lines: Vec<(u32, Measured)>,
@@ -23,7 +23,7 @@ pub enum Group {
         f_hz: f64,
         /// Distance of the outermost, hertz.
         width_hz: f64,
-        /// The lines.
+        /// The lines at multiples of the base.
         lines: Vec<Line>,
     },
 }

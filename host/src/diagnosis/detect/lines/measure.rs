@@ -50,7 +50,7 @@ pub fn measure_near(axis: &AxisState, f_hz: f64, p_value: f64) -> Measured {
             }
         }
     }
-    // The bound of H. Cramer and C. R. Rao for a tone beside its amplitude's.
+    // The bound of H. Cramer and C. R. Rao for a tone whose amplitude is estimated with it.
     let duration_s = axis.filled.len() as f64 / axis.rate_hz;
     best.line.frequency_sd_hz =
         6_f64.sqrt() / TAU * best.amplitude_sd / best.line.amplitude / duration_s;

@@ -122,7 +122,7 @@ fn taken_out_hz(axis: &AxisState) -> Vec<f64> {
     waves.filter_map(frequency_hz).collect()
 }
 
-/// A line by itself, unless it is the top of a resonance or what is left beside one of `known_hz`, to which it
+/// A line by itself, unless it is the top of a resonance or what is left next to one of `known_hz`, to which it
 /// is added.
 fn single(look: &Look<'_>, known_hz: &mut Vec<f64>, one: Measured) -> Option<Proposal> {
     let f_hz = one.line.frequency_hz;
@@ -131,7 +131,7 @@ fn single(look: &Look<'_>, known_hz: &mut Vec<f64>, one: Measured) -> Option<Pro
     {
         return None;
     }
-    // What is left beside a line that was taken out is no second one.
+    // What is left next to a line that was taken out is no second one.
     let reach_hz = |known_hz: f64| (40.0 / look.duration_s()).max(0.004 * known_hz);
     if known_hz
         .iter()

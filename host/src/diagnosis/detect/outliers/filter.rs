@@ -34,7 +34,7 @@ pub struct Found {
 }
 
 /// Looks for outliers at a family-wise `level`, in noise of the densities `density` at the
-/// ordinates of `whole`; `usable` tells samples that count, `local` the deviation of the noise about
+/// ordinates of `whole`; `usable` says which samples count, `local` the deviation of the noise about
 /// a sample over that of the record.
 ///
 /// The filter's output is measured in units of its own middle spread where that is wider than the
@@ -60,7 +60,7 @@ pub fn outliers(
         .fold(0.0, f64::max);
     candidates.sort_by(|&a, &b| z[b].abs().total_cmp(&z[a].abs()));
     let size_sd = filter.size_sd;
-    // One record's worth of memory at a time: the output is made again beside the short answer.
+    // One record's worth of memory at a time: the output is made again where the short answer is kept.
     drop(filter);
     if candidates.is_empty() {
         return Found {
@@ -73,7 +73,7 @@ pub fn outliers(
     let answer = answer(whole, density);
     let filter = matched(whole, density, &Impulse);
     let mut pursuit = Pursuit::new(filter.z, answer);
-    // Largest first; each takes its own tails out of its neighbours.
+    // Largest first; each takes its own answer out of its neighbours.
     for index in candidates.into_iter().take(4 * MOST) {
         if pursuit.left()[index].abs() > threshold * spread(index) && pursuit.len() < MOST {
             pursuit.take(index, &usable);
@@ -85,7 +85,7 @@ pub fn outliers(
         size: height * size_sd,
         size_sd: size_sd * spread(index),
     };
-    // One that was moved aside may have nothing left to explain.
+    // One that was moved to a neighbouring sample may have nothing left to explain.
     let found: Vec<Outlier> = pursuit
         .heights()
         .filter(|&(index, height)| height.abs() > threshold * spread(index))

@@ -47,7 +47,7 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
         }
     }
     if !old.is_empty() {
-        // In noise that they themselves had raised, beside lines and jumps that were still there, the
+        // In noise that they themselves had raised, with lines and jumps still in it, the
         // first are known less well, in size and in place, than they can be now: all are looked
         // for again. What the record is without them makes room meanwhile.
         let density = axis.whitened().density.clone();

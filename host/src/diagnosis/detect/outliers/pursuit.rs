@@ -2,7 +2,7 @@
 //!
 //! The filter answers a single sample with a hill that may be many samples wide, behind a converter
 //! as wide as what its filter shuts out is narrow. Where two hills overlap the highest point lies
-//! beside both samples, so each new one settles together with those near it: one by one they are put
+//! next to both samples, so each new one settles together with those near it: one by one they are put
 //! back and sought again, as in the method of S. G. Mallat and Z. Zhang (IEEE Trans. Signal Process.
 //! 41 (1993)) with the places refined.
 

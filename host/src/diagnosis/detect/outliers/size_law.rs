@@ -31,7 +31,7 @@ pub fn law_of(seen: &[Outlier], threshold: f64) -> SizeLaw {
         .map(|one| one.size_sd * one.size_sd)
         .sum::<f64>()
         / count;
-    // Too few to tell how many more there are below the threshold.
+    // Too few to say how many more there are below the threshold.
     if seen.len() < FEW {
         return SizeLaw {
             count,

@@ -21,7 +21,7 @@ use crate::model::{markov, resonance};
 /// degrees of freedom say.
 const WHERE_STRENGTH_MOVES: f64 = 1e-3;
 
-/// Width over 1/T of a resonance that a record can tell from a line.
+/// Width over 1/T of a resonance that a record can distinguish from a line.
 const RESOLVED: f64 = 1.0;
 
 /// Laws at most: with more, the record is of another kind, and no name is worth much.
@@ -136,7 +136,7 @@ fn named(look: &Look<'_>, mut found: Vec<Found>) -> Vec<Proposal> {
 /// Whether a law is a resonance narrower than the record resolves, or one whose power stands at a
 /// single frequency: bins see no more than a width of their own.
 fn is_line(look: &Look<'_>, one: &Found) -> bool {
-    /// Width over frequency below which bins do not tell it.
+    /// Width over frequency below which bins do not resolve it.
     const SEEN_BY_BINS: f64 = 0.1;
     /// Share of the power that a line there holds.
     const SHARE: f64 = 0.5;

@@ -16,7 +16,7 @@ pub fn largest_jump(
     Some(jump)
 }
 
-/// The largest jump as it is beside walk and flicker fitted anew, which may have been taken for it;
+/// The largest jump as it is with walk and flicker fitted anew, which may have been taken for it;
 /// `first` is where it was seen.
 pub fn beside_walk(
     axis: &AxisState,

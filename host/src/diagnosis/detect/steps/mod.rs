@@ -40,7 +40,7 @@ pub fn proposals(look: &Look<'_>, first: Jump) -> Vec<Proposal> {
     let gain = pursuit.gain(&new);
     join(&mut jumps, new, 4 * axis.slow_factor());
     if jumps.len() > MOST {
-        // Their spectrum tells, and another look at an axis that switches.
+        // Their spectrum decides, and another look at an axis that switches.
         let mut kinds: Vec<Kind> = place
             .map(|place| axis.explanations()[place].kind())
             .into_iter()

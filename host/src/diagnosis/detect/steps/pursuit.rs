@@ -66,7 +66,7 @@ impl<'a> Pursuit<'a> {
         self.axis().usable(index) && !self.about.iter().any(|range| range.contains(&index))
     }
 
-    /// All jumps, beginning with `first`; no more than can be named beside those that are `known`.
+    /// All jumps, beginning with `first`; no more than can be named together with those that are `known`.
     pub fn all(&mut self, first: Jump, known: usize) -> Vec<Jump> {
         let filter = self.placing();
         let reach = 2 * self.axis().slow_factor();

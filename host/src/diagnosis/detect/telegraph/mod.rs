@@ -1,8 +1,8 @@
 //! Telegraph noise: the level jumps to and fro between two levels.
 //!
-//! It is told in one of two ways. Few jumps are taken out one by one ([steps](super::steps)) and
+//! It is recognised in one of two ways. Few jumps are taken out one by one ([steps](super::steps)) and
 //! recognised by going to and fro by as much; many are seen by their spectrum, which is that of Markov
-//! noise, and told from it by the law of amplitudes ([`two_levels`]).
+//! noise, and distinguished from it by the law of amplitudes ([`two_levels`]).
 
 pub mod short_dwells;
 mod two_levels;
@@ -79,7 +79,7 @@ pub fn is_to_and_fro(jumps: &[Jump]) -> bool {
     5 * turns >= 4 * (whole.len() - 1) && 5 * alike >= 4 * whole.len()
 }
 
-/// The jumps between two levels among all: what the placing of one left beside it is smaller.
+/// The jumps between two levels among all: what the placing of one left next to it is smaller.
 fn whole_jumps(jumps: &[Jump]) -> Vec<Jump> {
     /// Share of the upper quartile's height that a whole jump has.
     const SHARE: f64 = 0.5;

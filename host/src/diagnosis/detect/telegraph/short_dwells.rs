@@ -1,6 +1,6 @@
 //! Whether large samples belong to a level that switches.
 //!
-//! A dwell of `d` samples that is too short to be told as two jumps leaves the sum `d h`, `h` being the
+//! A dwell of `d` samples that is too short to be resolved as two jumps leaves the sum `d h`, `h` being the
 //! height. In noise that rises with the frequency, where single samples are seen best by what they
 //! leave in the sum, that is what a sample of the size `d h` leaves.
 
@@ -48,7 +48,7 @@ mod tests {
         assert!(may_be_short(&[0.03, 0.05, 0.04], 5.0, 500.0));
         // Ten of them have a probability of 5e-5.
         assert!(!may_be_short(&[0.05; 10], 5.0, 500.0));
-        // One that would be a dwell like any other is told by its jumps.
+        // One that would be a dwell like any other is found by its jumps.
         assert!(!may_be_short(&[1.0], 5.0, 500.0));
     }
 }

@@ -1,4 +1,4 @@
-//! Two levels or a Gaussian wander: the same spectrum, told apart by their amplitude law.
+//! Two levels or a Gaussian wander: the same spectrum, distinguished by their amplitude law.
 //!
 //! The filter of N. Wiener (1949) gives the best view of the wander alone. Its excess kurtosis is
 //! zero for Gaussian noise and tends to -2 for two levels, the less so the more the rest of the
@@ -27,7 +27,7 @@ const LEAST_PER_TIME: f64 = 4.0;
 
 /// Logarithm of the odds for two levels against Markov noise, for a wander of standard deviation
 /// `deviation` and correlation time `time_s` with the two-sided density `wander` at a frequency of
-/// the samples, beside `rest`.
+/// the samples, together with `rest`.
 pub fn log_odds(
     axis: &AxisState,
     deviation: f64,
@@ -127,7 +127,7 @@ impl Random {
         self.normal.draw()
     }
 
-    /// Levels `height` apart, each kept for `dwell` samples on average.
+    /// Two levels that differ by `height`, each kept for `dwell` samples on average.
     fn two_levels(&mut self, length: usize, height: f64, dwell: f64) -> Vec<f64> {
         let mut level = 0.5 * height;
         let mut next = 0.0;

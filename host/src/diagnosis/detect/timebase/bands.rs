@@ -12,7 +12,7 @@ use realfft::num_complex::Complex64;
 /// Samples of a segment, at most and at least.
 const SEGMENT: [usize; 2] = [1 << 15, 1 << 10];
 
-/// Segments in a record, at least: too few tell noise from a band no more.
+/// Segments in a record, at least: of fewer the average scatters too much for a band to stand out of noise.
 const SEGMENTS: usize = 32;
 
 /// Parts of a record whose middles are compared.

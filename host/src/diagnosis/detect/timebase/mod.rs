@@ -1,4 +1,4 @@
-//! A record beside another of the same sensor: is its clock right?
+//! A record compared with another of the same sensor: is its clock right?
 //!
 //! All axes have one clock, so their lines count together. A line that keeps its frequency to one
 //! cycle in the record is as sure as its height over the noise makes it; one that wanders, or a
@@ -28,7 +28,7 @@ pub const TESTS: u32 = 1;
 /// Share of a band's power that a line within it must hold to stand for it.
 const HOLDS: f64 = 0.5;
 
-/// The finding that `samples` were taken at another rate than they say, beside `reference`, at a
+/// The finding that `samples` were taken at another rate than they say, compared with `reference`, at a
 /// family-wise `level`: for each axis whose lines say so.
 pub fn clock(samples: &Samples, reference: &Samples, level: f64) -> Vec<(usize, Finding)> {
     let count = samples.axes.len();
@@ -78,7 +78,7 @@ fn merged(axes: &[Vec<Mark>]) -> Vec<Mark> {
     kept
 }
 
-/// What can be told apart in the spectrum of an axis by its place.
+/// What can be recognised in the spectrum of an axis by its place.
 fn marks_of(samples: &Samples, number: usize, level: f64) -> Option<Vec<Mark>> {
     let signal = samples.signal.axes.get(number)?;
     let (measured, _) = samples.axes.get(number)?.clone().centred(signal.scale);

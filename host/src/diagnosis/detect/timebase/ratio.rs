@@ -370,7 +370,7 @@ mod tests {
             let record = seen(&mut random, &lines, 1.0, 1e-4);
             let reference = seen(&mut random, &lines, 1.0, 1e-4);
             assert_eq!(ratio(&record, &reference, 1e-3), None, "seed {seed}");
-            // A line that moved alone, beside one that stayed.
+            // A line that moved alone, next to one that stayed.
             let moved = seen(&mut random, &[7.3, 51.0], 1.0, 1e-4);
             assert_eq!(ratio(&moved, &reference, 1e-3), None, "seed {seed}");
         }
