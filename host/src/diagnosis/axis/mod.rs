@@ -33,7 +33,7 @@ const GUARD: [usize; 2] = [256, 1 << 14];
 /// Time constants of the whitening filter for which it remembers where noise was cut.
 const MEMORY: f64 = 5.0;
 
-/// The least behind a converter's filter, which ties samples further apart together.
+/// The least behind a converter's filter, which correlates samples that are further from each other.
 const FILTERED_GUARD: usize = 2048;
 
 /// Samples at both ends of the record that they leave out: the ring closes there.
@@ -139,7 +139,7 @@ impl<T> Made<T> {
 
 /// The residual's transform, closed into a ring, and the densities that whiten it.
 pub struct Whitened {
-    /// Transform.
+    /// Transform of the residual.
     pub transform: Transform,
     /// Density at every ordinate.
     pub density: Vec<f64>,
@@ -334,7 +334,7 @@ impl AxisState {
         any
     }
 
-    /// Excludes a band, joined with one beside it.
+    /// Excludes a band, joined with an excluded one next to it.
     pub fn exclude(&mut self, new: Excluded) {
         match self.beside(&new.band_hz) {
             Some(place) => self.excluded[place].join(&new.band_hz),
@@ -342,7 +342,7 @@ impl AxisState {
         }
     }
 
-    /// Excludes a line, by itself whatever stands beside it.
+    /// Excludes a line, by itself whatever is excluded next to it.
     pub fn exclude_line(&mut self, new: Excluded) {
         self.excluded.push(new);
     }
@@ -357,7 +357,7 @@ impl AxisState {
         bands_hz
     }
 
-    /// Number of the first excluded band that a new one lies beside, by no more than its own width.
+    /// Number of the first excluded band that a new one lies next to, by no more than its own width.
     fn beside(&self, new_hz: &Range<f64>) -> Option<usize> {
         let width_hz = new_hz.end - new_hz.start;
         let mut bands = self.excluded.iter().map(|one| &one.band_hz);
