@@ -14,7 +14,7 @@ use crate::diagnosis::{describe, explain};
 
 /// Samples of an axis above which the axes wait for one another, out of memory: each needs some forty
 /// bytes a sample.
-const LONG: usize = 1 << 22;
+const LONG_RECORD: usize = 1 << 22;
 
 /// Axes that are diagnosed.
 #[derive(Debug, Clone)]
@@ -45,7 +45,7 @@ fn diagnose_axes(
     progress: &Progress<'_>,
 ) -> Result<Diagnosed, Refused> {
     let (mut axes, mut residuals) = (Vec::new(), Vec::new());
-    let is_long = samples.len() > LONG;
+    let is_long = samples.len() > LONG_RECORD;
     let at_once = if is_long {
         1
     } else {

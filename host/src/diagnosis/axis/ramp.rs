@@ -10,7 +10,7 @@ use crate::fit::likelihood::slope::{Block, Slope};
 const BLOCKS: usize = 64;
 
 /// Share of a block's samples that must be there.
-const MOST: f64 = 0.5;
+const LEAST_FILLED: f64 = 0.5;
 
 /// The ramp of the residual, together with all that was fitted to it; `None` where gaps leave too
 /// little.
@@ -39,7 +39,7 @@ fn blocks(axis: &AxisState) -> Vec<Block> {
         let there = || part.iter().filter(|value| value.is_finite());
         let count = there().count() as f64;
         let from = number * length;
-        (count >= MOST * part.len() as f64).then(|| Block {
+        (count >= LEAST_FILLED * part.len() as f64).then(|| Block {
             from_s: from as f64 / axis.rate_hz,
             to_s: (from + part.len()) as f64 / axis.rate_hz,
             mean: there().sum::<f64>() / count,

@@ -16,7 +16,7 @@ use crate::model::steps;
 const NARROW: f64 = 0.25;
 
 /// Bands at most: with more, the record is of another kind.
-const MOST: usize = 6;
+const MOST_BANDS: usize = 6;
 
 /// Frequency, times the dwell, up to which jumps leave something.
 const LEFT_OF_JUMPS: f64 = 30.0;
@@ -29,7 +29,7 @@ pub static DETECTOR: Detector = Detector { tests: 1, look };
 
 fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     let axis = look.axis;
-    if axis.excluded().len() == MOST {
+    if axis.excluded().len() == MOST_BANDS {
         return Ok(Vec::new());
     }
     let half_hz = 0.5 * axis.rate_hz;
@@ -41,7 +41,8 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     };
     // A loud stretch shows in every band, and in some by more than in others; a short one may be a
     // shock that rings.
-    let is_of_burst = || burst::even(look).is_some_and(|burst| burst.range.len() >= burst::LONG);
+    let is_of_burst =
+        || burst::even(look).is_some_and(|burst| burst.range.len() >= burst::LONG_STRETCH);
     if found.to_hz - found.from_hz > NARROW * half_hz
         || is_of_outliers(axis, &found)
         || is_of_burst()

@@ -19,7 +19,7 @@ const FINEST: f64 = 2e-3;
 const WORTH: f64 = 1e-3;
 
 /// Gain in log-likelihood at the best start below which nothing significant is near.
-const NEAR: f64 = 2.0;
+const PROMISING: f64 = 2.0;
 
 /// Starts that are fitted, of those whose first rise is known.
 const TRIED: usize = 16;
@@ -245,7 +245,7 @@ pub fn search(present: Fitted<'_>, starts: &Starts, kind: Kind) -> Option<Found>
     let components = components(bins, laws);
     let (value, law) = best_start(present, &components, starts, kind)?;
     // What is nowhere near significant need not be polished.
-    if value - base.log_likelihood < NEAR {
+    if value - base.log_likelihood < PROMISING {
         return None;
     }
     let directions = starts.directions(bins, laws, base, kind);

@@ -6,8 +6,8 @@ use std::ops::Range;
 /// longer the bridge: the ends' own noise must not become a slow wave. Returns the ranges bridged.
 pub fn bridge(values: &mut [f64]) -> Vec<Range<usize>> {
     /// Samples on either side that a line rests on, at least and at most.
-    const FEW: usize = 16;
-    const MANY: usize = 1 << 16;
+    const FEWEST_SAMPLES: usize = 16;
+    const MOST_SAMPLES: usize = 1 << 16;
     let mut gaps = Vec::new();
     let mut from = 0;
     while let Some(start) = (from..values.len()).find(|&index| !values[index].is_finite()) {
@@ -18,7 +18,7 @@ pub fn bridge(values: &mut [f64]) -> Vec<Range<usize>> {
             let good: Vec<f64> = part.iter().copied().filter(|v| v.is_finite()).collect();
             (!good.is_empty()).then(|| good.iter().sum::<f64>() / good.len() as f64)
         };
-        let count = (4 * (end - start)).clamp(FEW, MANY);
+        let count = (4 * (end - start)).clamp(FEWEST_SAMPLES, MOST_SAMPLES);
         let before = mean(&values[start.saturating_sub(count)..start]);
         let after = mean(&values[end..(end + count).min(values.len())]);
         let (a, b) = match (before, after) {

@@ -68,11 +68,12 @@ impl Powers {
     /// about it: a single large sample does not make its own.
     pub fn local(&self) -> impl Fn(usize) -> f64 + use<> {
         /// Blocks on either side.
-        const REACH: usize = 7;
+        const LOCAL_BLOCKS: usize = 7;
         let blocks = self.powers.len();
         let local: Vec<f64> = (0..blocks)
             .map(|block| {
-                let near = block.saturating_sub(REACH)..(block + REACH + 1).min(blocks);
+                let near =
+                    block.saturating_sub(LOCAL_BLOCKS)..(block + LOCAL_BLOCKS + 1).min(blocks);
                 let mut near = self.powers[near].to_vec();
                 let middle = near.len() / 2;
                 let (_, median, _) = near.select_nth_unstable_by(middle, f64::total_cmp);

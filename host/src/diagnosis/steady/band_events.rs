@@ -14,10 +14,10 @@ use crate::diagnosis::steady::noise;
 const SEVERAL: f64 = 3.0;
 
 /// Moments of which the largest counts.
-const FEW: usize = 3;
+const LARGEST_MOMENTS: usize = 3;
 
 /// Moments before and after which a band's power is compared.
-const ASIDE: usize = 3;
+const EACH_SIDE: usize = 3;
 
 /// Probability below which events do not stand by chance where a band's power changes.
 const AT_EDGES: f64 = 0.01;
@@ -52,7 +52,7 @@ pub fn is_of_band(axis: &AxisState, bands_hz: &[Range<f64>], samples: &[Range<us
 fn power_at(course: &[f64], moments: &[Range<usize>]) -> f64 {
     let powers = moments.iter().map(|range| {
         let near = &course[range.start.saturating_sub(1)..range.end];
-        if near.len() > FEW {
+        if near.len() > LARGEST_MOMENTS {
             near.iter().sum::<f64>() / near.len() as f64
         } else {
             // An event's largest power is near, but not always at its first moment.
@@ -67,7 +67,7 @@ fn power_at(course: &[f64], moments: &[Range<usize>]) -> f64 {
 /// for Research Workers*, 1932).
 fn at_edges(course: &[f64], moments: &[Range<usize>]) -> f64 {
     let count = course.len();
-    if count < 64 * ASIDE {
+    if count < 64 * EACH_SIDE {
         return 1.0;
     }
     let sums: Vec<f64> = std::iter::once(0.0)
@@ -77,9 +77,9 @@ fn at_edges(course: &[f64], moments: &[Range<usize>]) -> f64 {
         }))
         .collect();
     let change = |moment: usize| {
-        let moment = moment.clamp(ASIDE, count - ASIDE - 1);
-        let before = sums[moment] - sums[moment - ASIDE];
-        let after = sums[moment + 1 + ASIDE] - sums[moment + 1];
+        let moment = moment.clamp(EACH_SIDE, count - EACH_SIDE - 1);
+        let before = sums[moment] - sums[moment - EACH_SIDE];
+        let after = sums[moment + 1 + EACH_SIDE] - sums[moment + 1];
         (after / before).ln().abs()
     };
     let mut all: Vec<f64> = (0..count).map(change).collect();

@@ -9,7 +9,7 @@
 use crate::diagnosis::statistic::p_value;
 
 /// Increments next to zero from which the density there is estimated, at least.
-const NEAR: usize = 64;
+const LEAST_INCREMENTS: usize = 64;
 
 /// Numbers of steps that the smallest increment may be, where nobody declared the step.
 const SMALLEST: u32 = 8;
@@ -71,12 +71,12 @@ impl Chance {
             count: NEVER,
             variance: 0.0,
         };
-        let mut reach = noise * NEAR as f64 / increments.len().max(1) as f64;
+        let mut reach = noise * LEAST_INCREMENTS as f64 / increments.len().max(1) as f64;
         let mut near: Vec<f64>;
         loop {
             let sizes = increments.iter().map(|step| step.abs());
             near = sizes.filter(|&size| size > 0.0 && size <= reach).collect();
-            if near.len() >= NEAR {
+            if near.len() >= LEAST_INCREMENTS {
                 break;
             }
             // Also where there is no noise to measure by.

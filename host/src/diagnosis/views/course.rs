@@ -13,7 +13,7 @@ use crate::model::marks;
 const COLUMNS: usize = 1000;
 
 /// Moments of one effect at most.
-const MOST: usize = 200;
+const MOST_MARKS: usize = 200;
 
 impl Extent {
     fn of(values: &[f64]) -> Self {
@@ -86,7 +86,7 @@ fn marks(axis: &AxisState, findings: &[Finding]) -> Vec<Mark> {
             _ => None,
         });
         let before = marks.len();
-        marks.extend(spans.take(MOST).map(|(from_s, to_s)| Mark {
+        marks.extend(spans.take(MOST_MARKS).map(|(from_s, to_s)| Mark {
             effect,
             from_s,
             to_s,
@@ -96,7 +96,7 @@ fn marks(axis: &AxisState, findings: &[Finding]) -> Vec<Mark> {
             && let Some(explanation) = axis.explanation(effect)
         {
             let all = explanation.waves().iter().flat_map(events);
-            marks.extend(all.take(MOST).map(|(index, is_sample)| Mark {
+            marks.extend(all.take(MOST_MARKS).map(|(index, is_sample)| Mark {
                 effect,
                 from_s: index as f64 / axis.rate_hz,
                 to_s: index as f64 / axis.rate_hz,

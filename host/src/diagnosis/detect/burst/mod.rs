@@ -15,16 +15,16 @@ use crate::model::{outliers, rounding};
 pub use stretch::{Burst, burst};
 
 /// Stretches at most: with more, it comes and goes all the time.
-const MOST: usize = 3;
+const MOST_STRETCHES: usize = 3;
 
 /// Samples from the end of a burst within which a short stretch belongs to it.
-const NEAR: f64 = 4096.0;
+const NEAR_BURST: f64 = 4096.0;
 
 /// Samples about an outlier where something of it may stay.
 const REMAINS: usize = 64;
 
 /// Samples of a stretch that is no shock.
-pub const LONG: usize = 1024;
+pub const LONG_STRETCH: usize = 1024;
 
 /// Looks for the stretch that departs most from the rest.
 pub static DETECTOR: Detector = Detector { tests: 1, look };
@@ -38,7 +38,7 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     };
     let axis = look.axis;
     let known = axis.explanations().iter().filter(|one| one.kind() == KIND);
-    if known.count() == MOST {
+    if known.count() == MOST_STRETCHES {
         return Ok(strength::moves());
     }
     // Where the level switches, a stretch shorter than its dwell is two jumps too close to be
@@ -92,7 +92,7 @@ fn candidate(axis: &AxisState, burst: &Burst) -> Candidate {
         let [from, to] = [old.from_s * rate_hz, old.to_s * rate_hz];
         let [start, end] = [burst.range.start as f64, burst.range.end as f64];
         let apart = (start - to).max(from - end);
-        (to - from).min(end - start) <= LONG as f64 && apart < NEAR
+        (to - from).min(end - start) <= LONG_STRETCH as f64 && apart < NEAR_BURST
     });
     let Some((place, old)) = near else {
         // The ends are known to within some blocks.

@@ -28,7 +28,7 @@ use crate::spectrum::Line as Peak;
 use super::demodulate::Blocks;
 use super::peaks::{self, Place, SPLIT};
 use super::ratio::{
-    self, AS_GOOD, Best, Line, Posterior, Quiet, REACH, Tables, Turned, fitted, held, zoom,
+    self, AS_GOOD, Best, LINE_REACH, Line, Posterior, Quiet, Tables, Turned, fitted, held, zoom,
 };
 
 /// Blocks that a record is cut into, at most and at least.
@@ -52,7 +52,7 @@ const MOST_LINES: usize = 16;
 const ODDS: f64 = 3.0;
 
 /// Cycles a record on either side of a line where the loss must explain what is there.
-const NEAR: usize = 16;
+const AROUND_LINE: usize = 16;
 
 /// Times that the lines are freed of one another.
 const CLEANINGS: usize = 2;
@@ -123,7 +123,7 @@ impl SteadyLine {
     /// Probability of as much at one of the places tried: a cycle a record is one trial, and
     /// Rice's formula adds a factor of a few.
     fn false_alarm(&self) -> f64 {
-        let trials = f64::from(peaks::HARMONICS) * 4.0 * REACH * (PI * self.nats / 3.0).sqrt();
+        let trials = f64::from(peaks::HARMONICS) * 4.0 * LINE_REACH * (PI * self.nats / 3.0).sqrt();
         (trials * (-self.nats).exp()).min(1.0)
     }
 }
@@ -256,13 +256,13 @@ fn search(
 fn separate(blocks: &Blocks, places: &[&Place], length: usize) -> Vec<Line> {
     let lines = places
         .iter()
-        .map(|place| Line::new(blocks.at(place.cycles), 0.5 * place.width + 2.0 * REACH));
+        .map(|place| Line::new(blocks.at(place.cycles), 0.5 * place.width + 2.0 * LINE_REACH));
     let mut lines: Vec<Line> = lines.filter(|line| line.gain > LEAST_LINE).collect();
     lines.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let mut separate: Vec<Line> = Vec::new();
     for line in lines {
         let place = |line: &Line| line.cycles(line.offset, blocks.len) * length as f64;
-        let alone = |other: &Line| (place(other) - place(&line)).abs() > NEAR as f64;
+        let alone = |other: &Line| (place(other) - place(&line)).abs() > AROUND_LINE as f64;
         if separate.iter().all(alone) {
             separate.push(line);
         }
@@ -303,10 +303,10 @@ impl Case<'_> {
         let middle = moment.middle / self.blocks.len as f64;
         let others = ratio::others(self.lines, loudest, middle, self.longest);
         let left: f64 = pairs()
-            .map(|(turned, line)| line.seen.left_over(turned.offset, Some(turned.turn), NEAR))
+            .map(|(turned, line)| line.seen.left_over(turned.offset, Some(turned.turn), AROUND_LINE))
             .sum();
         // Noise leaves as many as there are ordinates, with that variance.
-        let spread = ((2 * NEAR + 1) as f64 * self.lines.len() as f64).sqrt();
+        let spread = ((2 * AROUND_LINE + 1) as f64 * self.lines.len() as f64).sqrt();
         let explained = left < LEFT_SHARE * nats + 3.0 * spread;
         let lines = (0..self.lines.len()).map(|which| self.steady(chosen, which));
         (p_value < level && others > ODDS && explained).then(|| Loss {

@@ -4,7 +4,7 @@
 //! distance `d` from it in cycles a record: of `|1 - e^(j phi)| A / (2 pi d)` either way, at most
 //! `A / (pi d)`. A strong one is surrounded by dozens of peaks that are nothing of their own.
 
-use crate::diagnosis::detect::dropped::ratio::REACH;
+use crate::diagnosis::detect::dropped::ratio::LINE_REACH;
 use crate::diagnosis::detect::lines::mains_base;
 use crate::spectrum::Line as Peak;
 
@@ -83,7 +83,8 @@ pub(crate) fn with_harmonics(mut places: Vec<Place>, rate_hz: f64, len: usize) -
         // The peak that the base is known by may be off by a cycle a record.
         let width = 2.0 * (f64::from(harmonic) / f64::from(number)).max(1.0);
         let known = places.iter().any(|place| {
-            (place.cycles - cycles).abs() * (len as f64) < SPLIT.max(width) + place.width + REACH
+            (place.cycles - cycles).abs() * (len as f64)
+                < SPLIT.max(width) + place.width + LINE_REACH
         });
         if !known && cycles < 0.5 {
             places.push(Place { cycles, width });

@@ -8,7 +8,7 @@ use crate::diagnosis::record::wave::Wave;
 use crate::fft::ring::Series;
 
 /// How far from a steady line's best frequency the line may be, cycles a record.
-pub(super) const REACH: f64 = 3.0;
+pub(super) const LINE_REACH: f64 = 3.0;
 
 /// Log-likelihood within which a length or a moment is as good as the best: 95 %.
 pub(super) const AS_GOOD: f64 = 2.0;
@@ -61,7 +61,7 @@ pub(crate) fn fitted(lines: &[Line], place: f64, samples: usize) -> Vec<Turned> 
                 place,
                 angle: TAU * line.seen.cycles * samples as f64,
             };
-            let (offset, _) = line.seen.best_offset(line.offset, REACH, Some(turn));
+            let (offset, _) = line.seen.best_offset(line.offset, LINE_REACH, Some(turn));
             let (amplitude, gain) = line.seen.line(offset, Some(turn));
             Turned {
                 samples,
@@ -108,7 +108,7 @@ pub(crate) fn cleaned(
                 let own = turned.amplitude * seen.template(block, 0.0, Some(turn));
                 seen.sums[block] += own * seen.weights[block];
             }
-            Line::new(seen, 2.0 * REACH)
+            Line::new(seen, 2.0 * LINE_REACH)
         })
         .collect()
 }
@@ -218,7 +218,8 @@ pub(crate) fn gains(line: &Line, places: std::ops::Range<usize>, longest: usize)
     let count = seen.sums.len();
     let norm = seen.noise * seen.weights.iter().sum::<f64>();
     // Running sums of y e^(-j v w), of v and of v^2 times that, v the angle a unit of offset.
-    let running: Vec<Vec<[Complex64; 3]>> = (-(REACH / STEP) as i32..=(REACH / STEP) as i32)
+    let running: Vec<Vec<[Complex64; 3]>> = (-(LINE_REACH / STEP) as i32
+        ..=(LINE_REACH / STEP) as i32)
         .map(|point| {
             let offset = line.offset + STEP * f64::from(point);
             let mut sums = [Complex64::ZERO; 3];
@@ -379,7 +380,7 @@ pub(crate) fn held(lines: &[Line], longest: usize) -> f64 {
         .iter()
         .map(|line| {
             let half = line.seen.every_second(0);
-            let (offset, gain) = half.best_offset(line.offset, REACH, None);
+            let (offset, gain) = half.best_offset(line.offset, LINE_REACH, None);
             let seen = half;
             Line { seen, offset, gain }
         })

@@ -142,7 +142,7 @@ fn a_harmonic_that_is_no_line_by_itself_still_speaks() {
     for number in [1.0, 3.0, 10.0] {
         let cycles = number * 50.03 / RATE_HZ;
         let near = places.iter().any(|place| {
-            (place.cycles - cycles).abs() * (LENGTH as f64) < 0.5 * place.width + REACH
+            (place.cycles - cycles).abs() * (LENGTH as f64) < 0.5 * place.width + LINE_REACH
         });
         assert!(near, "{number}");
     }
@@ -164,7 +164,7 @@ fn steady_lines_keep_the_level() {
             .iter()
             .map(|(number, _)| {
                 let seen = blocks.at(number * 50.03 / RATE_HZ);
-                let (offset, gain) = seen.best_offset(0.0, REACH, None);
+                let (offset, gain) = seen.best_offset(0.0, LINE_REACH, None);
                 Line { seen, offset, gain }
             })
             .collect();

@@ -28,7 +28,7 @@ pub struct Measured {
 pub fn measure_near(axis: &AxisState, f_hz: f64, p_value: f64) -> Measured {
     /// Frequencies tried for each 1/T, and how many 1/T to either side at first.
     const FINE: f64 = 0.25;
-    const REACH: i32 = 12;
+    const STEPS_EACH_SIDE: i32 = 12;
     let step_hz = FINE * axis.rate_hz / axis.filled.len() as f64;
     let at = |frequency_hz: f64| {
         let line = Line {
@@ -41,7 +41,7 @@ pub fn measure_near(axis: &AxisState, f_hz: f64, p_value: f64) -> Measured {
         measure(axis, &line)
     };
     let mut best = at(f_hz);
-    for (reach, step_hz) in [(REACH, step_hz), (8, 0.1 * step_hz)] {
+    for (reach, step_hz) in [(STEPS_EACH_SIDE, step_hz), (8, 0.1 * step_hz)] {
         let centre_hz = best.line.frequency_hz;
         for step in -reach..=reach {
             let one = at(centre_hz + f64::from(step) * step_hz);

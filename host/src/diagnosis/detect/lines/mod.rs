@@ -102,11 +102,11 @@ pub fn unresolved(look: &Look<'_>, f_hz: f64, p_value: f64) -> Option<Proposal> 
 /// Bands about the resonances that are there: lines in them are their tops.
 pub fn resonances_hz(axis: &AxisState) -> Vec<Range<f64>> {
     /// Widths on either side: there a resonance has a hundredth of its peak's power.
-    const REACH: f64 = 5.0;
+    const RESONANCE_REACH: f64 = 5.0;
     let laws = axis.laws.iter();
     laws.filter(|law| law.effect == resonance::KIND)
         .map(|law| {
-            let (f_hz, reach_hz) = (law.values[0], REACH * law.values[1]);
+            let (f_hz, reach_hz) = (law.values[0], RESONANCE_REACH * law.values[1]);
             f_hz - reach_hz..f_hz + reach_hz
         })
         .collect()
@@ -210,9 +210,9 @@ fn look_for_wandering(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
 
 fn excluded(look: &Look<'_>, one: &Measured) -> Excluded {
     /// Width of what is left out, 1/T on either side.
-    const REACH: f64 = 40.0;
+    const WANDER_REACH: f64 = 40.0;
     let f_hz = one.line.frequency_hz;
-    let width_hz = REACH * look.axis.rate_hz / look.axis.filled.len() as f64;
+    let width_hz = WANDER_REACH * look.axis.rate_hz / look.axis.filled.len() as f64;
     Excluded {
         band_hz: f_hz - width_hz..f_hz + width_hz,
         remark: Remark {

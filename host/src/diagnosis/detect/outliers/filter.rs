@@ -11,11 +11,11 @@ use crate::diagnosis::statistic::p_value;
 use crate::diagnosis::statistic::spread::middle_spread;
 
 /// Largest number of outliers that are looked for; beyond it is another kind of record.
-const MOST: usize = 1 << 14;
+const MOST_OUTLIERS: usize = 1 << 14;
 
 /// Samples to either side that an outlier's own answer of the filter is taken out of, at most: where
 /// the density rises with the frequency the filter sums up, and remembers long.
-const REACH: usize = 1 << 14;
+const ANSWER_REACH: usize = 1 << 14;
 
 /// Share of the answer's peak that does not matter any more.
 const NOTHING: f64 = 1e-3;
@@ -74,8 +74,9 @@ pub fn outliers(
     let filter = matched(whole, density, &Impulse);
     let mut pursuit = Pursuit::new(filter.z, answer);
     // Largest first; each takes its own answer out of its neighbours.
-    for index in candidates.into_iter().take(4 * MOST) {
-        if pursuit.left()[index].abs() > threshold * spread(index) && pursuit.len() < MOST {
+    for index in candidates.into_iter().take(4 * MOST_OUTLIERS) {
+        if pursuit.left()[index].abs() > threshold * spread(index) && pursuit.len() < MOST_OUTLIERS
+        {
             pursuit.take(index, &usable);
         }
     }
@@ -166,7 +167,7 @@ pub fn sizes_at(whole: &Transform, density: &[f64], indices: &[usize]) -> Vec<Ou
 fn answer(whole: &Transform, density: &[f64]) -> Vec<f64> {
     let answer = whole.answer(|k| density[k].recip());
     let peak = answer[0];
-    let mut answer = answer[..REACH.min(answer.len() / 2)].to_vec();
+    let mut answer = answer[..ANSWER_REACH.min(answer.len() / 2)].to_vec();
     let matters = |value: &f64| value.abs() > NOTHING * peak;
     let end = answer.iter().rposition(matters).map_or(0, |last| last + 1);
     answer.truncate(end);

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use crate::fft::ring::Series;
 
 /// Samples within which two disturb one another's place.
-const NEAR: usize = 64;
+const NEIGHBOURHOOD: usize = 64;
 
 /// Samples by which a place may move at once.
 const MOVE: usize = 32;
@@ -59,7 +59,7 @@ impl Pursuit {
     pub fn take(&mut self, index: usize, usable: impl Fn(usize) -> bool) {
         self.put(index, self.left[index]);
         let near = |all: &BTreeMap<usize, f64>| -> Vec<usize> {
-            let range = index.saturating_sub(NEAR)..=index + NEAR;
+            let range = index.saturating_sub(NEIGHBOURHOOD)..=index + NEIGHBOURHOOD;
             all.range(range).map(|(&place, _)| place).collect()
         };
         if near(&self.heights).len() == 1 {

@@ -5,7 +5,7 @@ use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 use crate::diagnosis::record::wave::Outlier;
 
 /// Outliers from which their law is looked for.
-const FEW: usize = 5;
+const LEAST_OUTLIERS: usize = 5;
 
 /// Law of all outliers, those too small to be seen included.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,7 +32,7 @@ pub fn law_of(seen: &[Outlier], threshold: f64) -> SizeLaw {
         .sum::<f64>()
         / count;
     // Too few to say how many more there are below the threshold.
-    if seen.len() < FEW {
+    if seen.len() < LEAST_OUTLIERS {
         return SizeLaw {
             count,
             count_log_sd: count.sqrt().recip(),

@@ -25,7 +25,7 @@ const WHERE_STRENGTH_MOVES: f64 = 1e-3;
 const RESOLVED: f64 = 1.0;
 
 /// Laws at most: with more, the record is of another kind, and no name is worth much.
-const MOST: usize = 4;
+const MOST_LAWS: usize = 4;
 
 pub use switching::anywhere as switching_anywhere;
 
@@ -53,7 +53,7 @@ pub static OF_SWITCHING: Detector = Detector {
 /// # Errors
 /// [`NoFit`] where the axis has no bins.
 pub fn strongest_law(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
-    if look.axis.laws.len() == MOST {
+    if look.axis.laws.len() == MOST_LAWS {
         return Ok(Vec::new());
     }
     let mut found = significant(look)?;

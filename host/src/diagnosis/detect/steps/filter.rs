@@ -70,11 +70,11 @@ pub fn statistic(whole: &Transform, density: &[f64]) -> Match {
 /// Whether what looks like an outlier is rather a jump, by the statistic of jumps.
 pub fn is_jump(statistic: &Match, outlier: &Outlier) -> bool {
     /// Samples on either side that a jump may be placed at.
-    const REACH: usize = 4;
+    const PLACING: usize = 4;
     /// Difference of squared statistics that is no chance.
     const PLAINLY: f64 = 16.0;
-    let from = outlier.index.saturating_sub(REACH);
-    let to = (outlier.index + REACH).min(statistic.z.len() - 1);
+    let from = outlier.index.saturating_sub(PLACING);
+    let to = (outlier.index + PLACING).min(statistic.z.len() - 1);
     let jump = statistic.z[from..=to]
         .iter()
         .fold(0.0, |most: f64, z| most.max(z.abs()));

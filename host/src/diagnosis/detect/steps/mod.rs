@@ -17,7 +17,7 @@ pub use filter::{is_jump, statistic};
 use pursuit::Pursuit;
 
 /// Jumps that are named one by one, at most: with more, their spectrum says what they are.
-pub const MOST: usize = 150;
+pub const MOST_JUMPS: usize = 150;
 
 /// The largest jump of an axis that is significant, unless it is the business of another detector.
 pub fn find(look: &Look<'_>, noise: Noise) -> Option<Jump> {
@@ -39,7 +39,7 @@ pub fn proposals(look: &Look<'_>, first: Jump) -> Vec<Proposal> {
     }
     let gain = pursuit.gain(&new);
     join(&mut jumps, new, 4 * axis.slow_factor());
-    if jumps.len() > MOST {
+    if jumps.len() > MOST_JUMPS {
         // Their spectrum decides, and another look at an axis that switches.
         let mut kinds: Vec<Kind> = place
             .map(|place| axis.explanations()[place].kind())
@@ -124,7 +124,7 @@ fn estimate(jumps: &[Jump], rate_hz: f64) -> Estimate {
 fn is_of_burst(look: &Look<'_>, jump: &Jump, index: usize) -> bool {
     let louder = burst::even(look).filter(|burst| {
         let nats = -burst.p_value.max(f64::MIN_POSITIVE).ln();
-        burst.range.len() >= burst::LONG && nats > 0.5 * jump.z * jump.z
+        burst.range.len() >= burst::LONG_STRETCH && nats > 0.5 * jump.z * jump.z
     });
     louder.is_some_and(|burst| burst.range.contains(&index))
 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::{MOST, filter, is_of_burst};
+use super::{MOST_JUMPS, filter, is_of_burst};
 use crate::diagnosis::axis::profile::Noise;
 use crate::diagnosis::axis::{AxisState, SPREAD};
 use crate::diagnosis::detect::burst;

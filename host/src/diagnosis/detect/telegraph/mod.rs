@@ -98,7 +98,7 @@ pub fn among(
     worth: impl Fn(&Found) -> f64,
 ) -> Option<(usize, f64)> {
     /// By how much the Markov noise may be less likely than the best.
-    const NEAR: f64 = 10.0;
+    const AS_LIKELY: f64 = 10.0;
     // One switch is enough: what is left of it is no second one.
     if look.axis.has(KIND) || !look.is_open(KIND) {
         return None;
@@ -106,7 +106,7 @@ pub fn among(
     let place = found
         .iter()
         .position(|one| one.law.effect == markov::KIND)?;
-    let near = worth(&found[0]) - worth(&found[place]) < NEAR;
+    let near = worth(&found[0]) - worth(&found[place]) < AS_LIKELY;
     let odds = near.then(|| log_odds(look.axis, &found[place].law, &found[place].fit))??;
     Some((place, odds))
 }

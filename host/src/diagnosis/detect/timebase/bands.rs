@@ -21,7 +21,7 @@ const PARTS: usize = 8;
 /// Neighbours that the floor is the median of: this share of a bin's number to either side, and
 /// no more than that many.
 const SPAN: f64 = 0.25;
-const MOST: usize = 400;
+const MOST_NEIGHBOURS: usize = 400;
 
 /// Lowest bin that is looked at.
 const LOWEST: usize = 24;
@@ -161,7 +161,7 @@ fn periodogram(values: &[f64], segment: usize, rate_hz: f64) -> Vec<f64> {
 }
 
 fn median_about(values: &[f64], k: usize) -> f64 {
-    let span = ((SPAN * k as f64) as usize).min(MOST);
+    let span = ((SPAN * k as f64) as usize).min(MOST_NEIGHBOURS);
     let mut near = values[(k - span).max(1).min(k)..=(k + span).min(values.len() - 1)].to_vec();
     let middle = near.len() / 2;
     let (_, median, _) = near.select_nth_unstable_by(middle, f64::total_cmp);
