@@ -29,7 +29,8 @@ use crate::model::kind::Kind;
 use crate::signal::Axis;
 use crate::source::Values;
 
-/// Effects that may be refused before the rest is taken as it is.
+/// Effects that may be refused before the rest is taken as it is: a choice. Each refusal costs
+/// another search of the axis.
 const MOST_REFUSED: usize = 4;
 
 /// An axis whose effects are found, and how it came to that.

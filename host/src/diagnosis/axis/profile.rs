@@ -20,16 +20,20 @@ use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::statistic::matched_filter::{Impulse, Step, Transform, Transformer};
 
-/// Ordinates, from the lowest, whose density is fitted anew.
+/// Ordinates, from the lowest, whose density is fitted anew: at the last of them a walk has a
+/// millionth of the density that it has at the first, flicker a thousandth.
 const LOW: usize = 1024;
 
-/// Steps of the fit.
+/// Steps of the fit: a choice, the same for all waveforms that are compared. Each costs one pass
+/// over the [`LOW`] ordinates.
 const STEPS: usize = 40;
 
-/// Share of the density that is no walk and no flicker, at least.
+/// Share of the density that is no walk and no flicker, at least: above zero, and worth a
+/// thousandth of a nat an ordinate.
 const LEAST: f64 = 1e-3;
 
-/// Size of a term that was not resolved from zero to begin with, as a share of the lowest density.
+/// Size of a term that was not resolved from zero to begin with, as a share of the lowest density:
+/// steps multiply, and would never leave zero. A tenth is a choice.
 const BEGINNING: f64 = 0.1;
 
 /// What a waveform is compared with.

@@ -6,10 +6,12 @@ use crate::fit::likelihood::components::SEEN;
 use crate::fit::likelihood::ramp::Ramp;
 use crate::fit::likelihood::slope::{Block, Slope};
 
-/// Blocks that the record is averaged into.
+/// Blocks that the record is averaged into: a walk shows a slope by its two ends alone, which so
+/// many blunt by a sixty-fourth.
 const BLOCKS: usize = 64;
 
-/// Share of a block's samples that must be there.
+/// Share of a block's samples that must be there, at least: the mean of what is there counts as
+/// that of the whole block. Half is a choice.
 const LEAST_FILLED: f64 = 0.5;
 
 /// The ramp of the residual, together with all that was fitted to it; `None` where gaps leave too

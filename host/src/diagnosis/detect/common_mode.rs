@@ -16,10 +16,11 @@ use crate::spectrum::cross::CrossBin;
 /// Tests that it makes: its share of the family's level.
 pub const TESTS: u32 = 1;
 
-/// Bands an octave.
+/// Bands an octave: a choice. What axes share in a narrower band is diluted in it; more bands would
+/// have fewer averages each.
 const PER_OCTAVE: f64 = 2.0;
 
-/// Samples handed over at a time.
+/// Samples handed over at a time: half a mebibyte an axis.
 const BLOCK: usize = 1 << 16;
 
 /// Noise that the axes of a record share.

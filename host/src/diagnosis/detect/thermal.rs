@@ -50,7 +50,7 @@ pub fn proposal((change, lag_s): (SlowChange, f64)) -> Option<Proposal> {
 /// A settling that is as slow as the lag behind a covariate, which was not at rest as the record began: it
 /// belongs to what follows the covariate.
 pub fn with_settling_lag(look: &Look<'_>, time_s: f64, settling: &Wave) -> Option<Proposal> {
-    /// Largest ratio of the two times.
+    /// Largest ratio of the two times: a choice. Lags are first looked for in octaves.
     const ALIKE: f64 = 2.0;
     let place = look.place_of(KIND)?;
     let Explanation {

@@ -12,16 +12,18 @@ use crate::diagnosis::steady::noise::{self, Unsteady};
 use crate::model::outliers::{self, Outliers};
 use crate::model::steps;
 
-/// Share of the ordinates that a band may hold: a wider one is not a band but all of the noise.
+/// Share of the ordinates that a band may hold: a wider one is not a band but all of the noise. A
+/// quarter is a choice.
 const NARROW: f64 = 0.25;
 
-/// Bands at most: with more, the record is of another kind.
+/// Bands that are excluded, at most: a choice. With more, the record is of another kind.
 const MOST_BANDS: usize = 6;
 
-/// Frequency, times the dwell, up to which jumps leave something.
+/// Frequency, times the dwell, up to which jumps that were taken out one by one leave something: it
+/// fades within some tens.
 const LEFT_OF_JUMPS: f64 = 30.0;
 
-/// Share of the density from which a law decides what the noise there looks like.
+/// Share of the density from which a law decides what the noise there looks like: a choice.
 const DECIDES: f64 = 0.1;
 
 /// Looks for the least steady band.

@@ -12,10 +12,11 @@ use crate::diagnosis::steady;
 use crate::model::kind::Kind;
 use crate::model::{resonance, telegraph};
 
-/// Shares of the density, the largest that a law reaches somewhere delimits its band.
+/// Shares of the density, the largest that a law reaches somewhere delimits its band: choices, from
+/// most of it down to what can hardly be seen.
 const SHARES: [f64; 4] = [0.5, 0.25, 0.1, 0.03];
 
-/// Standard deviation of a parameter's logarithm that is little.
+/// Standard deviation of a parameter's logarithm that is little: a choice.
 const LITTLE: f64 = 0.15;
 
 /// Hears every law. Its test of the colour is counted with that of the five terms, and its test of steadiness

@@ -21,7 +21,7 @@ use crate::diagnosis::statistic::sums::sums;
 use crate::model::kind::Kind;
 use crate::model::{clipping, outliers, rounding, telegraph};
 
-/// Argument of the sine.
+/// Argument of the sine: at 1.2 it keeps 90 % of the efficiency of the third moment.
 const T: f64 = 1.2;
 
 /// How lopsided the noise of an axis is.

@@ -10,7 +10,7 @@ use crate::fit::likelihood::scoring::{Range, greatest_beside};
 use crate::fit::likelihood::{Data, log_likelihood};
 use crate::model::effect::Part;
 
-/// Bins an octave.
+/// Bins an octave, as those of the fit.
 const BINS_PER_OCTAVE: f64 = 16.0;
 
 /// Power of the chain below which ordinates do not count: what falls more steeply than that from bin

@@ -18,7 +18,7 @@ use crate::spectrum::{Cascade, Plan, Settings};
 /// What is left of the weight of a bin that is left out: no number, but no zero to divide by.
 const NOTHING: f64 = 1e-9;
 
-/// Bins an octave.
+/// Bins an octave: a choice. One is 4.4 % of its frequency wide.
 const BINS_PER_OCTAVE: f64 = 16.0;
 
 /// What the spectra of one axis have in common: bins, and what they are expected to be.

@@ -5,7 +5,8 @@ use std::ops::Range;
 /// Bridges what is not finite by straight lines between means on either side, of more samples the
 /// longer the bridge: the ends' own noise must not become a slow wave. Returns the ranges bridged.
 pub fn bridge(values: &mut [f64]) -> Vec<Range<usize>> {
-    /// Samples on either side that a line rests on, at least and at most.
+    /// Samples on either side that a line rests on, at least and at most: choices. Between them
+    /// four times as many as are missing.
     const FEWEST_SAMPLES: usize = 16;
     const MOST_SAMPLES: usize = 1 << 16;
     let mut gaps = Vec::new();

@@ -9,7 +9,8 @@ use realfft::num_complex::Complex64;
 use crate::diagnosis::statistic::matched_filter::Transform;
 use crate::diagnosis::statistic::spread::middle_spread;
 
-/// Samples of a block.
+/// Samples of a block: a choice. Their mean square scatters by 18 %, and nothing shorter has a
+/// place of its own.
 pub const BLOCK: usize = 64;
 
 /// Sums of squares of the whitened record.
@@ -67,7 +68,7 @@ impl Powers {
     /// Deviation of the noise about a sample over that of the record, from the middle of the blocks
     /// about it: a single large sample does not make its own.
     pub fn local(&self) -> impl Fn(usize) -> f64 + use<> {
-        /// Blocks on either side.
+        /// Blocks on either side: a choice. The middle of 15 is moved by no single event.
         const LOCAL_BLOCKS: usize = 7;
         let blocks = self.powers.len();
         let local: Vec<f64> = (0..blocks)

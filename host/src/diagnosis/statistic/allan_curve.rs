@@ -13,7 +13,7 @@ const LEVELS: usize = 25;
 /// some billionth of the record's range.
 const HEADROOM: f64 = 2048.0;
 
-/// Samples that are rounded at a time.
+/// Samples that are rounded at a time: 32 KiB of them.
 const BLOCK: usize = 4096;
 
 /// Points of the curve of `values`, in their unit; those that are not finite are missing. A deviation is off

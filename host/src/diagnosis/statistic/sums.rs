@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-/// Terms that are added up at a time.
+/// Terms that are added up at a time, and worth a thread's while: a choice.
 const PART: usize = 1 << 15;
 
 /// Sums of what `terms` gives for each number of `range`; to the bit the same however many threads
@@ -32,7 +32,7 @@ mod tests {
         for range in [0..0, 5..6, 3..PART, 3..3 * PART + 3, 1..5 * PART] {
             let count = range.len() as f64;
             let sum = 0.5 * (range.start as f64 + range.end as f64 - 1.0) * count;
-            // Transform numbers below 2^53: exact.
+            // Whole numbers below 2^53: exact.
             assert_eq!(sums(range, |k| [1.0, k as f64]), [count, sum]);
         }
     }

@@ -10,16 +10,19 @@ use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::statistic::p_value;
 use crate::diagnosis::steady::noise;
 
-/// How many times the average a band's power is where events are its own.
+/// How many times the average a band's power is where events are its own: a choice. A band of
+/// steady noise has as much at one moment in 20.
 const SEVERAL: f64 = 3.0;
 
-/// Moments of which the largest counts.
+/// Moments up to which the largest of an event counts, and not their mean: a choice.
 const LARGEST_MOMENTS: usize = 3;
 
-/// Moments before and after which a band's power is compared.
+/// Moments before and after which a band's power is compared: a choice. More would miss short
+/// tones, the power at a single one scatters as much as it is.
 const EACH_SIDE: usize = 3;
 
-/// Probability below which events do not stand by chance where a band's power changes.
+/// Probability below which events do not stand by chance where a band's power changes: a choice. It
+/// decides about a name that was found, not about a finding.
 const AT_EDGES: f64 = 0.01;
 
 /// Whether what happens at `samples` belongs to a band that is excluded.

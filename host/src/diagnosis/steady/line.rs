@@ -14,7 +14,7 @@ use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::statistic::p_value;
 use crate::fft::phasor::Phasor;
 
-/// Parts of the record.
+/// Parts of the record: a choice. More see quicker changes and each has less of the line.
 const PARTS: usize = 8;
 
 /// Cycles that a part must have for what wanders below not to pass the window.

@@ -4,7 +4,8 @@ use crate::diagnosis::record::powers::{BLOCK, Powers};
 use crate::diagnosis::statistic::{matched_filter, p_value};
 use crate::fft;
 
-/// Ordinates that count as slow, and the share of all up to which sums of them are looked at.
+/// Ordinates that count as slow, and the share of all up to which sums of them are looked at, one
+/// over this: choices.
 const SLOW: usize = 16;
 const SHARE: usize = 8;
 

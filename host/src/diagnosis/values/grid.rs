@@ -3,10 +3,12 @@
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, DefaultHasher};
 
-/// Distinct values that are counted; with more, the values lie on no coarse grid.
+/// Distinct values that are counted; with more, the values lie on no coarse grid: a choice, 17
+/// binary digits.
 const DISTINCT: usize = 1 << 17;
 
-/// Samples that the first look takes.
+/// Samples that the first look takes: a choice. On a coarse grid they have taken most of its
+/// values.
 const LOOK: usize = 1 << 20;
 
 /// Step of a grid over the short-term noise, itself included, from which the noise looks stronger where

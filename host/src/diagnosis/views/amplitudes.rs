@@ -3,10 +3,10 @@
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::result::views::Counts;
 
-/// Width of a class, standard deviations.
+/// Width of a class, standard deviations: a choice, for the eye.
 pub const WIDTH: f64 = 0.25;
 
-/// Classes on either side of zero; the outermost hold all that lies beyond.
+/// Classes on either side of zero, 20 standard deviations; the outermost hold all that lies beyond.
 const CLASSES: usize = 80;
 
 impl Counts {

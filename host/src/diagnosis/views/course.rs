@@ -9,10 +9,10 @@ use crate::diagnosis::result::finding::Finding;
 use crate::diagnosis::result::views::{Column, Course, Extent, Mark};
 use crate::model::marks;
 
-/// Columns at most.
+/// Columns at most: about one a pixel of the picture.
 const COLUMNS: usize = 1000;
 
-/// Moments of one effect at most.
+/// Moments of one effect at most: a choice. More would hide the record.
 const MOST_MARKS: usize = 200;
 
 impl Extent {

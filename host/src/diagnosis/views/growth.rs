@@ -17,16 +17,18 @@ use crate::model::PerCoefficient;
 use crate::model::axis::ModelAxis;
 use crate::navigate::{self, ALIGNMENT_S, response::Integral};
 
-/// Times of integration, seconds; those that fit into a block.
+/// Times of integration, seconds; those that fit into a block: choices, decades and minutes.
 const TIMES_S: [f64; 6] = [0.1, 1.0, 10.0, 60.0, 300.0, 600.0];
 
-/// Part of a block that the alignment takes at most.
+/// Part of a block that the alignment takes at most: a choice. The rest is integrated.
 const ALIGNED: f64 = 0.25;
 
-/// From the beginning of a window to that of the next is this part of its length.
+/// Windows begin at this part of their length, one over it: overlapped by three quarters they use
+/// all of a block.
 const STEP: usize = 4;
 
-/// Windows that do not overlap, at least, for an observation.
+/// Windows that do not overlap, at least, for an observation: the root of their mean square is then
+/// known to 35 %.
 const LEAST: usize = 4;
 
 /// Observed and predicted errors of an axis; none for times that leave too few windows.

@@ -23,7 +23,7 @@ use crate::simulate::source::Simulation;
 /// Seed of the simulated record.
 pub const SEED: u64 = 1;
 
-/// Samples simulated at a time.
+/// Samples simulated at a time: half a mebibyte.
 const BLOCK: usize = 1 << 16;
 
 /// What has to be noted down before anything is taken out of the record.

@@ -11,7 +11,8 @@ use crate::diagnosis::views::Burst;
 use crate::fit::likelihood::Fit;
 use crate::spectrum::pool;
 
-/// Degrees of freedom of a point, at least: bins with less are taken together.
+/// Degrees of freedom of a point, at least: bins with less are taken together. The density is then
+/// known to 50 %.
 const LEAST_EDF: f64 = 8.0;
 
 /// Standard deviations by which a density differs: of hundreds of points none does by chance.

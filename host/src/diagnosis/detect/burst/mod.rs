@@ -14,16 +14,17 @@ use crate::model::burst::KIND;
 use crate::model::{outliers, rounding};
 pub use stretch::{Burst, burst};
 
-/// Stretches at most: with more, it comes and goes all the time.
+/// Stretches at most: with more, it comes and goes all the time. Three are a choice.
 const MOST_STRETCHES: usize = 3;
 
-/// Samples from the end of a burst within which a short stretch belongs to it.
+/// Samples from the end of a burst within which a short stretch belongs to it: a choice, two
+/// seconds at 2000/s.
 const NEAR_BURST: f64 = 4096.0;
 
-/// Samples about an outlier where something of it may stay.
+/// Samples about an outlier where something of it may stay: a block of the powers.
 const REMAINS: usize = 64;
 
-/// Samples of a stretch that is no shock.
+/// Samples of a stretch that is no shock: a choice, half a second at 2000/s.
 pub const LONG_STRETCH: usize = 1024;
 
 /// Looks for the stretch that departs most from the rest.

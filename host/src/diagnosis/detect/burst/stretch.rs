@@ -5,7 +5,8 @@ use std::ops::Range;
 use crate::diagnosis::record::powers::{BLOCK, Powers};
 use crate::diagnosis::statistic::p_value;
 
-/// Places at which a window of each length begins, a window's length.
+/// Places at which a window of each length begins, a window's length: a choice. A window need only
+/// lie near, for both ends are free afterwards.
 const PLACES: usize = 4;
 
 /// A stretch of the record that is noisier, or quieter, than the rest.

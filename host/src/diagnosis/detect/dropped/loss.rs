@@ -31,33 +31,37 @@ use super::ratio::{
     self, AS_GOOD, Best, LINE_REACH, Line, Posterior, Quiet, Tables, Turned, fitted, held, zoom,
 };
 
-/// Blocks that a record is cut into, at most and at least.
+/// Blocks that a record is cut into, at most and at least. The tables hold every block times every
+/// number lost, so that more cost time; a moment is followed to the sample afterwards. Of fewer the
+/// noise would be the median of less than 48 ordinates. Both are choices.
 const BLOCKS: usize = 512;
 const FEWEST_BLOCKS: usize = 64;
 
-/// Cycles of a line in a block, at least: fewer are not resolved from drift.
+/// Cycles of a line in a block, at least: a choice. Fewer are not resolved from drift.
 const CYCLES: f64 = 8.0;
 
 /// Samples lost that are looked for, at most: as many as the slowest line has to a cycle, but
-/// within these.
+/// within these, which are choices: the time grows with the number.
 const LONGEST: [f64; 2] = [64.0, 256.0];
 
-/// Log-likelihood that a line gains, at least, to be one.
+/// Log-likelihood that a line gains, at least, to be one: at a given frequency noise does as well
+/// once in 3000 times.
 const LEAST_LINE: f64 = 8.0;
 
-/// Lines that are looked at; the strongest if there are more.
+/// Lines that are looked at, at most, the strongest: a choice, for each costs a table.
 const MOST_LINES: usize = 16;
 
 /// Logarithm of the odds that the lines but the loudest must give, 20 to 1.
 const ODDS: f64 = 3.0;
 
-/// Cycles a record on either side of a line where the loss must explain what is there.
+/// Cycles a record on either side of a line where the loss must explain what is there: a choice.
 const AROUND_LINE: usize = 16;
 
-/// Times that the lines are freed of one another.
+/// Times that the lines are freed of one another: a choice. The second sees the noise that the
+/// first had lowered.
 const CLEANINGS: usize = 2;
 
-/// Largest share of what a loss explains that may remain unexplained.
+/// Largest share of what a loss explains that may remain unexplained: a choice.
 const LEFT_SHARE: f64 = 0.1;
 
 /// Samples lost without a trace.

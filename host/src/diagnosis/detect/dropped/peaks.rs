@@ -8,17 +8,18 @@ use crate::diagnosis::detect::dropped::ratio::LINE_REACH;
 use crate::diagnosis::detect::lines::mains_base;
 use crate::spectrum::Line as Peak;
 
-/// Peaks closer than this, in cycles a record, are one line that a jump has split.
+/// Peaks closer than this, in cycles a record, are one line that a jump has split: a choice. A jump
+/// by half a cycle in the middle leaves its two peaks 1.5 from each other.
 pub(crate) const SPLIT: f64 = 12.0;
 
 /// Side lobes over those of a jump, at most: a jump by half a cycle in the middle leaves 0.72 of
 /// the amplitude in each of two peaks.
 const LOBES: f64 = 1.5;
 
-/// Standard deviations by which noise helps a lobe, at most.
+/// Standard deviations by which noise helps a lobe, at most: 6e-5 beyond, both sides.
 const HELP: f64 = 4.0;
 
-/// Harmonics of a mains frequency that are looked at.
+/// Harmonics of a mains frequency that are looked at: a choice.
 pub(crate) const HARMONICS: u32 = 10;
 
 /// Where to look for a line.

@@ -28,7 +28,8 @@ pub enum Group {
     },
 }
 
-/// Largest distance of a mains frequency from its nominal value, as a share.
+/// Largest distance of a mains frequency from its nominal value, as a share: a choice, 0.25 Hz of
+/// 50 Hz for the grid and the recorder's clock together.
 const MAINS_SHARE: f64 = 0.005;
 
 /// Nominal mains frequencies, hertz.

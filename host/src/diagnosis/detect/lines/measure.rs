@@ -9,7 +9,8 @@ use crate::diagnosis::record::wave::Wave;
 use crate::fft::phasor::Phasor;
 use crate::spectrum::Line;
 
-/// Share of the record over which each end is tapered where a line is measured.
+/// Share of the record over which each end is tapered where a line is measured: a choice. It costs
+/// 5 % of the samples, in their weight, and takes away most of what drift leaks.
 const TAPER: f64 = 0.05;
 
 /// A line with its phase.
@@ -26,7 +27,8 @@ pub struct Measured {
 /// The line within some 1/T of `f_hz` at which its size is largest, found otherwise with the
 /// probability `p_value` by chance.
 pub fn measure_near(axis: &AxisState, f_hz: f64, p_value: f64) -> Measured {
-    /// Frequencies tried for each 1/T, and how many 1/T to either side at first.
+    /// Frequencies tried for each 1/T, and how many of them to either side at first: quarters, of
+    /// which one halfway loses 3 % of the amplitude, up to 3/T. The next look is ten times as fine.
     const FINE: f64 = 0.25;
     const STEPS_EACH_SIDE: i32 = 12;
     let step_hz = FINE * axis.rate_hz / axis.filled.len() as f64;

@@ -10,14 +10,15 @@ use crate::diagnosis::statistic::matched_filter::{Impulse, Transform, matched};
 use crate::diagnosis::statistic::p_value;
 use crate::diagnosis::statistic::spread::middle_spread;
 
-/// Largest number of outliers that are looked for; beyond it is another kind of record.
+/// Outliers that are looked for, at most: a choice. Beyond it is another kind of record.
 const MOST_OUTLIERS: usize = 1 << 14;
 
 /// Samples to either side that an outlier's own answer of the filter is taken out of, at most: where
 /// the density rises with the frequency the filter sums up, and remembers long.
 const ANSWER_REACH: usize = 1 << 14;
 
-/// Share of the answer's peak that does not matter any more.
+/// Share of the answer's peak that does not matter any more: an outlier of a thousand standard
+/// deviations leaves one.
 const NOTHING: f64 = 1e-3;
 
 /// The outliers of a record, ascending, and the p-value of the largest.
@@ -114,7 +115,7 @@ pub fn outliers(
 /// Probability that as many outliers stand close to one another as do, if each came by itself:
 /// what rings, or a tone that is switched on, goes beyond the threshold several times.
 pub fn together(found: &[Outlier], len: usize) -> f64 {
-    /// Samples that count as close.
+    /// Samples that count as close: a choice, those within which two disturb one another's place.
     const CLOSE: usize = 64;
     let close = found
         .windows(2)
@@ -129,9 +130,9 @@ pub fn together(found: &[Outlier], len: usize) -> f64 {
 /// How much the samples at `indices`, ascending, differ from what all others predict for them. Those behind
 /// the length that transforms fast are predicted by nobody and left out.
 pub fn sizes_at(whole: &Transform, density: &[f64], indices: &[usize]) -> Vec<Outlier> {
-    /// Rounds in which neighbours settle what is whose.
+    /// Rounds in which neighbours settle what is whose: a choice.
     const ROUNDS: usize = 4;
-    /// Samples to either side that count as such.
+    /// Samples to either side that count as such: a choice.
     const NEIGHBOURS: usize = 512;
     let indices = &indices[..indices.partition_point(|&index| index < whole.len())];
     let mut answer = answer(whole, density);

@@ -22,7 +22,8 @@ use crate::diagnosis::steady::band_events::is_of_excluded;
 use crate::model::outliers::KIND;
 use filter::Found;
 
-/// How much further out an outlier must be where the strength of the noise moves.
+/// How much further out an outlier must be where the strength of the noise moves: a choice. Its
+/// local strength is known by the middle of some blocks only.
 const MOVING: f64 = 3.0;
 
 /// Looks for single samples.

@@ -10,13 +10,15 @@ use std::collections::BTreeMap;
 
 use crate::fft::ring::Series;
 
-/// Samples within which two disturb one another's place.
+/// Samples within which two disturb one another's place: a converter's filter spreads one over as
+/// many.
 const NEIGHBOURHOOD: usize = 64;
 
-/// Samples by which a place may move at once.
+/// Samples by which a place may move at once: a choice, half of [`NEIGHBOURHOOD`].
 const MOVE: usize = 32;
 
-/// Times that neighbours settle what is whose, at most: they move in small steps.
+/// Times that neighbours settle what is whose, at most: they move in small steps. Thirty are a
+/// choice.
 const ROUNDS: usize = 30;
 
 /// A filter's output on its way to be explained by single samples.

@@ -17,14 +17,15 @@ use crate::model::catalogue::CATALOGUE;
 use crate::model::kind::Kind;
 use crate::model::{markov, resonance};
 
-/// Share of the level that is left where the strength of the noise moves: bins scatter by more than their
-/// degrees of freedom say.
+/// Share of the level that is left where the strength of the noise moves: bins scatter by more than
+/// their degrees of freedom say. A thousandth is a choice.
 const WHERE_STRENGTH_MOVES: f64 = 1e-3;
 
 /// Width over 1/T of a resonance that a record can distinguish from a line.
 const RESOLVED: f64 = 1.0;
 
-/// Laws at most: with more, the record is of another kind, and no name is worth much.
+/// Laws at most: with more, the record is of another kind, and no name is worth much. Four are a
+/// choice.
 const MOST_LAWS: usize = 4;
 
 pub use switching::anywhere as switching_anywhere;
@@ -136,9 +137,10 @@ fn named(look: &Look<'_>, mut found: Vec<Found>) -> Vec<Proposal> {
 /// Whether a law is a resonance narrower than the record resolves, or one whose power stands at a
 /// single frequency: bins see no more than a width of their own.
 fn is_line(look: &Look<'_>, one: &Found) -> bool {
-    /// Width over frequency below which bins do not resolve it.
+    /// Width over frequency below which bins do not resolve it: two of them, at 16 an octave, span a
+    /// tenth.
     const SEEN_BY_BINS: f64 = 0.1;
-    /// Share of the power that a line there holds.
+    /// Share of the power that a line there holds: most of it.
     const SHARE: f64 = 0.5;
     let axis = look.axis;
     let [f_hz, width_hz, ..] = one.law.values[..] else {

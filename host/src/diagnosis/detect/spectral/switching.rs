@@ -80,9 +80,10 @@ fn as_law(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
 /// Whether there is Markov noise in an axis that rather switches between two levels, of the height of the
 /// `jumps`.
 fn switches(look: &Look<'_>, axis: &AxisState, jumps: &[f64]) -> Result<bool, NoFit> {
-    /// Largest factor between a jump and the height.
+    /// Largest factor between a jump and the height: a choice, that of jumps to and fro.
     const ALIKE: f64 = 1.6;
-    /// Odds that take a jump back, which by itself widens the law of amplitudes.
+    /// Logarithm of the odds, 20 to 1, that take a jump back, which by itself widens the law of
+    /// amplitudes.
     const PUT_BACK: f64 = 3.0;
     let starts = axis.starts().ok_or(NoFit)?;
     let found = search::search(axis.fitted(), &starts, markov::KIND);

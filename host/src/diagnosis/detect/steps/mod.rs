@@ -16,7 +16,8 @@ use crate::model::{thermal, warmup};
 pub use filter::{is_jump, statistic};
 use pursuit::Pursuit;
 
-/// Jumps that are named one by one, at most: with more, their spectrum says what they are.
+/// Jumps that are named one by one, at most: a choice. Each costs another look at the slow copy;
+/// with more, their spectrum says what they are.
 pub const MOST_JUMPS: usize = 150;
 
 /// The largest jump of an axis that is significant, unless it is the business of another detector.

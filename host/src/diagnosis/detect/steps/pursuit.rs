@@ -12,7 +12,9 @@ use crate::diagnosis::record::bridge::block_means;
 use crate::diagnosis::record::wave::{Jump, Wave};
 use crate::diagnosis::statistic::matched_filter::{Match, Transformer, held_out_gain};
 
-/// Samples in one of the slow copy up to which jumps are placed to the sample.
+/// Samples in one of the slow copy up to which jumps are placed to the sample: a choice. The copy
+/// of two million samples has so many; in longer records a jump's place is known to a sample of the
+/// copy.
 const FINE: usize = 8;
 
 /// Samples on either side of a shock in which no jump is looked for any more: as many as make a stretch of its

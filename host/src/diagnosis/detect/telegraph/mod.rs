@@ -21,7 +21,7 @@ use crate::model::markov;
 use crate::model::markov::Markov;
 use crate::model::telegraph::{KIND, Telegraph};
 
-/// Jumps from which up and down by turns is a switch rather than steps.
+/// Jumps from which up and down by turns is a switch rather than steps: two are one pulse.
 const LEAST_JUMPS: usize = 3;
 
 /// What is known of the two levels of an axis, if it has a telegraph.
@@ -60,7 +60,7 @@ pub fn of_law(markov: &[Value]) -> Estimate {
 
 /// Whether jumps go up and down by turns, by about as much: two levels.
 pub fn is_to_and_fro(jumps: &[Jump]) -> bool {
-    /// Share of the squared heights that is not between the two levels, at most.
+    /// Share of the squared heights that is not between the two levels, at most: a choice.
     const REST: f64 = 0.1;
     let energy = |jumps: &[Jump]| jumps.iter().map(|jump| jump.height.powi(2)).sum::<f64>();
     let whole = whole_jumps(jumps);
@@ -81,7 +81,8 @@ pub fn is_to_and_fro(jumps: &[Jump]) -> bool {
 
 /// The jumps between two levels among all: what the placing of one left next to it is smaller.
 fn whole_jumps(jumps: &[Jump]) -> Vec<Jump> {
-    /// Share of the upper quartile's height that a whole jump has.
+    /// Share of the upper quartile's height that a whole jump has, at least: half, as what the
+    /// placing of a jump leaves is less.
     const SHARE: f64 = 0.5;
     let mut heights: Vec<f64> = jumps.iter().map(|jump| jump.height.abs()).collect();
     heights.sort_by(f64::total_cmp);
@@ -97,7 +98,8 @@ pub fn among(
     found: &[Found],
     worth: impl Fn(&Found) -> f64,
 ) -> Option<(usize, f64)> {
-    /// By how much the Markov noise may be less likely than the best.
+    /// By how much the Markov noise may be less likely than the best, nats: a choice. Laws that
+    /// come near one another compete by their amplitudes too.
     const AS_LIKELY: f64 = 10.0;
     // One switch is enough: what is left of it is no second one.
     if look.axis.has(KIND) || !look.is_open(KIND) {

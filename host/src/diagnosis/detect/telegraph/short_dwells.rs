@@ -9,14 +9,14 @@ use crate::diagnosis::detect::telegraph;
 use crate::diagnosis::record::wave::Outlier;
 use crate::diagnosis::statistic::p_value;
 
-/// Share of a mean dwell up to which one counts as short.
+/// Share of a mean dwell up to which one counts as short: a choice. A fifth of all dwells are.
 const SHORT: f64 = 0.25;
 
-/// How much longer a dwell may be than its sum over the height: spread over many samples it looks smaller
-/// than in one.
+/// How much longer a dwell may be than its sum over the height: spread over many samples it looks
+/// smaller than in one. Twice is a choice.
 const SPREAD: f64 = 2.0;
 
-/// Probability of as many short dwells from which all the large samples may be such.
+/// Probability of as many short dwells from which all the large samples may be such: a choice.
 const MAY_BE: f64 = 1e-3;
 
 /// Whether an axis switches between two levels and so many dwells are so short.

@@ -25,7 +25,7 @@ use crate::spectrum::Line;
 /// Tests that it makes: its share of the family's level.
 pub const TESTS: u32 = 1;
 
-/// Share of a band's power that a line within it must hold to stand for it.
+/// Share of a band's power that a line within it must hold to stand for it: most of it.
 const HOLDS: f64 = 0.5;
 
 /// The finding that `samples` were taken at another rate than they say, compared with `reference`, at a

@@ -16,22 +16,24 @@ use statrs::function::factorial::ln_binomial;
 
 use crate::diagnosis::statistic::p_value;
 
-/// Ratios that are looked for.
+/// Ratios that are looked for: a choice, a quarter either way.
 const RATIOS: [f64; 2] = [0.8, 1.25];
 
-/// Standard deviations within which two lines are the same one.
+/// Standard deviations within which two lines are the same one: of 16 000 pairs that are, one lies
+/// further off.
 const SAME: f64 = 4.0;
 
-/// Smallest relative standard deviation of a frequency: clocks and machines are no better.
+/// Smallest relative standard deviation of a frequency: clocks and machines are no better than 2 in
+/// 100 000.
 const STEADY: f64 = 2e-5;
 
 /// Logarithm of the range of frequencies that unrelated lines fall into, three decades.
 const RANGE: f64 = 6.9;
 
-/// Highest harmonic that counts as the same source.
+/// Highest harmonic that counts as the same source: a choice.
 const HARMONICS: f64 = 20.0;
 
-/// Side lines on either side of a harmonic that do: a machine that is modulated.
+/// Side lines on either side of a harmonic that do: a machine that is modulated. Two are a choice.
 const SIDE_LINES: i32 = 2;
 
 /// A line, or something else that has its place in the spectrum.
