@@ -27,16 +27,19 @@ use crate::spectrum::Line;
 use crate::spectrum::record_lines;
 
 /// Samples on either side of a bridge or a mask that tests of single moments leave out, at least
-/// and at most.
+/// and at most: choices. Between them what [`MEMORY`] asks.
 const GUARD: [usize; 2] = [256, 1 << 14];
 
-/// Time constants of the whitening filter for which it remembers where noise was cut.
+/// Time constants of the whitening filter for which it remembers where noise was cut: `e^-5` is
+/// left, 0.7 %.
 const MEMORY: f64 = 5.0;
 
-/// The least behind a converter's filter, which correlates samples that are further from each other.
+/// The least behind a converter's filter, which correlates samples that are further from each
+/// other: a choice.
 const FILTERED_GUARD: usize = 2048;
 
-/// Samples at both ends of the record that they leave out: the ring closes there.
+/// Samples at both ends of the record that they leave out, for the ring closes there: a choice,
+/// four times what the line through the ends rests on.
 const SEAM: usize = 1024;
 
 /// Samples over which a converter's filter spreads a jump, on either side: those of the ADS1281
@@ -44,7 +47,7 @@ const SEAM: usize = 1024;
 pub const SPREAD: usize = 64;
 
 /// Power of the chain below which a frequency is shut out: what is left there says nothing of the
-/// sensor, and falls too fast to be whitened.
+/// sensor, and falls too fast to be whitened. 30 dB are a choice.
 const SHUT_OUT: f64 = 1e-3;
 
 /// No mix of the five terms and the laws fits a spectrum.
@@ -512,7 +515,8 @@ impl AxisState {
 
     /// The first ordinate that the chain shuts out, or how many there are.
     fn shut_out(&self, whole: &Transform) -> usize {
-        /// Steps over the band in which its response is followed.
+        /// Steps over the band in which its response is followed: a choice. The end is then looked
+        /// for between two of them.
         const STEPS: usize = 4096;
         let count = whole.ordinates().len();
         let passes = |k: usize| self.bins.chain_power(whole.frequency(k)) >= SHUT_OUT;
