@@ -1,5 +1,5 @@
 //! `inm diagnose`: what a simulation of the fitted model gets wrong about a record, why, and what
-//! is gained by mending it.
+//! the extended model gains.
 
 use std::process::ExitCode;
 use std::time::Duration;

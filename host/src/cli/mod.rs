@@ -44,7 +44,7 @@ enum Command {
     Live(live::LiveCommand),
     /// Allan deviation and noise coefficients of a record.
     Analyze(analyze::Analyze),
-    /// What the simulation gets wrong about a record, why, and what mending it gains.
+    /// What the simulation gets wrong about a record, why, and what the extended model gains.
     Diagnose(diagnose::DiagnoseCommand),
     /// Data from a noise model.
     Simulate(simulate::Simulate),

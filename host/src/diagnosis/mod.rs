@@ -1,4 +1,4 @@
-//! What a model gets wrong about a record, why, and what is gained by mending it.
+//! What a model gets wrong about a record, why, and what the extended model gains.
 
 pub mod axis;
 pub mod describe;

@@ -53,7 +53,7 @@ pub enum DiagnosisError {
 }
 
 /// Reads `source` to its end and finds out what the five terms get wrong about it, why, and what
-/// mending it gains. `progress` is called with the name of an axis and what has come of it, by several
+/// the extended model gains. `progress` is called with the name of an axis and what has come of it, by several
 /// threads.
 ///
 /// # Errors

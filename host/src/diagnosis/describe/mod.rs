@@ -208,7 +208,7 @@ fn takes_slope(explanations: &[Explanation]) -> bool {
     courses.any(|one| SLOW.contains(&one.kind()))
 }
 
-/// What is left of an axis without the bands that were left out, where there are any: a tone that
+/// What is left of an axis without the bands that are excluded, where there are any: a tone that
 /// wanders and that all axes see is no more a common noise than it is a noise.
 fn passed(axis: &AxisState) -> Option<Series> {
     let seen = axis.whitened();

@@ -33,7 +33,7 @@ struct Waveform {
 /// Whether the curve of a waveform has the samples over which a converter's filter spreads a jump.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum AtJumps {
-    /// No more than what is measured there: they are left out of tests.
+    /// No more than what is measured there: they are excluded from tests.
     LeftOut,
     /// As the jump is there.
     Kept,
@@ -139,7 +139,7 @@ impl HeldCurve {
     }
 }
 
-/// Allan curve of waveforms, where the held-out half has samples that are not left out.
+/// Allan curve of waveforms, where the held-out half has samples that are not excluded.
 fn waveform(axis: &AxisState, waves: &[Wave], at_jumps: AtJumps) -> Vec<Point> {
     // Its sign is no matter.
     let mut waveform = vec![0.0; axis.residual.len()];

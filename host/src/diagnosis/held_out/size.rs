@@ -33,7 +33,7 @@ impl<'a> Sizes<'a> {
         last: &Snapshot,
     ) -> Self {
         Self {
-            // What a filter makes of a jump is left out of tests, but the jump is there.
+            // What a filter makes of a jump is excluded from tests, but the jump is there.
             waves: held.waveform(
                 axis,
                 &last.waves().cloned().collect::<Vec<_>>(),

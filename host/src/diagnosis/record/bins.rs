@@ -15,7 +15,7 @@ use crate::model::Term;
 use crate::spectrum::estimate::{self, Estimate};
 use crate::spectrum::{Cascade, Plan, Settings};
 
-/// What is left of the weight of a bin that is left out: no number, but no zero to divide by.
+/// What is left of the weight of a bin that is excluded: no number, but no zero to divide by.
 const NOTHING: f64 = 1e-9;
 
 /// Bins an octave: a choice. One is 4.4 % of its frequency wide.
@@ -35,7 +35,7 @@ pub struct SpectralBins {
     /// Densities of each of [`SEEN`] at the nodes, behind the chain.
     densities: Vec<Vec<f64>>,
     data: Data,
-    /// Degrees of freedom of the bins, those that are left out included.
+    /// Degrees of freedom of the bins, excluded ones included.
     dof: Vec<f64>,
     rate_hz: f64,
     band_limited: bool,
@@ -126,7 +126,7 @@ impl SpectralBins {
         }
     }
 
-    /// Degrees of freedom of the bins, those that are left out included.
+    /// Degrees of freedom of the bins, excluded ones included.
     pub fn dof(&self) -> &[f64] {
         &self.dof
     }

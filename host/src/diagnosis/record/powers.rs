@@ -24,7 +24,7 @@ pub struct Powers {
 
 /// Whitens `whole` by `density` and sums squares over blocks; `usable` says which samples count.
 pub fn powers(whole: &Transform, density: &[f64], usable: impl Fn(usize) -> bool + Sync) -> Powers {
-    // What is left out of the band leaves that many degrees of freedom less.
+    // What is excluded from the band leaves that many degrees of freedom less.
     let seen = density.iter().filter(|density| density.is_finite()).count();
     let share = seen as f64 / density.len() as f64;
     // Of whatever variance: what counts is how it changes.

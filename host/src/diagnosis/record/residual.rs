@@ -1,6 +1,6 @@
 //! What is left of a record once what has been explained is taken out of it.
 //!
-//! Waveforms are subtracted, single bad samples replaced, stretches that follow another law left out.
+//! Waveforms are subtracted, single bad samples replaced, stretches that follow another law excluded.
 //! All of it follows from the explanations of the axis: none of it is kept by itself.
 
 use std::ops::Range;
@@ -50,7 +50,7 @@ impl Residual {
         left
     }
 
-    /// The same record with other waveforms taken out, and the same stretches left out.
+    /// The same record with other waveforms taken out, and the same stretches excluded.
     pub fn with(&self, waves: impl IntoIterator<Item = Wave>) -> Self {
         let mut other = self.clone();
         other.taken.waves = waves.into_iter().collect();
@@ -86,7 +86,7 @@ impl Residual {
         self.measured.is_empty()
     }
 
-    /// What is left; NaN where missing or left out. The measured values themselves where nothing was
+    /// What is left; NaN where missing or excluded. The measured values themselves where nothing was
     /// taken out.
     pub fn values(&self) -> Arc<Vec<f64>> {
         let mut left = Arc::clone(&self.measured);
@@ -100,7 +100,7 @@ impl Residual {
         left
     }
 
-    /// All that is left out.
+    /// All ranges that are excluded.
     pub fn left_out(&self) -> impl Iterator<Item = &Range<usize>> {
         self.masked_or_cut().chain(&self.spread)
     }

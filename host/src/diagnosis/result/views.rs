@@ -154,7 +154,7 @@ pub struct Mark {
 pub struct Amplitudes {
     /// The record as it was measured, whitened by the model of the five terms.
     pub before: Counts,
-    /// With all that was found taken out, bad samples left out.
+    /// With all that was found taken out, bad samples excluded.
     pub after: Counts,
 }
 

@@ -1,4 +1,4 @@
-//! Whether events belong to a band that was left out.
+//! Whether events belong to a band that is excluded.
 //!
 //! A tone that is switched begins and ends with a jump of its slope, which the whitening of noise that
 //! rises with the frequency sums up to what a single bad sample would be; a shock that rings is large

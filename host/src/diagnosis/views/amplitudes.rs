@@ -15,7 +15,7 @@ impl Counts {
     pub fn new(axis: &AxisState) -> Self {
         let seen = axis.whitened();
         let rate_hz = axis.rate_hz;
-        // Bands that are left out and what a converter shuts out are no part of it; the rest is scaled
+        // Bands that are excluded and what a converter shuts out are no part of it; the rest is scaled
         // back to a deviation of one.
         let kept = |k: usize| k < seen.top && seen.density[k].is_finite();
         let all = seen.density.len();

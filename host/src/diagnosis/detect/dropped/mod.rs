@@ -24,10 +24,10 @@ const CUT: f64 = 64.0;
 /// Lines that are followed: the strongest show a loss best, and a record of many lines has no time for all of them.
 const MOST_LINES: usize = 16;
 
-/// Standard deviations of the moment that are left out as well: 99.7 %.
+/// Standard deviations of the moment that are excluded as well: 99.7 %.
 const UNSURE: f64 = 3.0;
 
-/// Looks for lines that all jump in phase at one moment. The moment is left out: where noise is cut there
+/// Looks for lines that all jump in phase at one moment. The moment is excluded: where noise is cut there
 /// are bad samples and bursts that are nothing of their own.
 pub static DETECTOR: Detector = Detector { tests: 1, look };
 

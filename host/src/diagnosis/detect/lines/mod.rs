@@ -209,7 +209,7 @@ fn look_for_wandering(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
 }
 
 fn excluded(look: &Look<'_>, one: &Measured) -> Excluded {
-    /// Width of what is left out, 1/T on either side: a choice.
+    /// Width of what is excluded, 1/T on either side: a choice.
     const WANDER_REACH: f64 = 40.0;
     let f_hz = one.line.frequency_hz;
     let width_hz = WANDER_REACH * look.axis.rate_hz / look.axis.filled.len() as f64;
