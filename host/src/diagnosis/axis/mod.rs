@@ -104,9 +104,9 @@ pub struct AxisState {
     pub fit: Fit,
     /// The residual, bridged.
     pub filled: Arc<Vec<f64>>,
-    /// Ranges that tests of single moments leave out, ascending and disjoint.
+    /// Ranges excluded from tests of single moments, ascending and disjoint.
     unusable: Vec<Range<usize>>,
-    /// What the bins are made for: ranges that are left out of the record.
+    /// What the bins are made for: ranges that are excluded from the record.
     left_out: Vec<Range<usize>>,
     fast: Arc<Transformer>,
     seen: Made<Arc<Whitened>>,
