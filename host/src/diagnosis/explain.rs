@@ -54,7 +54,7 @@ pub struct Explained {
 pub struct Bare {
     /// Fit of the five terms alone.
     pub fit: Fit,
-    /// What they get wrong.
+    /// What the five terms get wrong.
     pub discrepancies: Vec<Remark>,
     /// What pictures need of it, where views are wanted.
     pub before: Option<Before>,

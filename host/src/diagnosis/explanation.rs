@@ -32,7 +32,7 @@ pub enum Change {
     },
 }
 
-/// What a detector proposes.
+/// An effect that a detector proposes to take into the model.
 #[derive(Debug, Clone)]
 pub struct Candidate {
     /// The effect with its parameters.
@@ -87,7 +87,7 @@ pub struct Explanation {
     pub held_out_nats: Option<f64>,
     /// What it does to the record or to the model of its noise.
     pub change: Change,
-    /// Fit without it.
+    /// Fit of the model without it.
     pub before: Fit,
     /// Fit with it, as it was found.
     pub after: Fit,

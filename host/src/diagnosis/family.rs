@@ -6,12 +6,12 @@
 use super::options::Options;
 use super::{detect, doubt};
 
-/// Level of one test.
+/// Level of one test: the family's, shared evenly by all tests.
 pub fn level_of_one_test(options: &Options) -> f64 {
     options.family_level / f64::from(tests())
 }
 
-/// Tests of all tables.
+/// How many tests the tables of detectors and doubts make together.
 fn tests() -> u32 {
     let detectors = detect::BEFORE_ROUNDS.iter().chain(detect::ROUND);
     let detectors: u32 = detectors.map(|one| one.tests).sum();

@@ -5,11 +5,11 @@ use crate::model::kind::Kind;
 /// What has come of an axis meanwhile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Step {
-    /// It is begun with.
+    /// The axis is begun with.
     Begun,
     /// An effect was found in it, which may be given back later.
     Found(Kind),
-    /// It is done.
+    /// The axis is done.
     Done,
 }
 

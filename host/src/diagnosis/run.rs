@@ -16,7 +16,7 @@ use crate::diagnosis::{describe, explain};
 /// bytes a sample.
 const LONG_RECORD: usize = 1 << 22;
 
-/// Axes that are diagnosed.
+/// What came of the axes of a record.
 #[derive(Debug, Clone)]
 pub struct Diagnosed {
     /// In the order of the record.

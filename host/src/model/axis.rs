@@ -132,7 +132,7 @@ impl ModelEffect {
         Ok(Self { kind, values })
     }
 
-    /// Which effect.
+    /// Which effect of the catalogue it is.
     pub const fn kind(&self) -> Kind {
         self.kind
     }

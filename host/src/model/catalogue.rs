@@ -6,7 +6,7 @@ use super::{
     rounding, sinusoid, stale, steps, telegraph, thermal, timebase, warmup,
 };
 
-/// All effects.
+/// All effects of the catalogue.
 pub static CATALOGUE: &[Kind] = &[
     sinusoid::KIND,
     markov::KIND,

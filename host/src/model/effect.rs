@@ -58,9 +58,9 @@ pub trait Effect: Send + Sync {
 /// The frequencies that a spectrum covers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Band {
-    /// Lowest, hertz.
+    /// Lowest frequency of the band, hertz.
     pub from_hz: f64,
-    /// Highest, hertz.
+    /// Highest frequency of the band, hertz.
     pub to_hz: f64,
 }
 
@@ -166,7 +166,7 @@ pub enum Quantity {
     SignalPerKelvin,
     /// Two-sided spectral density, zero or above.
     Density,
-    /// Without a unit.
+    /// A number without a unit.
     Ratio,
     /// Without a unit, above zero.
     Factor,

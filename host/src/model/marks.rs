@@ -5,7 +5,7 @@
 pub enum Mark {
     /// A line or a peak.
     Line {
-        /// Its frequency, hertz.
+        /// Frequency of the mark, hertz.
         f_hz: f64,
         /// Which multiple of the effect's own frequency it is.
         multiple: u32,

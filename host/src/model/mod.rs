@@ -107,7 +107,7 @@ pub enum Coefficient {
 }
 
 impl Coefficient {
-    /// All five.
+    /// All five coefficients.
     pub const ALL: [Self; 5] = [Self::R, Self::K, Self::B, Self::N, Self::Q];
 
     /// Letter of the coefficient.

@@ -23,7 +23,7 @@ pub enum PublishedAxis {
 }
 
 impl PublishedAxis {
-    /// All three.
+    /// All three axes.
     pub const ALL: [Self; 3] = [Self::X, Self::Y, Self::Z];
 
     /// Name of the axis: its letter.

@@ -59,7 +59,7 @@ pub struct Profile<'a> {
     seam: [Transform; 2],
     /// Squares of walk and flicker without a waveform.
     squares: [f64; 2],
-    /// Log-likelihood with these.
+    /// Log-likelihood of the record without a waveform, nats.
     null: f64,
 }
 
@@ -79,7 +79,7 @@ struct Linear {
     products: DVector<f64>,
 }
 
-/// A fit of everything.
+/// A fit of walk, flicker and waveforms together.
 struct Best {
     squares: [f64; 2],
     sizes: DVector<f64>,

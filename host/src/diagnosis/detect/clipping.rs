@@ -12,7 +12,7 @@ use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
 use crate::model::clipping::KIND;
 
-/// Looks at both extremes.
+/// Looks for pile-ups at both extremes.
 pub static DETECTOR: Detector = Detector { tests: 1, look };
 
 fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {

@@ -9,7 +9,7 @@ use crate::diagnosis::result::value::Value;
 use crate::diagnosis::values::grid::Coarse;
 use crate::model::rounding::KIND;
 
-/// Looks for a grid.
+/// Looks for a grid that all values lie on.
 pub static DETECTOR: Detector = Detector { tests: 1, look };
 
 fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {

@@ -71,16 +71,16 @@ impl Look<'_> {
 /// What is to be done about what a detector saw.
 #[derive(Debug)]
 pub enum Proposal {
-    /// Explain something.
+    /// Take a candidate in as an explanation.
     Explain(Box<Candidate>),
     /// Exclude a band that no steady law speaks for, and take all laws back, and these kinds: they may have been
     /// found for it.
     Exclude(Excluded, Vec<Kind>),
     /// Exclude a line that does not keep its frequency; nothing is taken back.
     ExcludeLine(Excluded),
-    /// Take these kinds back.
+    /// Take explanations of these kinds back.
     Withdraw(Vec<Kind>),
-    /// Remember something.
+    /// Remember what explains nothing but decides what may.
     Learn(Lesson),
 }
 

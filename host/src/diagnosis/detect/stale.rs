@@ -12,7 +12,7 @@ use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
 use crate::model::stale::KIND;
 
-/// Looks for repeats.
+/// Looks for samples that repeat the one before.
 pub static DETECTOR: Detector = Detector { tests: 1, look };
 
 fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {

@@ -96,7 +96,7 @@ fn switching_band(axis: &AxisState) -> Option<Range<f64>> {
     Some(0.0..end_hz)
 }
 
-/// In words.
+/// What there is to say of an unsteady band.
 pub fn remark(found: &Unsteady) -> Remark {
     let Unsteady {
         from_hz,

@@ -25,9 +25,9 @@ pub static DOUBT: Doubt = Doubt { tests: 0, hear };
 
 /// What becomes of a law's name, and what there is to say.
 enum Verdict {
-    /// It stays.
+    /// The name stays, perhaps with a remark.
     Keeps(Option<Remark>),
-    /// It is none.
+    /// The name is taken back, perhaps with a remark.
     GivesBack(Option<Remark>),
 }
 

@@ -27,7 +27,7 @@ pub fn of_spectrum(axis: &AxisState, level: f64) -> Option<Departure> {
     departure.filter(|one| one.p_value < level)
 }
 
-/// The same in words.
+/// What there is to say of a departure of the spectrum.
 pub fn spectrum_remark(departure: &Departure) -> Remark {
     Remark {
         test: "spectrum".into(),
@@ -76,7 +76,7 @@ fn of_lines(axis: &AxisState, level: f64) -> impl Iterator<Item = Remark> {
     })
 }
 
-/// Noise whose strength moves.
+/// A remark on noise whose strength moves, where it does.
 fn of_strength(axis: &AxisState, level: f64) -> Option<Remark> {
     if axis.has(rounding::KIND) {
         return None;

@@ -18,7 +18,7 @@ use crate::model::kind::Kind;
 pub struct Law {
     /// The kind of effect.
     pub effect: Kind,
-    /// All its parameters.
+    /// All its parameters, in the order and the units of the catalogue.
     pub values: Vec<f64>,
 }
 
@@ -75,7 +75,7 @@ fn component_through(
     }
 }
 
-/// Likelihood with these laws.
+/// The likeliest sizes of the five terms and of these laws, their shapes as they are.
 pub fn fit(bins: &SpectralBins, data: &Data, laws: &[Law]) -> Option<Fit> {
     maximise(data, &components(bins, laws))
 }

@@ -214,7 +214,7 @@ impl Starts {
 pub struct Found {
     /// The law with the values that fit best, size 1.
     pub law: Law,
-    /// Fit of everything.
+    /// Fit of the five terms, the laws that were there and this one.
     pub fit: Fit,
     /// Gain in log-likelihood over the fit without it.
     pub nats: f64,

@@ -21,7 +21,7 @@ pub struct Spread<'a> {
 }
 
 impl<'a> Spread<'a> {
-    /// Of the fit `best`.
+    /// The spread about the fit `best` of the five terms and the `laws`.
     pub fn new(bins: &'a SpectralBins, data: &Data, laws: &'a [Law], best: &'a Fit) -> Self {
         let places: Vec<(usize, usize)> = (0..laws.len())
             .flat_map(|law| laws[law].shape().map(move |place| (law, place)))

@@ -57,7 +57,7 @@ impl Residual {
         other
     }
 
-    /// What is taken out.
+    /// The waveforms that are taken out.
     pub fn waves(&self) -> &[Wave] {
         &self.taken.waves
     }
@@ -76,7 +76,7 @@ impl Residual {
         &self.measured
     }
 
-    /// Samples, missing ones included.
+    /// How many samples there are, missing ones included.
     pub fn len(&self) -> usize {
         self.measured.len()
     }

@@ -7,7 +7,7 @@ use bytemuck::Pod;
 
 /// Numbers in memory, or in a spill file.
 pub enum Spilled<T> {
-    /// In memory.
+    /// The numbers, in memory.
     Kept(Vec<T>),
     /// In a file that is gone when it is closed.
     Written {

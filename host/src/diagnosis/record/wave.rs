@@ -16,7 +16,7 @@ pub struct Outlier {
     pub index: usize,
     /// How much it is too large, in the unit of the record.
     pub size: f64,
-    /// Standard deviation of that.
+    /// Standard deviation of the size.
     pub size_sd: f64,
 }
 
@@ -31,7 +31,7 @@ pub struct Jump {
     pub height_sd: f64,
     /// Standard deviation of the index, samples.
     pub index_sd: f64,
-    /// In standard deviations.
+    /// Its height, in standard deviations of that height.
     pub z: f64,
     /// Probability of as large a statistic anywhere without a jump.
     pub p_value: f64,
@@ -44,7 +44,7 @@ pub enum Wave {
     Steps(Vec<Jump>),
     /// Exponential settling from the start of the record.
     WarmUp {
-        /// Size at the start.
+        /// Distance from the final level at the start, in the unit of the signal.
         amplitude: f64,
         /// Time constant, samples.
         samples: f64,

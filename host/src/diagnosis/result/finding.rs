@@ -48,7 +48,7 @@ impl Diagnosis {
     }
 }
 
-/// One axis.
+/// The diagnosis of one axis.
 #[derive(Debug, Clone, Serialize)]
 pub struct AxisDiagnosis {
     /// Name of the axis.
@@ -81,10 +81,10 @@ pub struct Base {
     pub allan_error_sampling_percent: Option<f64>,
 }
 
-/// A test that fails.
+/// A test that fails and has no name.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Remark {
-    /// Which test.
+    /// Name of the test.
     pub test: String,
     /// Place in frequency, time or amplitude.
     #[serde(flatten)]
@@ -98,9 +98,9 @@ pub struct Remark {
 /// An effect that was found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Finding {
-    /// Which of the catalogue.
+    /// Which effect of the catalogue it is.
     pub effect: Kind,
-    /// What it is physically.
+    /// What it is physically, in words.
     pub cause: String,
     /// What to look at on the bench.
     pub check: String,
@@ -113,11 +113,11 @@ pub struct Finding {
     pub rivals: Vec<Rival>,
     /// What it is worth on data that the fit has not seen.
     pub gain: Gain,
-    /// Coefficients without it.
+    /// Coefficients as fitted without it, each in its own unit.
     pub without: PerCoefficient<Option<f64>>,
 }
 
-/// By the catalogue's names.
+/// Writes the parameters by the catalogue's names.
 fn named<S: Serializer>(estimate: &Estimate, serializer: S) -> Result<S::Ok, S::Error> {
     estimate.named().serialize(serializer)
 }
@@ -159,10 +159,10 @@ impl Finding {
     }
 }
 
-/// Another explanation.
+/// Another effect that explains the same.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Rival {
-    /// Which of the catalogue.
+    /// Which effect of the catalogue it is.
     pub effect: Kind,
     /// Natural logarithm of the odds for the finding against it.
     pub log_odds: f64,
@@ -178,7 +178,7 @@ pub struct Gain {
     pub allan_change_percent: Option<f64>,
     /// Error of the model's Allan deviation without it, percent.
     pub allan_error_percent_before: Option<f64>,
-    /// With it.
+    /// Error of the model's Allan deviation with it, percent.
     pub allan_error_percent_after: Option<f64>,
 }
 
@@ -206,6 +206,6 @@ pub struct Coefficient {
     pub hi: Option<f64>,
     /// Whether it is resolved from zero, in a test of 5 %.
     pub identified: bool,
-    /// Its 95 % bound.
+    /// Its 95 % bound; `None` where it is resolved, or not resolved next to what was taken out.
     pub upper: Option<f64>,
 }

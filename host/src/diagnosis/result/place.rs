@@ -30,7 +30,7 @@ pub enum Place {
 }
 
 impl From<Range<f64>> for Place {
-    /// Between two frequencies, hertz.
+    /// The place between two frequencies, hertz.
     fn from(band: Range<f64>) -> Self {
         Self::Band {
             ends_hz: [band.start, band.end],

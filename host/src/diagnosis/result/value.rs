@@ -7,9 +7,9 @@ use serde::Serialize;
 pub struct Value {
     /// The best estimate, in the unit of its parameter.
     pub value: f64,
-    /// Lower end.
+    /// Lower end of its 95 % interval; `None` where it has none.
     pub lo: Option<f64>,
-    /// Upper end.
+    /// Upper end of its 95 % interval; `None` where it has none.
     pub hi: Option<f64>,
 }
 
@@ -46,7 +46,7 @@ impl Value {
         }
     }
 
-    /// Known as it is.
+    /// A number that is known as it is.
     pub const fn exact(value: f64) -> Self {
         Self {
             value,

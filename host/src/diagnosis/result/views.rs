@@ -7,11 +7,11 @@ use crate::model::kind::Kind;
 /// The views of one axis; all of them empty where none were wanted.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Views {
-    /// Allan deviation.
+    /// Points of the Allan deviation, by ascending time.
     pub allan: Vec<AllanPoint>,
     /// That of the held-out half, where it says how far the models are off.
     pub held_out: Vec<HeldPoint>,
-    /// Spectral density.
+    /// Points of the spectral density, by ascending frequency.
     pub spectrum: Vec<SpectrumPoint>,
     /// Growth of the velocity error.
     pub velocity_error: Vec<VelocityError>,
@@ -32,7 +32,7 @@ pub struct AllanPoint {
     pub tau_s: f64,
     /// Averaging time, samples.
     pub m: u64,
-    /// Measured deviation.
+    /// Measured deviation, in the unit of the signal.
     pub adev: f64,
     /// Lower end of its 95 % interval.
     pub lo: f64,
@@ -53,7 +53,7 @@ pub struct HeldPoint {
     pub tau_s: f64,
     /// Averaging time, samples.
     pub m: u64,
-    /// Measured deviation.
+    /// Measured deviation, in the unit of the signal.
     pub adev: f64,
     /// Equivalent degrees of freedom behind it, 1000 or more.
     pub edf: f64,
@@ -68,7 +68,7 @@ pub struct HeldPoint {
 pub struct SpectrumPoint {
     /// Mean frequency, hertz.
     pub f_hz: f64,
-    /// Measured density.
+    /// Measured two-sided density, squared unit of the signal per hertz.
     pub psd: f64,
     /// Lower end of its 95 % interval.
     pub lo: f64,
@@ -103,14 +103,14 @@ pub struct VelocityError {
     pub after: f64,
 }
 
-/// The record in time.
+/// The record in time, in columns.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Course {
     /// Length of a column, seconds.
     pub column_s: f64,
     /// The columns; values are about [`Course::mean`].
     pub columns: Vec<Column>,
-    /// Mean of the record.
+    /// Mean of the record, in the unit of the signal.
     pub mean: f64,
     /// Moments and stretches that findings are about.
     pub marks: Vec<Mark>,
@@ -141,7 +141,7 @@ pub struct Extent {
 pub struct Mark {
     /// Kind of the effect.
     pub effect: Kind,
-    /// Begin, seconds.
+    /// Begin, seconds into the record.
     pub from_s: f64,
     /// End, seconds; the same as the begin for a moment.
     pub to_s: f64,

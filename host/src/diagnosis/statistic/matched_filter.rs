@@ -79,7 +79,7 @@ impl Transformer {
         }
     }
 
-    /// Samples used.
+    /// How many samples of a record are used.
     pub fn len(&self) -> usize {
         self.len
     }
@@ -244,7 +244,7 @@ pub trait Waveform {
     fn at(&self, turn: Complex64) -> Complex64;
 }
 
-/// One sample.
+/// A single sample of size 1.
 pub struct Impulse;
 
 impl Waveform for Impulse {
@@ -253,7 +253,7 @@ impl Waveform for Impulse {
     }
 }
 
-/// A jump that stays.
+/// A jump by 1 that stays.
 pub struct Step;
 
 impl Waveform for Step {
@@ -281,7 +281,7 @@ impl Waveform for Settling {
 
 /// What a matched filter says of every moment.
 pub struct Match {
-    /// In standard deviations.
+    /// Size of the waveform at every moment, in standard deviations of that size.
     pub z: Series,
     /// Standard deviation of the waveform's size.
     pub size_sd: f64,
@@ -294,9 +294,9 @@ pub struct Match {
 pub enum Half {
     /// All ordinates.
     Both,
-    /// Those with even numbers.
+    /// The ordinates with even numbers.
     Even,
-    /// Those with odd numbers.
+    /// The ordinates with odd numbers.
     Odd,
 }
 
@@ -375,7 +375,7 @@ impl Projection {
         }
     }
 
-    /// In standard deviations.
+    /// Size of the waveform, in standard deviations of that size.
     pub fn z(self) -> f64 {
         self.product / self.power.sqrt()
     }

@@ -70,7 +70,7 @@ struct Part {
     phasor: Complex64,
     /// One over the variance of its real part.
     weight: f64,
-    /// Which part it is.
+    /// Number of the part, from 0.
     number: f64,
 }
 

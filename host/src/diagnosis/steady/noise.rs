@@ -54,9 +54,9 @@ const FREE_ENDS: f64 = 16.0;
 /// A band in which noise is not as steady as noise is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Unsteady {
-    /// Lower end, hertz.
+    /// Lower end of the band, hertz.
     pub from_hz: f64,
-    /// Upper end, hertz.
+    /// Upper end of the band, hertz.
     pub to_hz: f64,
     /// Where it is plainest, hertz.
     pub peak_hz: f64,
@@ -147,7 +147,7 @@ struct Best {
 /// Sums of the tiles' scores, group by group of `size` ordinates.
 struct Groups {
     size: usize,
-    /// First ordinate of each.
+    /// First ordinate of each group.
     starts: Vec<usize>,
     /// Sums of scores, and tiles, up to each.
     scores: Vec<f64>,

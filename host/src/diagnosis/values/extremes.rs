@@ -12,9 +12,9 @@ const SHARED: f64 = 1.0 / 2048.0;
 pub struct Clipping {
     /// The extreme value, in the unit of the signal.
     pub level: f64,
-    /// +1 upper, -1 lower.
+    /// Which extreme it is: 1 for the upper, -1 for the lower.
     pub side: f64,
-    /// Samples there.
+    /// How many samples pile up there.
     pub count: u64,
     /// Probability of the pile-up by chance.
     pub p_value: f64,

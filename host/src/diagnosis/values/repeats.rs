@@ -27,9 +27,9 @@ const MANY: f64 = 1000.0;
 /// Samples that repeat the one before.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stale {
-    /// Repeats beyond chance.
+    /// How many repeats there are beyond chance.
     pub count: f64,
-    /// Share of all samples.
+    /// Share of these in all samples.
     pub share: f64,
     /// Standard deviation of the share.
     pub share_sd: f64,
@@ -40,7 +40,7 @@ pub struct Stale {
 /// Repeats that chance has in a record.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Chance {
-    /// Expected number.
+    /// Expected number of repeats.
     pub count: f64,
     /// Variance of this expectation, for what it is read off is a count itself.
     pub variance: f64,

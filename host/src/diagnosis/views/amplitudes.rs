@@ -35,7 +35,7 @@ impl Counts {
         Self { counts }
     }
 
-    /// Samples that were counted.
+    /// How many samples were counted, in all classes.
     pub fn total(&self) -> u64 {
         self.counts.iter().sum()
     }

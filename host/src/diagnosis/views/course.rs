@@ -54,7 +54,7 @@ impl Course {
         }
     }
 
-    /// Length, seconds.
+    /// Length of the course, seconds.
     pub fn duration_s(&self) -> f64 {
         self.column_s * self.columns.len() as f64
     }

@@ -134,7 +134,7 @@ impl Window {
 /// Errors that windows end with.
 #[derive(Debug, Clone, Copy, Default)]
 struct Seen {
-    /// Sum of their squares.
+    /// Sum of the squares of the errors.
     squares: f64,
     /// Windows without a missing sample.
     count: usize,
@@ -144,9 +144,9 @@ struct Seen {
 
 /// Sums of a block from its start.
 struct Sums {
-    /// Over what is there.
+    /// Sums of the samples that are there, up to each.
     sums: Vec<f64>,
-    /// Samples that are not.
+    /// Samples that are missing, up to each.
     missing: Vec<u32>,
 }
 
@@ -166,7 +166,7 @@ impl Sums {
         Self { sums, missing }
     }
 
-    /// Samples, missing ones included.
+    /// How many samples the window spans, missing ones included.
     fn len(&self) -> usize {
         self.sums.len() - 1
     }

@@ -46,7 +46,7 @@ impl Before {
 /// The models that are compared.
 #[derive(Clone, Copy)]
 pub struct Models<'a> {
-    /// Five terms alone.
+    /// The model of the five terms alone.
     pub base: &'a ModelAxis,
     /// The noise of the extended model: five terms and what has a spectrum.
     pub noise: &'a ModelAxis,
@@ -57,11 +57,11 @@ pub struct Models<'a> {
 /// A stretch of another variance.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Burst {
-    /// Share of the record.
+    /// Share of the record that the stretch takes.
     share: f64,
-    /// Its length, seconds.
+    /// Length of the stretch, seconds.
     duration_s: f64,
-    /// Factor on the variance.
+    /// Factor on the variance in the stretch.
     factor: f64,
 }
 

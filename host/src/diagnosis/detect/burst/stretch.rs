@@ -20,7 +20,7 @@ pub struct Burst {
     pub log_factor_sd: f64,
     /// Uncertainty of both ends, samples.
     pub end_sd: f64,
-    /// Gain in log-likelihood.
+    /// Gain in log-likelihood over noise of one strength, nats.
     pub nats: f64,
     /// The same on blocks that the factor was not fitted to, if the stretch has some of both.
     pub held_nats: Option<f64>,

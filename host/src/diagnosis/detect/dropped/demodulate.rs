@@ -32,7 +32,7 @@ pub struct Turn {
 
 /// A record in blocks, their straight lines taken out.
 pub struct Blocks {
-    /// Samples a block.
+    /// How many samples a block has.
     pub len: usize,
     /// The samples; zero where not usable.
     pub values: Vec<f64>,

@@ -71,9 +71,9 @@ pub struct Loss {
     pub index: usize,
     /// Standard deviation of it, samples.
     pub index_sd: f64,
-    /// Its 95 % interval.
+    /// Lower end of the index' 95 % interval, samples.
     pub index_lo: f64,
-    /// Upper end.
+    /// Upper end of that interval, samples.
     pub index_hi: f64,
     /// Samples lost. Numbers that differ by a common period of all lines cannot be distinguished:
     /// the smallest.
@@ -359,7 +359,7 @@ fn looked(blocks: &Blocks, quiet: &Quiet, lines: &[Line], longest: usize) -> (Ta
 /// A length looked at closely.
 struct Found {
     best: Best,
-    /// The moment, samples.
+    /// What is known of the moment, samples.
     moment: Posterior,
     turned: Vec<Turned>,
     /// Gain in log-likelihood over no lines at all.
@@ -367,7 +367,7 @@ struct Found {
 }
 
 impl Found {
-    /// Gain over steady lines.
+    /// Gain in log-likelihood over steady lines, nats.
     fn nats(&self, lines: &[Line]) -> f64 {
         self.gain - lines.iter().map(|line| line.gain).sum::<f64>()
     }

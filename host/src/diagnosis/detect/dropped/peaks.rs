@@ -25,7 +25,7 @@ pub(crate) const HARMONICS: u32 = 10;
 /// Where to look for a line.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Place {
-    /// Middle, cycles a sample.
+    /// Middle of the place, cycles a sample.
     pub(crate) cycles: f64,
     /// Distance of the outermost main peaks, cycles a record.
     pub(crate) width: f64,

@@ -6,7 +6,7 @@ use crate::spectrum::Line;
 /// Lines with one cause.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Group {
-    /// One by itself.
+    /// A line by itself.
     Single(Measured),
     /// Mains and harmonics: base frequency with its standard deviation, and each line's number.
     Hum {
@@ -19,7 +19,7 @@ pub enum Group {
     },
     /// Lines that stand closer than the record can have separate ones: a narrow peak.
     Cluster {
-        /// Middle, hertz.
+        /// Middle of the lines, hertz.
         f_hz: f64,
         /// Distance of the outermost, hertz.
         width_hz: f64,

@@ -16,7 +16,7 @@ const TAPER: f64 = 0.05;
 /// A line with its phase.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
-    /// As it was found.
+    /// The line as it was found, with the amplitude that was measured.
     pub line: Line,
     /// As it is taken out.
     pub wave: Wave,

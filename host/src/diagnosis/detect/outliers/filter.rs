@@ -24,7 +24,7 @@ const NOTHING: f64 = 1e-3;
 /// The outliers of a record, ascending, and the p-value of the largest.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Found {
-    /// All beyond the threshold.
+    /// All outliers beyond the threshold.
     pub outliers: Vec<Outlier>,
     /// Probability that noise has a sample as far out anywhere.
     pub p_value: f64,

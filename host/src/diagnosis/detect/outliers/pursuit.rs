@@ -32,7 +32,7 @@ pub struct Pursuit {
 }
 
 impl Pursuit {
-    /// Nothing explained yet.
+    /// A filter's `output` of which nothing is explained yet.
     pub fn new(output: Series, answer: Vec<f64>) -> Self {
         Self {
             left: output,

@@ -11,7 +11,7 @@ const LEAST_OUTLIERS: usize = 5;
 /// Law of all outliers, those too small to be seen included.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SizeLaw {
-    /// Outliers in the record.
+    /// How many outliers there are in the record.
     pub count: f64,
     /// Standard deviation of the logarithm of their number.
     pub count_log_sd: f64,

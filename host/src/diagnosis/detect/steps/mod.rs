@@ -104,7 +104,7 @@ fn join(jumps: &mut Vec<Jump>, new: Vec<Jump>, reach: usize) {
     jumps.sort_by_key(|jump| jump.index);
 }
 
-/// Jumps as steps.
+/// The effect of jumps that stay, with the moment and the height of each.
 fn estimate(jumps: &[Jump], rate_hz: f64) -> Estimate {
     /// Standard deviation of a moment between two samples, over their distance: `1 / sqrt 12`.
     const BETWEEN: f64 = 0.288_675_134_594_812_9;

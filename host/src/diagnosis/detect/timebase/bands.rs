@@ -43,7 +43,7 @@ const BIN_SD: f64 = 0.1;
 /// A band that stands out.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Band {
-    /// Its middle, hertz.
+    /// Centre of the power beyond the floor, hertz.
     pub f_hz: f64,
     /// By how much that moves from one eighth of the record to another, standard deviation, hertz.
     pub f_sd_hz: f64,

@@ -41,7 +41,7 @@ const SIDE_LINES: i32 = 2;
 pub struct Mark {
     /// Frequency, hertz.
     pub f_hz: f64,
-    /// Standard deviation of it.
+    /// Standard deviation of the frequency, hertz.
     pub f_sd_hz: f64,
     /// Whether that is by how much it wanders.
     pub wanders: bool,
@@ -60,9 +60,9 @@ impl Mark {
 pub struct Rate {
     /// True rate over the rate that the record says: a line of `f` appears at `f / ratio`.
     pub ratio: f64,
-    /// Standard deviation of it.
+    /// Standard deviation of the ratio.
     pub ratio_sd: f64,
-    /// Lines that agree.
+    /// How many lines agree on the ratio.
     pub matched: usize,
     /// Of these, how many are not multiples of one another. With one alone a machine that turned
     /// faster explains as much.
