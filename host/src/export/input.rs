@@ -119,7 +119,7 @@ impl Input {
                     .and_then(|one| one.get(field))
                     .and_then(Value::as_f64)
             };
-            // The likelihood fit says so; the weighted one gives a value to what it cannot tell
+            // The likelihood fit says so; the weighted one gives a value to what it cannot resolve
             // from zero, with an interval that begins there.
             let told = |one: Coefficient| {
                 fit.get(one.symbol())

@@ -162,7 +162,7 @@ pub fn sentence(value: &LikelihoodValue) -> String {
         ),
         Trust::Bound => {
             let Some(upper) = value.upper else {
-                return "the record tells nothing of it".into();
+                return "the record says nothing of it".into();
             };
             let longer = value.record_longer_by.map_or(String::new(), |factor| {
                 format!(

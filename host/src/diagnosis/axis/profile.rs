@@ -262,7 +262,7 @@ impl Linear {
 }
 
 /// Standard normal size as rare as twice the gain in log-likelihood of one size, where `freedom`
-/// degrees tell the noise.
+/// degrees determine the noise.
 fn as_normal(twice: f64, freedom: f64) -> f64 {
     let freedom = freedom.max(2.0);
     let t = (freedom * (twice / (freedom + 1.0)).exp_m1()).sqrt();

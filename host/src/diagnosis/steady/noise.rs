@@ -92,7 +92,8 @@ fn over_time(seen: &Whitened, mut band: Vec<Complex64>) -> Vec<f64> {
     band.iter().map(|value| value.norm_sqr() * unit).collect()
 }
 
-/// Power in a band over time, at even moments, over its mean: of the record as it is, whether or not the band is excluded.
+/// Power in a band over time, at even moments, over its mean: of the record as it is, whether or
+/// not the band is excluded.
 pub fn course(axis: &AxisState, band: &Range<f64>) -> Vec<f64> {
     let seen = axis.whitened();
     let place = |f_hz: f64| (f_hz / seen.transform.frequency(1)) as usize;

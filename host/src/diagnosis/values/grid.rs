@@ -26,8 +26,8 @@ pub struct Coarse {
 }
 
 impl Coarse {
-    /// A grid of this `step`, if it is coarser than `declared` and not lost in noise of the deviation `noise`, which as it
-    /// is has the root mean square `rms`.
+    /// A grid of this `step`, if it is coarser than `declared` and not lost in noise of the deviation
+    /// `noise`, which as it is has the root mean square `rms`.
     pub fn new(step: f64, declared: Option<f64>, noise: f64, rms: f64) -> Option<Self> {
         /// Least step over that of the codes: a grid of every second code is one.
         const COARSER: f64 = 1.5;

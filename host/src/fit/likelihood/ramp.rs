@@ -21,7 +21,7 @@ const STEPS: usize = 60;
 /// Relative accuracy of an end.
 const CLOSE: f64 = 1e-3;
 
-/// Least degrees of freedom of the slope's variance: about as many ordinates tell of a walk too
+/// Least degrees of freedom of the slope's variance: about as many ordinates show a walk too
 /// weak to be seen.
 const LEAST_DOF: f64 = 3.0;
 

@@ -7,7 +7,7 @@
 //! one another (log-uniform over `RANGE`), less what a right clock gains in the same way.
 //!
 //! Lines of one machine wander together: as many of them are no surer than the surest. And what
-//! lines cannot tell is a machine that itself turned faster, whose harmonics and side lines shift
+//! lines cannot decide is whether a machine itself turned faster, whose harmonics and side lines shift
 //! together as well: [`Rate::sources`] counts those that can have nothing to do with one another.
 
 use std::f64::consts::TAU;
