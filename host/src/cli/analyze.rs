@@ -11,7 +11,7 @@ use crate::source::open::open;
 /// Arguments of `inm analyze`.
 #[derive(Debug, Args)]
 pub struct Analyze {
-    /// Record to read: an array file, or - for standard input.
+    /// Record to read: a capture, an array file, or - for standard input.
     file: String,
     #[command(flatten)]
     input: InputOptions,
