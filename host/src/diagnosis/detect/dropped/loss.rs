@@ -258,9 +258,12 @@ fn search(
 /// Lines at these places that are strong enough and stand by themselves, the strongest first; the record has
 /// `length` samples.
 fn separate(blocks: &Blocks, places: &[&Place], length: usize) -> Vec<Line> {
-    let lines = places
-        .iter()
-        .map(|place| Line::new(blocks.at(place.cycles), 0.5 * place.width + 2.0 * LINE_REACH));
+    let lines = places.iter().map(|place| {
+        Line::new(
+            blocks.at(place.cycles),
+            0.5 * place.width + 2.0 * LINE_REACH,
+        )
+    });
     let mut lines: Vec<Line> = lines.filter(|line| line.gain > LEAST_LINE).collect();
     lines.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     let mut separate: Vec<Line> = Vec::new();
@@ -307,7 +310,10 @@ impl Case<'_> {
         let middle = moment.middle / self.blocks.len as f64;
         let others = ratio::others(self.lines, loudest, middle, self.longest);
         let left: f64 = pairs()
-            .map(|(turned, line)| line.seen.left_over(turned.offset, Some(turned.turn), AROUND_LINE))
+            .map(|(turned, line)| {
+                line.seen
+                    .left_over(turned.offset, Some(turned.turn), AROUND_LINE)
+            })
             .sum();
         // Noise leaves as many as there are ordinates, with that variance.
         let spread = ((2 * AROUND_LINE + 1) as f64 * self.lines.len() as f64).sqrt();

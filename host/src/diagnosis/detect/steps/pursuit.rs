@@ -18,8 +18,8 @@ use crate::diagnosis::statistic::matched_filter::{Match, Transformer, held_out_g
 const FINE: usize = 8;
 
 /// Samples on either side of a shock in which no jump is looked for any more: as many as make a stretch of its
-/// own ([`burst::LONG`]).
-const SHOCK: usize = burst::LONG;
+/// own ([`burst::LONG_STRETCH`]).
+const SHOCK: usize = burst::LONG_STRETCH;
 
 /// A copy of a record out of which jumps are taken.
 pub struct Pursuit<'a> {
@@ -74,7 +74,7 @@ impl<'a> Pursuit<'a> {
         let reach = 2 * self.axis().slow_factor();
         let mut next = Some(first);
         let mut all: Vec<Jump> = Vec::new();
-        while let Some(jump) = next.filter(|_| known + all.len() <= MOST) {
+        while let Some(jump) = next.filter(|_| known + all.len() <= MOST_JUMPS) {
             let jump = match &filter {
                 Some(statistic) => filter::place(statistic, jump, reach),
                 None => jump,
