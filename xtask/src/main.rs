@@ -14,6 +14,7 @@
 //!   image     building an image          elf    reading one
 //!   tools     the target and QEMU        run    running a command
 //!   layers    which module may import which, a test
+//!   names     what an effect is called is said once, a test
 //! ```
 
 mod bench;
@@ -26,6 +27,8 @@ mod instructions;
 #[cfg(test)]
 mod layers;
 mod links;
+#[cfg(test)]
+mod names;
 mod run;
 mod size;
 mod study;

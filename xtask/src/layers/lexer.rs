@@ -1,7 +1,22 @@
-//! Rust source as words and signs, without comments, literals and tests.
+//! Rust source as words and signs, without comments and tests, and without literals unless they are asked for.
 
 /// The words and signs of a source file, `::` as one of them.
 pub fn tokens(text: &str) -> Vec<&str> {
+    split(text, false)
+}
+
+/// The same with its string literals among them, each with its marks.
+pub fn tokens_with_strings(text: &str) -> Vec<&str> {
+    split(text, true)
+}
+
+/// What a string literal holds, as it is written; `None` for any other token.
+pub fn content(token: &str) -> Option<&str> {
+    let body = token.trim_start_matches(['b', 'c', 'r']).trim_matches('#');
+    body.strip_prefix('"')?.strip_suffix('"')
+}
+
+fn split(text: &str, with_strings: bool) -> Vec<&str> {
     let mut tokens = Vec::new();
     let mut rest = text;
     while let Some(first) = rest.chars().next() {
@@ -13,7 +28,7 @@ pub fn tokens(text: &str) -> Vec<&str> {
         } else if rest.starts_with("/*") {
             (rest.find("*/").map_or(rest.len(), |at| at + 2), false)
         } else if let Some(len) = string(rest) {
-            (len, false)
+            (len, with_strings)
         } else if first == '\'' {
             (character(rest), false)
         } else if word > 0 {

@@ -5,9 +5,9 @@
 //!   rules   what must never be             mod    whether it is so
 //! ```
 
-mod lexer;
+pub mod lexer;
 mod rules;
-mod tree;
+pub mod tree;
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -40,8 +40,7 @@ impl Tree {
     /// # Errors
     /// Something there cannot be read.
     pub fn read(name: &str, folder: &Path) -> Result<Self> {
-        let mut files = BTreeMap::new();
-        collect(folder, "", &mut files)?;
+        let files = sources(folder)?;
         let files: Vec<(&str, &str)> = files
             .iter()
             .map(|(path, text)| (path.as_str(), text.as_str()))
@@ -78,6 +77,16 @@ impl Tree {
     }
 }
 
+/// The source files in a folder: their texts, by path.
+///
+/// # Errors
+/// Something there cannot be read.
+pub fn sources(folder: &Path) -> Result<BTreeMap<String, String>> {
+    let mut files = BTreeMap::new();
+    collect(folder, "", &mut files)?;
+    Ok(files)
+}
+
 fn collect(folder: &Path, prefix: &str, files: &mut BTreeMap<String, String>) -> Result<()> {
     let place = || format!("{}: cannot be read", folder.display());
     for entry in std::fs::read_dir(folder).with_context(place)? {
@@ -94,7 +103,7 @@ fn collect(folder: &Path, prefix: &str, files: &mut BTreeMap<String, String>) ->
 }
 
 /// Full name of the module in a file.
-fn module(name: &str, path: &str) -> String {
+pub fn module(name: &str, path: &str) -> String {
     let path = path.trim_end_matches(".rs");
     let path = path.strip_suffix("/mod").unwrap_or(path);
     match path {
