@@ -4,7 +4,6 @@ use std::f64::consts::TAU;
 
 /// Hann's taper at `place` of a stretch of `length`, in the same unit: zero at both ends, one in the
 /// middle.
-#[allow(dead_code, reason = "the diagnosis still has copies of its own")]
 pub fn hann(place: f64, length: f64) -> f64 {
     0.5 - 0.5 * (TAU * place / length).cos()
 }

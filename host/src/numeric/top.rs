@@ -19,7 +19,6 @@ pub fn climb(start: f64, step: f64, finest: f64, height: impl Fn(f64) -> f64) ->
 
 /// Place of the only top between `low` and `high`, by the golden section: each of the `steps` leaves
 /// 0.62 of what was left.
-#[allow(dead_code, reason = "the diagnosis still has a copy of its own")]
 pub fn golden_section(low: f64, high: f64, steps: u32, height: impl Fn(f64) -> f64) -> f64 {
     let ratio = 0.5 * (5_f64.sqrt() - 1.0);
     let (mut low, mut high) = (low, high);

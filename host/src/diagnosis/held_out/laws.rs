@@ -9,6 +9,7 @@ use crate::diagnosis::statistic::matched_filter::Half;
 use crate::fit::likelihood::scoring::{Range, greatest_beside};
 use crate::fit::likelihood::{Data, log_likelihood};
 use crate::model::effect::Part;
+use crate::numeric::mixture::add_mixture;
 
 /// Bins an octave, as those of the fit.
 const BINS_PER_OCTAVE: f64 = 16.0;
@@ -55,11 +56,7 @@ impl<'a> Ordinates<'a> {
             Range::NonNegative,
         )?;
         let mut expected = vec![0.0; self.held.len()];
-        for (component, squared) in self.components(laws, &self.held).iter().zip(&squared) {
-            for (expected, one) in expected.iter_mut().zip(component) {
-                *expected += squared * one;
-            }
-        }
+        add_mixture(&mut expected, &self.components(laws, &self.held), &squared);
         Some(log_likelihood(&self.held, &expected))
     }
 

@@ -25,6 +25,7 @@ use crate::diagnosis::record::residual::Residual;
 use crate::fit::likelihood::components::SEEN;
 use crate::fit::likelihood::log_likelihood;
 use crate::model::PerCoefficient;
+use crate::numeric::mixture::add_mixture;
 
 /// Blocks of the record, half of them held out: a choice. Of fewer both halves would not see the
 /// same hours, shorter ones would not see what is slow.
@@ -81,11 +82,7 @@ impl Halves {
         let fit = search::polish(&self.train, &train, &mut laws, 0, 0.05)?;
         let components = components(&self.held, &laws);
         let mut expected = vec![0.0; held.len()];
-        for (component, squared) in components.iter().zip(&fit.squared) {
-            for (expected, value) in expected.iter_mut().zip(component) {
-                *expected += squared * value;
-            }
-        }
+        add_mixture(&mut expected, &components, &fit.squared);
         Some(log_likelihood(&held, &expected))
     }
 

@@ -11,6 +11,7 @@ use crate::fit::likelihood::{Data, Fit};
 use crate::model::catalogue::CATALOGUE;
 use crate::model::effect::Band;
 use crate::model::kind::Kind;
+use crate::numeric::mixture::add_mixture;
 
 /// Smallest step in the logarithm of a shape: a choice, 0.2 %.
 const FINEST: f64 = 2e-3;
@@ -172,11 +173,7 @@ impl Starts {
                     let mut all = laws.to_vec();
                     all.push(start.law.clone());
                     let mut change: Vec<f64> = base.expected.iter().map(|e| -e).collect();
-                    for (component, squared) in components(bins, &all).iter().zip(&base.squared) {
-                        for (change, one) in change.iter_mut().zip(component) {
-                            *change += squared * one;
-                        }
-                    }
+                    add_mixture(&mut change, &components(bins, &all), &base.squared);
                     change
                 }
             })

@@ -8,6 +8,7 @@ use realfft::num_complex::Complex64;
 
 use crate::diagnosis::statistic::matched_filter::Transform;
 use crate::diagnosis::statistic::spread::middle_spread;
+use crate::numeric::order::median;
 
 /// Samples of a block: a choice. Their mean square scatters by 18 %, and nothing shorter has a
 /// place of its own.
@@ -76,8 +77,7 @@ impl Powers {
                 let near =
                     block.saturating_sub(LOCAL_BLOCKS)..(block + LOCAL_BLOCKS + 1).min(blocks);
                 let mut near = self.powers[near].to_vec();
-                let middle = near.len() / 2;
-                let (_, median, _) = near.select_nth_unstable_by(middle, f64::total_cmp);
+                let median = median(&mut near).unwrap_or(0.0);
                 median.max(0.0).sqrt()
             })
             .collect();

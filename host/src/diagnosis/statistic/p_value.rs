@@ -5,6 +5,8 @@ use statrs::distribution::{
     ChiSquared, ContinuousCDF, Discrete, DiscreteCDF, Gamma, NegativeBinomial, Normal, Poisson,
 };
 
+use crate::numeric::bisect::bisect;
+
 /// Probability of a standard normal beyond `z` on either side.
 pub fn two_sided(z: f64) -> f64 {
     2.0 * Normal::standard().sf(z.abs())
@@ -87,16 +89,7 @@ pub fn highest_on_path(nats: f64, length: f64) -> f64 {
 
 /// Size that [`highest`] reaches with probability `level`.
 pub fn threshold(level: f64, len: usize, crossings: f64) -> f64 {
-    let (mut low, mut high) = (0.0, 40.0);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if highest(middle, len, crossings) > level {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    high
+    bisect(0.0, 40.0, 60, |z| highest(z, len, crossings) > level)
 }
 
 #[cfg(test)]

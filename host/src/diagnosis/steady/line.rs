@@ -6,13 +6,12 @@
 //! chi-squared with 2 (8 - 1) - 1 degrees of freedom once a turn of the phase in proportion to time is
 //! taken out, which is the frequency's own error.
 
-use std::f64::consts::TAU;
-
 use realfft::num_complex::Complex64;
 
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::statistic::p_value;
 use crate::fft::phasor::Phasor;
+use crate::numeric::taper::hann;
 
 /// Parts of the record: a choice. More see quicker changes and each has less of the line.
 const PARTS: usize = 8;
@@ -84,7 +83,7 @@ fn phasor(axis: &AxisState, cycles: f64, from: usize, length: usize) -> Option<(
         if !axis.usable(from + offset) {
             return;
         }
-        let window = 0.5 - 0.5 * (TAU * (offset as f64 + 0.5) / length as f64).cos();
+        let window = hann(offset as f64 + 0.5, length as f64);
         sum += window * value * phasor;
         weights += window;
         squares += window * window;
@@ -95,6 +94,7 @@ fn phasor(axis: &AxisState, cycles: f64, from: usize, length: usize) -> Option<(
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
     use std::sync::Arc;
 
     use super::*;

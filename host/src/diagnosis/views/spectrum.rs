@@ -9,6 +9,7 @@ use crate::diagnosis::record::bins::SpectralBins;
 use crate::diagnosis::result::views::SpectrumPoint;
 use crate::diagnosis::views::Burst;
 use crate::fit::likelihood::Fit;
+use crate::numeric::mixture::add_mixture;
 use crate::spectrum::pool;
 
 /// Degrees of freedom of a point, at least: bins with less are taken together. The density is then
@@ -127,10 +128,6 @@ fn mean(values: &[f64], edf: &[f64], run: &Range<usize>) -> f64 {
 fn sum(components: &[Vec<f64>], squared: &[f64]) -> Vec<f64> {
     let bins = components.first().map_or(0, Vec::len);
     let mut total = vec![0.0; bins];
-    for (component, squared) in components.iter().zip(squared) {
-        for (total, value) in total.iter_mut().zip(component) {
-            *total += squared * value;
-        }
-    }
+    add_mixture(&mut total, components, squared);
     total
 }

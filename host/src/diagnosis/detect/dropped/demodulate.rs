@@ -16,6 +16,9 @@ use std::f64::consts::{LN_2, TAU};
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex64;
 
+use crate::numeric::order::median;
+use crate::numeric::top::golden_section;
+
 /// Share of the band of the blocks on either side of its middle that does not count as noise, one
 /// over this: there stand the skirts of a line that jumps. An eighth is a choice, and leaves three
 /// quarters of the ordinates.
@@ -124,9 +127,8 @@ fn noise(sums: &[Complex64], weight: f64) -> f64 {
         .iter()
         .map(|one| one.norm_sqr())
         .collect();
-    let middle = powers.len() / 2;
-    let (_, median, _) = powers.select_nth_unstable_by(middle, f64::total_cmp);
-    (*median / (LN_2 * weight)).max(f64::MIN_POSITIVE)
+    let median = median(&mut powers).unwrap_or(0.0);
+    (median / (LN_2 * weight)).max(f64::MIN_POSITIVE)
 }
 
 /// A record at one line.
@@ -179,6 +181,8 @@ impl Demodulated {
     pub fn best_offset(&self, about: f64, reach: f64, turn: Option<Turn>) -> (f64, f64) {
         /// Cycles a record between looks: a line halfway loses 5 %.
         const STEP: f64 = 0.25;
+        /// Sections of what is between two looks: 1e-7 of a cycle a record is left.
+        const SECTIONS: u32 = 32;
         let gain = |offset| self.line(offset, turn).1;
         let looks = (reach / STEP).ceil() as i32;
         let (mut best, mut highest) = (about, f64::NEG_INFINITY);
@@ -189,18 +193,8 @@ impl Demodulated {
                 (best, highest) = (offset, here);
             }
         }
-        // Golden section between the neighbours.
-        let ratio = 0.5 * (5f64.sqrt() - 1.0);
-        let (mut low, mut high) = (best - STEP, best + STEP);
-        for _ in 0..32 {
-            let (a, b) = (high - ratio * (high - low), low + ratio * (high - low));
-            if gain(a) > gain(b) {
-                high = b;
-            } else {
-                low = a;
-            }
-        }
-        let offset = 0.5 * (low + high);
+        // Between the neighbours.
+        let offset = golden_section(best - STEP, best + STEP, SECTIONS, gain);
         (offset, gain(offset))
     }
 

@@ -20,6 +20,7 @@ use crate::model::effect::Part;
 use crate::model::markov;
 use crate::model::markov::Markov;
 use crate::model::telegraph::{KIND, Telegraph};
+use crate::numeric::order::quantile;
 
 /// Jumps from which up and down by turns is a switch rather than steps: two are one pulse.
 const LEAST_JUMPS: usize = 3;
@@ -85,8 +86,7 @@ fn whole_jumps(jumps: &[Jump]) -> Vec<Jump> {
     /// placing of a jump leaves is less.
     const SHARE: f64 = 0.5;
     let mut heights: Vec<f64> = jumps.iter().map(|jump| jump.height.abs()).collect();
-    heights.sort_by(f64::total_cmp);
-    let typical = heights.get(3 * heights.len() / 4).copied().unwrap_or(0.0);
+    let typical = quantile(&mut heights, 0.75).unwrap_or(0.0);
     let is_whole = |jump: &&Jump| jump.height.abs() >= SHARE * typical;
     jumps.iter().filter(is_whole).copied().collect()
 }

@@ -9,6 +9,9 @@
 use realfft::RealFftPlanner;
 use realfft::num_complex::Complex64;
 
+use crate::numeric::order::median;
+use crate::numeric::taper::hann;
+
 /// Samples of a segment, at most and at least: choices between the width of a bin and the number of
 /// averages.
 const SEGMENT: [usize; 2] = [1 << 15, 1 << 10];
@@ -132,10 +135,7 @@ fn close(one: [usize; 2], next: [usize; 2]) -> bool {
 /// Two-sided densities of tapered segments that overlap by half, their means taken out.
 fn periodogram(values: &[f64], segment: usize, rate_hz: f64) -> Vec<f64> {
     let window: Vec<f64> = (0..segment)
-        .map(|n| {
-            let turn = std::f64::consts::TAU * (n as f64 + 0.5) / segment as f64;
-            0.5 - 0.5 * turn.cos()
-        })
+        .map(|n| hann(n as f64 + 0.5, segment as f64))
         .collect();
     let energy: f64 = window.iter().map(|w| w * w).sum();
     let plan = RealFftPlanner::<f64>::new().plan_fft_forward(segment);
@@ -167,9 +167,7 @@ fn periodogram(values: &[f64], segment: usize, rate_hz: f64) -> Vec<f64> {
 fn median_about(values: &[f64], k: usize) -> f64 {
     let span = ((SPAN * k as f64) as usize).min(MOST_NEIGHBOURS);
     let mut near = values[(k - span).max(1).min(k)..=(k + span).min(values.len() - 1)].to_vec();
-    let middle = near.len() / 2;
-    let (_, median, _) = near.select_nth_unstable_by(middle, f64::total_cmp);
-    *median
+    median(&mut near).unwrap_or(0.0)
 }
 
 #[cfg(test)]
