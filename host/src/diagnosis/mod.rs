@@ -18,5 +18,7 @@ pub mod run;
 pub mod search;
 pub mod statistic;
 pub mod steady;
+#[cfg(test)]
+mod trial;
 pub mod values;
 pub mod views;

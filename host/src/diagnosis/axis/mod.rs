@@ -585,3 +585,6 @@ impl AxisState {
         self.starts.get_or_init(made).clone()
     }
 }
+
+#[cfg(test)]
+mod tests;

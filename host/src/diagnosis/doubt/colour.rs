@@ -78,3 +78,72 @@ fn changing(change: &Change, band: &Range<f64>, what: &str) -> Remark {
         ),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::trial::{
+        LEVEL, NOTHING, RATE_HZ, axis, heard, long, numbers, remark, swinging, take_in,
+    };
+
+    /// White noise beside quantisation noise that swings by the share `swing`.
+    fn coloured(seed: u64, swing: f64) -> AxisState {
+        let len = long(seed);
+        let (mut more, swings) = (numbers(seed, 8), swinging(swing, 9.0, len));
+        let mut last = more.draw();
+        axis(seed, len, |n, noise| {
+            let next = more.draw();
+            let step = next - last;
+            last = next;
+            0.5 * noise + swings(n) * step
+        })
+    }
+
+    #[test]
+    fn a_term_that_changes_against_the_others_is_remarked_on() {
+        let mut axis = coloured(1, 0.4);
+        let remarks = heard(&OF_TERMS, &mut axis, false);
+        assert_eq!(remarks.len(), 1, "seed 1: {remarks:?}");
+        assert_eq!(remarks[0].test, "steadiness", "seed 1");
+        assert_eq!(remarks[0].place, (0.0..0.5 * RATE_HZ).into(), "seed 1");
+        let said = &remarks[0].description;
+        assert!(said.contains("as if Q moved by"), "seed 1: {said}");
+        assert!(remarks[0].p_value < LEVEL, "seed 1: {remarks:?}");
+    }
+
+    #[test]
+    fn nothing_is_said_of_steady_terms() {
+        let mut axis = coloured(2, 0.0);
+        assert_eq!(heard(&OF_TERMS, &mut axis, false), [], "seed 2");
+    }
+
+    #[test]
+    fn nothing_is_said_of_the_terms_where_something_else_is_said() {
+        let mut axis = coloured(1, 0.4);
+        let mut hearing = Hearing {
+            axis: &mut axis,
+            level: LEVEL,
+            strength_moves: false,
+            remarks: vec![remark(1.0, 2.0)],
+        };
+        assert!((OF_TERMS.hear)(&mut hearing).is_ok(), "seed 1");
+        assert_eq!(hearing.remarks, [remark(1.0, 2.0)], "seed 1");
+    }
+
+    #[test]
+    fn kinds_whose_strengths_are_not_gaussian_are_exempt() {
+        let coloured = coloured(1, 0.4);
+        for kind in [
+            clipping::KIND,
+            rounding::KIND,
+            telegraph::KIND,
+            outliers::KIND,
+            stale::KIND,
+            dropped::KIND,
+        ] {
+            let mut axis = coloured.clone();
+            take_in(&mut axis, kind, NOTHING);
+            assert_eq!(heard(&OF_TERMS, &mut axis, false), [], "{kind}, seed 1");
+        }
+    }
+}

@@ -158,3 +158,6 @@ impl Case<'_> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests;

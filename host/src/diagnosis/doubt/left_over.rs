@@ -100,3 +100,130 @@ fn of_strength(axis: &AxisState, level: f64) -> Option<Remark> {
         description: format!("the strength of the noise {how}"),
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+    use crate::diagnosis::doubt::Hearing;
+    use crate::diagnosis::trial::{
+        LEVEL, NOTHING, RATE_HZ, axis, excluded, heard, law, long, remark, ringing, short,
+        swinging, take_in,
+    };
+    use crate::model::resonance;
+
+    /// What is said of an axis by one test.
+    fn by(test: &str, axis: &mut AxisState) -> Vec<Remark> {
+        let mut remarks = heard(&DOUBT, axis, false);
+        remarks.retain(|one| one.test == test);
+        remarks
+    }
+
+    #[test]
+    fn nothing_is_left_of_plain_noise() {
+        let mut axis = axis(1, long(1), |_, noise| noise);
+        assert_eq!(heard(&DOUBT, &mut axis, false), [], "seed 1");
+    }
+
+    #[test]
+    fn power_beyond_the_model_is_left_until_a_law_has_it() {
+        let mut rings = ringing(2, 100.0, 10.0);
+        let mut axis = axis(2, short(2), |_, noise| noise + rings());
+        let remarks = by("spectrum", &mut axis);
+        assert_eq!(remarks.len(), 1, "seed 2: {remarks:?}");
+        let band_hz = remarks[0].place.band_hz().expect("a band");
+        // At four widths on either side the ringing has an eighth of the power of the white noise.
+        assert!(
+            band_hz[0] > 60.0 && band_hz[1] < 140.0,
+            "seed 2: {band_hz:?}"
+        );
+        let bell = law(resonance::KIND, &[100.0, 10.0, 1.0]);
+        take_in(&mut axis, resonance::KIND, bell);
+        assert_eq!(by("spectrum", &mut axis), [], "seed 2");
+    }
+
+    /// Lines a few parts of a hertz beside one another, in noise that rings there as loud as `ring` times 1.
+    fn lines(seed: u64, count: usize, ring: f64) -> AxisState {
+        let mut rings = ringing(seed, 100.0, 10.0);
+        axis(seed, short(seed), |n, noise| {
+            let turn = |line: usize| TAU * (100.0 + 0.3 * line as f64) * n as f64 / RATE_HZ;
+            let lines = (0..count).map(|line| (turn(line) + line as f64).cos());
+            noise + ring * rings() + 0.5 * lines.sum::<f64>()
+        })
+    }
+
+    #[test]
+    fn lines_too_close_to_be_separate_are_left_and_single_ones_are_not() {
+        let remarks = by("lines", &mut lines(3, 3, 0.0));
+        assert_eq!(remarks.len(), 1, "seed 3: {remarks:?}");
+        let [from_hz, to_hz] = remarks[0].place.band_hz().expect("a band");
+        // As many as there are, to a bin of the record's.
+        assert!((from_hz - 100.0).abs() < 0.06, "seed 3: {from_hz}");
+        assert!((to_hz - 100.6).abs() < 0.06, "seed 3: {to_hz}");
+        assert_eq!(by("lines", &mut lines(3, 1, 0.0)), [], "seed 3");
+    }
+
+    #[test]
+    fn lines_in_an_excluded_band_or_a_resonance_are_known() {
+        let mut axis = lines(3, 3, 0.0);
+        axis.exclude(excluded(99.0, 102.0));
+        assert_eq!(by("lines", &mut axis), [], "seed 3");
+        let mut axis = lines(3, 3, 0.5);
+        assert_eq!(by("lines", &mut axis).len(), 1, "seed 3");
+        let bell = law(resonance::KIND, &[100.0, 10.0, 1.0]);
+        take_in(&mut axis, resonance::KIND, bell);
+        assert_eq!(by("lines", &mut axis), [], "seed 3");
+    }
+
+    /// Noise whose strength swings by 40 %, so many times in the record.
+    fn swung(seed: u64, cycles: f64) -> AxisState {
+        let len = short(seed);
+        let swings = swinging(0.4, cycles, len);
+        axis(seed, len, |n, noise| swings(n) * noise)
+    }
+
+    #[test]
+    fn strength_that_moves_is_left_as_a_cycle_or_as_slow() {
+        let mut axis = swung(4, 40.0);
+        let remarks = by("variance", &mut axis);
+        assert_eq!(remarks.len(), 1, "seed 4: {remarks:?}");
+        let Place::Period(period_s) = remarks[0].place else {
+            panic!("seed 4: {remarks:?}");
+        };
+        let cycle_s = axis.filled.len() as f64 / RATE_HZ / 40.0;
+        // To a bin of forty.
+        assert!(
+            (period_s / cycle_s - 1.0).abs() < 0.025,
+            "seed 4: {period_s}"
+        );
+        let remarks = by("variance", &mut swung(4, 3.0));
+        assert_eq!(remarks.len(), 1, "seed 4: {remarks:?}");
+        assert!(matches!(remarks[0].place, Place::Slower(_)), "{remarks:?}");
+    }
+
+    #[test]
+    fn a_coarse_grid_silences_the_strength_alone() {
+        let mut axis = swung(4, 40.0);
+        take_in(&mut axis, rounding::KIND, NOTHING);
+        assert_eq!(by("variance", &mut axis), [], "seed 4");
+        let mut lines = lines(3, 3, 0.0);
+        take_in(&mut lines, rounding::KIND, NOTHING);
+        assert_eq!(by("lines", &mut lines).len(), 1, "seed 3");
+    }
+
+    #[test]
+    fn what_is_left_comes_ahead_of_what_was_said() {
+        let mut axis = swung(4, 40.0);
+        let mut hearing = Hearing {
+            axis: &mut axis,
+            level: LEVEL,
+            strength_moves: true,
+            remarks: vec![remark(1.0, 2.0)],
+        };
+        assert!((DOUBT.hear)(&mut hearing).is_ok(), "seed 4");
+        let tests: Vec<&str> = hearing.remarks.iter().map(|one| &*one.test).collect();
+        assert_eq!(tests.last(), Some(&"trial"), "seed 4: {tests:?}");
+        assert!(tests.contains(&"variance"), "seed 4: {tests:?}");
+    }
+}

@@ -103,6 +103,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
+    use crate::diagnosis::trial::{NOTHING, axis, heard, kinds, short, spike, take_in};
     use crate::model::random::Gaussian;
     use crate::model::random::Seed;
 
@@ -135,6 +136,44 @@ mod tests {
                 (found.skewness / skewness - 1.0).abs() < 0.15,
                 "seed 7: {found:?}"
             );
+        }
+    }
+
+    /// An axis whose noise is bent to one side, with an outlier that was taken out of it.
+    fn bent(seed: u64, by: f64) -> AxisState {
+        let bend = |z: f64| z + by * (z * z - 1.0);
+        let mut axis = axis(seed, short(seed), |_, noise| bend(noise));
+        take_in(&mut axis, outliers::KIND, spike(5000, 5.0).into());
+        axis
+    }
+
+    #[test]
+    fn the_longer_tail_is_remarked_on_and_outliers_go_with_it() {
+        for (seed, by, side) in [(1, 0.1, Place::UpperSide), (2, -0.1, Place::LowerSide)] {
+            let mut axis = bent(seed, by);
+            let remarks = heard(&DOUBT, &mut axis, false);
+            assert_eq!(remarks.len(), 1, "seed {seed}: {remarks:?}");
+            assert_eq!(remarks[0].test, "amplitude", "seed {seed}");
+            assert_eq!(remarks[0].place, side, "seed {seed}");
+            assert_eq!(kinds(&axis), [], "seed {seed}");
+            assert_eq!(*axis.residual.waves(), [], "seed {seed}");
+        }
+    }
+
+    #[test]
+    fn outliers_of_symmetric_noise_stay() {
+        let mut axis = bent(3, 0.0);
+        assert_eq!(heard(&DOUBT, &mut axis, false), [], "seed 3");
+        assert_eq!(kinds(&axis), [outliers::KIND], "seed 3");
+    }
+
+    #[test]
+    fn kinds_that_bend_amplitudes_are_exempt() {
+        for kind in [clipping::KIND, rounding::KIND, telegraph::KIND] {
+            let mut axis = bent(1, 0.1);
+            take_in(&mut axis, kind, NOTHING);
+            assert_eq!(heard(&DOUBT, &mut axis, false), [], "{kind}, seed 1");
+            assert_eq!(kinds(&axis), [outliers::KIND, kind], "seed 1");
         }
     }
 }

@@ -101,3 +101,6 @@ pub fn coefficients(squared: &[f64]) -> PerCoefficient<f64> {
             .map_or(0.0, |place| squared[place].sqrt())
     })
 }
+
+#[cfg(test)]
+mod tests;

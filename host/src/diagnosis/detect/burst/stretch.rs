@@ -177,6 +177,35 @@ mod tests {
     use crate::model::random::Seed;
 
     #[test]
+    fn a_stretch_is_held_out_by_blocks_that_its_factor_was_not_fitted_to() {
+        const STRETCH: Range<usize> = 128..256;
+        let gain = |seed: u64, ratio: f64| {
+            let mut noise = Gaussian::new(Seed { seed, stream: 0 }, 1.0);
+            let power = |block: usize| {
+                let squares: f64 = (0..BLOCK).map(|_| noise.draw().powi(2)).sum();
+                let ratio = if STRETCH.contains(&block) { ratio } else { 1.0 };
+                ratio * squares / BLOCK as f64
+            };
+            let powers = Powers {
+                powers: (0..512).map(power).collect(),
+                counts: vec![BLOCK as f64; 512],
+            };
+            held_out(&powers, &STRETCH).expect("blocks of both halves")
+        };
+        let there = gain(0, 1.5);
+        // Half of the samples, 1.5 and 1 beside a mean of 1.125: in nats 0.5 (n ln 1.125 - n / 4 ln 1.5).
+        let nats = 0.25 * 512.0 * BLOCK as f64 * (1.125_f64.ln() - 0.25 * 1.5_f64.ln());
+        // Of which the deviation is the root of twice as much, to first order.
+        let off = (there - nats).abs();
+        assert!(off < 5.0 * (2.0 * nats).sqrt(), "seed 0: {there} of {nats}");
+        // Where there is nothing, `e o - e^2 / 2` of two normal numbers: mean -1/2, variance 3/2. On the blocks that
+        // it was fitted to it would gain as much as it loses.
+        let mean = (1..201).map(|seed| gain(seed, 1.0)).sum::<f64>() / 200.0;
+        let five_sigma = 5.0 * (1.5_f64 / 200.0).sqrt();
+        assert!((mean + 0.5).abs() < five_sigma, "{mean}, seeds 1 to 200");
+    }
+
+    #[test]
     fn a_short_burst_is_as_loud_as_its_whole_blocks() {
         /// A stretch that begins and ends within a block, of four times the power.
         const STRETCH: Range<usize> = 100_040..100_700;

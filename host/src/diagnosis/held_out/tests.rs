@@ -1,0 +1,96 @@
+//! Each way of holding data out: what is there gains, and what is not there gains nothing. That of
+//! stretches is tested with their detector.
+
+use super::laws::Ordinates;
+use super::*;
+use crate::diagnosis::explanation::Change;
+use crate::diagnosis::statistic::matched_filter::{Impulse, Transformer, held_out_gain};
+use crate::diagnosis::trial::{
+    RATE_HZ, axis, law, line, long, made_up, numbers, ringing, short, take_in,
+};
+use crate::model::{burst, markov, resonance, sinusoid};
+
+fn plain(seed: u64) -> AxisState {
+    axis(seed, short(seed), |_, noise| noise)
+}
+
+/// What a line at 50 Hz gains, taken out with an `amplitude`, in a record that has one of 0.3.
+fn nats_of_line(seed: u64, amplitude: f64, freedom: f64) -> f64 {
+    let mut axis = axis(seed, short(seed), |n, noise| {
+        let turn = std::f64::consts::TAU * 50.0 * n as f64 / RATE_HZ;
+        noise + 0.3 * turn.cos()
+    });
+    let mut one = made_up(sinusoid::KIND, line(50.0, amplitude).into());
+    one.freedom = freedom;
+    axis.accept(one).expect("a fit");
+    let halves = Halves::new(&axis).expect("halves");
+    halves.nats(&axis.explanations()[0]).expect("a fit")
+}
+
+#[test]
+fn a_line_gains_what_it_is_worth_and_pays_for_its_numbers() {
+    let there = nats_of_line(1, 0.3, 3.0);
+    assert!(there > 10.0, "seed 1: {there}");
+    let paid = there - nats_of_line(1, 0.3, 7.0);
+    assert!((paid - 4.0 * SEEN_COST).abs() < 1e-9, "seed 1: {paid}");
+    // Three times as much leaves a line of twice its size.
+    let worse = nats_of_line(1, 0.9, 3.0);
+    assert!(worse < -10.0, "seed 1: {worse}");
+}
+
+#[test]
+fn a_law_gains_what_it_is_worth_and_pays_for_its_shape() {
+    let nats = |axis: &AxisState| Ordinates::new(axis).and_then(|ordinates| ordinates.nats(0));
+    let mut rings = ringing(2, 100.0, 10.0);
+    let mut axis = axis(2, long(2), |_, noise| noise + rings());
+    let bell = law(resonance::KIND, &[100.0, 10.0, 1.0]);
+    take_in(&mut axis, resonance::KIND, bell);
+    let there = nats(&axis).expect("a fit");
+    assert!(there > 100.0, "seed 2: {there}");
+    let absent: Vec<f64> = (10..16)
+        .map(|seed| {
+            let mut axis = plain(seed);
+            take_in(&mut axis, markov::KIND, law(markov::KIND, &[1.0, 0.01]));
+            nats(&axis).expect("a fit")
+        })
+        .collect();
+    // Half a nat for its time; the size is none in every other record, and gains less than half a nat by chance.
+    let losing = absent.iter().filter(|nats| **nats <= 0.0).count();
+    assert!(losing >= 4, "seeds 10 to 15: {absent:?}");
+    let paying = |nats: &&f64| (**nats + SEEN_COST).abs() < 1e-3;
+    assert!(absent.iter().any(|nats| paying(&nats)), "{absent:?}");
+}
+
+#[test]
+fn a_waveform_is_judged_by_ordinates_that_it_was_not_fitted_to() {
+    const LEN: usize = 4095;
+    let (ring, density) = (Transformer::new(LEN), vec![RATE_HZ.recip(); LEN]);
+    let wave = ring.waveform(&Impulse, RATE_HZ);
+    let gain = |seed: u64, height: f64| {
+        let mut noise = numbers(seed, 0);
+        let mut values: Vec<f64> = (0..LEN).map(|_| noise.draw()).collect();
+        values[0] += height;
+        held_out_gain(&ring.transform(&values, RATE_HZ), &density, &wave)
+    };
+    // Ten deviations are worth 50 nats, half of them on half of the ordinates, with a deviation of
+    // the root of twice as many.
+    let there = gain(3, 10.0);
+    assert!(
+        (there - 25.0).abs() < 5.0 * 50_f64.sqrt(),
+        "seed 3: {there}"
+    );
+    // Where nothing is the halves are independent: `e o - e^2 / 2` of two normal numbers has the mean -1/2 and the
+    // variance 3/2. On ordinates that it was fitted to it would gain as much as it loses.
+    let mean = (10..210).map(|seed| gain(seed, 0.0)).sum::<f64>() / 200.0;
+    let five_sigma = 5.0 * (1.5_f64 / 200.0).sqrt();
+    assert!((mean + 0.5).abs() < five_sigma, "{mean}, seeds 10 to 209");
+}
+
+#[test]
+fn a_mask_changes_nothing_that_a_likelihood_sees() {
+    let mut axis = plain(3);
+    take_in(&mut axis, burst::KIND, Change::Mask(vec![100..200]));
+    take_in(&mut axis, sinusoid::KIND, line(50.0, 0.1).into());
+    let nothing = [0, 1].map(|place| axis.explanations()[place].changes_nothing());
+    assert_eq!(nothing, [true, false], "seed 3");
+}
