@@ -120,3 +120,22 @@ fn bins(axis: &AxisState, half: Half) -> Option<Data> {
         DMatrix::from_diagonal(&DVector::from_vec(variance)),
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::trial::{axis, short};
+
+    #[test]
+    fn no_ordinate_is_in_both_halves_and_none_is_left_out() {
+        let axis = axis(1, short(1), |_, noise| noise);
+        let halves = Ordinates::new(&axis).expect("ordinates");
+        let count = |data: &Data| data.dof.iter().sum::<f64>();
+        let (fitted, held) = (count(&halves.fitted), count(&halves.held));
+        // Two degrees of freedom each, from the first ordinate to the last.
+        let all = 2.0 * (axis.whitened().top - 1) as f64;
+        assert!((fitted + held - all).abs() < 1e-6 * all, "{fitted} {held}");
+        let mut both = halves.fitted.psd.iter().zip(&halves.held.psd);
+        assert!(both.all(|(fitted, held)| fitted != held), "seed 1");
+    }
+}
