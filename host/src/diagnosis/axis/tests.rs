@@ -3,6 +3,8 @@
 use std::ops::Range;
 
 use super::*;
+use crate::diagnosis::explanation::{Change, Snapshot};
+use crate::diagnosis::record::wave::Wave;
 use crate::diagnosis::trial::{
     axis, excluded, jump, kinds, law, line, made_up, ringing, short, spike, take_in,
 };

@@ -14,22 +14,17 @@
 //! scores, over their variance, sum up to chi-squared for blocks of any length; a cycle shows in the
 //! periodogram of the finest.
 
-use std::ops::Range;
+mod groups;
 
 use realfft::num_complex::Complex64;
 
+use self::groups::Tiles;
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::laws::squared_power;
 use crate::diagnosis::statistic::p_value;
-use crate::diagnosis::steady::noise::{counting, strengths};
 use crate::fft;
 use crate::fit::likelihood::components::SEEN;
 use crate::model::effect::Part;
-
-/// First ordinate that is looked at, a power of two, and groups an octave: the first group then has
-/// 64 ordinates.
-const FIRST: usize = 256;
-const PER_OCTAVE: usize = 4;
 
 /// Numbers of blocks that the record is cut into, powers of two that each group's moments fill
 /// evenly.
@@ -81,7 +76,7 @@ fn plainest(
     parameters: Vec<String>,
     weight: impl Fn(usize, f64) -> f64,
 ) -> Option<Change> {
-    let tiles = Tiles::new(axis);
+    let tiles = Tiles::new(axis, BLOCKS[BLOCKS.len() - 1]);
     let trials = parameters.len() as f64;
     let changes = parameters
         .into_iter()
@@ -124,57 +119,6 @@ fn weight(axis: &AxisState, which: usize, place: usize, f_hz: f64) -> f64 {
             _ => 0.0,
         }),
         Part::Clock(_) | Part::Follows(_) => 0.0,
-    }
-}
-
-/// Strengths of the whitened record, group by group of ordinates.
-struct Tiles {
-    groups: Vec<Group>,
-}
-
-struct Group {
-    f_hz: f64,
-    /// Sum of the strengths, over their mean, and their number: moment by moment, or in as many even
-    /// parts of the record as there are of the finest blocks.
-    parts: Vec<[f64; 2]>,
-}
-
-impl Tiles {
-    fn new(axis: &AxisState) -> Self {
-        let seen = axis.whitened();
-        let mut groups = Vec::new();
-        let mut octave = FIRST;
-        while octave < seen.top {
-            let size = octave / PER_OCTAVE;
-            let counts = counting(axis, seen.transform.len(), size);
-            for part in 0..PER_OCTAVE {
-                let start = octave + part * size;
-                let known = |range: Range<usize>| seen.density[range].iter().all(|s| s.is_finite());
-                if start + size > seen.top || !known(start..start + size) {
-                    continue;
-                }
-                let strengths = strengths(&seen, start..start + size);
-                let moments = size.div_ceil(BLOCKS[BLOCKS.len() - 1]);
-                let both = strengths.chunks(moments).zip(counts.chunks(moments));
-                let mut parts: Vec<[f64; 2]> = both
-                    .map(|(strengths, counts)| {
-                        let good = strengths.iter().zip(counts).filter(|(_, counts)| **counts);
-                        good.fold([0.0; 2], |[sum, count], (one, _)| [sum + one, count + 1.0])
-                    })
-                    .collect();
-                let sum: f64 = parts.iter().map(|[sum, _]| sum).sum();
-                let count: f64 = parts.iter().map(|[_, count]| count).sum();
-                if sum > 0.0 {
-                    parts.iter_mut().for_each(|[one, _]| *one *= count / sum);
-                    groups.push(Group {
-                        f_hz: seen.transform.frequency(start + size / 2),
-                        parts,
-                    });
-                }
-            }
-            octave *= 2;
-        }
-        Self { groups }
     }
 }
 
@@ -305,69 +249,4 @@ impl<'a> Scores<'a> {
 }
 
 #[cfg(test)]
-mod tests {
-    use std::f64::consts::TAU;
-    use std::sync::Arc;
-
-    use super::*;
-    use crate::model::random::Gaussian;
-    use crate::model::random::Seed;
-
-    const LENGTH: usize = 1 << 17;
-    const RATE_HZ: f64 = 2000.0;
-    const CYCLES: f64 = 9.0;
-
-    /// White noise and a difference of white noise whose size swings by this share.
-    fn axis(seed: u64, swing: f64) -> AxisState {
-        let draw = |stream| {
-            let mut noise = Gaussian::new(Seed { seed, stream }, 1.0);
-            (0..=LENGTH).map(|_| noise.draw()).collect::<Vec<f64>>()
-        };
-        let (white, steps) = (draw(0), draw(1));
-        let values = (0..LENGTH).map(|n| {
-            let turn = TAU * CYCLES * n as f64 / LENGTH as f64;
-            0.5 * white[n] + (1.0 + swing * turn.cos()) * (steps[n + 1] - steps[n])
-        });
-        AxisState::new(Arc::new(values.collect()), RATE_HZ, None).expect("long enough")
-    }
-
-    #[test]
-    fn steady_terms_do_not_change() {
-        // Of 40 records at 1 % four or more have a probability of 1e-3.
-        let alarms = (0..40).filter(|&seed| {
-            change_of_terms(&axis(seed, 0.0)).is_some_and(|change| change.p_value < 0.01)
-        });
-        let alarms: Vec<u64> = alarms.collect();
-        assert!(alarms.len() < 4, "seeds {alarms:?}");
-    }
-
-    #[test]
-    fn noise_that_is_louder_at_times_is_no_matter_of_its_colour() {
-        for seed in 100..104 {
-            let steady = axis(seed, 0.0);
-            let louder = |(n, value): (usize, &f64)| {
-                value * (1.0 + 0.2 * (TAU * CYCLES * n as f64 / LENGTH as f64).cos())
-            };
-            let values = steady.filled.iter().enumerate().map(louder).collect();
-            let louder = AxisState::new(Arc::new(values), RATE_HZ, None).expect("long enough");
-            let change = change_of_terms(&louder);
-            assert!(
-                change.as_ref().is_none_or(|change| change.p_value > 1e-4),
-                "seed {seed}: {change:?}"
-            );
-        }
-    }
-
-    #[test]
-    fn a_term_that_swings_is_found_with_its_cycle() {
-        for seed in 200..204 {
-            let change = change_of_terms(&axis(seed, 0.2)).expect("something");
-            let cycle_s = LENGTH as f64 / RATE_HZ / CYCLES;
-            assert!(change.p_value < 1e-6, "seed {seed}: {change:?}");
-            assert!(
-                change.cyclic && change.time_s == cycle_s,
-                "seed {seed}: {change:?}"
-            );
-        }
-    }
-}
+mod tests;

@@ -6,3 +6,4 @@ pub mod law;
 pub mod line;
 pub mod noise;
 pub mod strength;
+pub mod tiles;

@@ -20,32 +20,23 @@ use rayon::prelude::*;
 use realfft::num_complex::Complex64;
 
 use crate::diagnosis::axis::{AxisState, Whitened};
-use crate::diagnosis::statistic::matched_filter::smooth_len;
 use crate::diagnosis::statistic::p_value;
-use crate::fft::{self, long::Long};
+use crate::diagnosis::steady::tiles::{counting, over_time, score, whitened};
+use crate::fft;
 
 /// Ordinates of the narrowest group, and how much wider the next ones are: choices. What lasts
 /// between two lengths of tile is spread over two of the one, or half fills the other.
 const NARROWEST: usize = 64;
 const WIDER: usize = 4;
 
-/// Ordinates of the widest band whose transform is planned: a choice, for a plan's tables are as
-/// long. Wider ones are transformed in columns and rows.
-const LONGEST: usize = 1 << 16;
-
-/// Samples of the shortest tile: a choice, two blocks of the powers. What shorter events do is the
-/// business of single samples.
+/// Samples of the shortest tile: what shorter events do is the business of single samples.
 const SHORTEST: usize = 128;
 
 /// Tiles that a sum must have to be compared with its law: its skewness is then 0.11, little enough
 /// for a gamma law to follow.
 const LEAST_TILES: usize = 256;
 
-/// Moments at which a tile is asked whether its samples count: a choice.
-const ASKED: usize = 8;
-
-/// Standard deviations from which a group next to an unsteady band belongs to it: a choice. Of
-/// steady ones one in 160 does.
+/// Standard deviations from which a group beside an unsteady band belongs to it.
 const SKIRT: f64 = 2.5;
 
 /// Trials that free ends make of each trial of a band: a choice.
@@ -68,32 +59,7 @@ pub struct Unsteady {
     pub p_value: f64,
 }
 
-/// Strength of the whitened record in the band of the ordinates, at `ordinates.len()` moments, in
-/// units of its density.
-pub fn strengths(seen: &Whitened, ordinates: Range<usize>) -> Vec<f64> {
-    over_time(seen, whitened(seen, ordinates).collect())
-}
-
-fn whitened(seen: &Whitened, ordinates: Range<usize>) -> impl Iterator<Item = Complex64> {
-    let pairs = seen.transform.ordinates()[ordinates.clone()].iter();
-    let pairs = pairs.zip(&seen.density[ordinates]);
-    pairs.map(|(ordinate, density)| ordinate / density.sqrt())
-}
-
-fn over_time(seen: &Whitened, mut band: Vec<Complex64>) -> Vec<f64> {
-    // A length with large prime factors would take many times the time and the memory.
-    band.truncate(smooth_len(band.len()));
-    if band.len() > LONGEST {
-        Long::new(band.len()).inverse(&mut band);
-    } else {
-        fft::inverse(band.len()).process(&mut band);
-    }
-    let unit = (band.len() as f64 * seen.transform.power()).recip();
-    band.iter().map(|value| value.norm_sqr() * unit).collect()
-}
-
-/// Power in a band over time, at even moments, over its mean: of the record as it is, whether or
-/// not the band is excluded.
+/// Power in a band over time, at even moments, over its mean: of the record as it is, whether or not the band is left out.
 pub fn course(axis: &AxisState, band: &Range<f64>) -> Vec<f64> {
     let seen = axis.whitened();
     let place = |f_hz: f64| (f_hz / seen.transform.frequency(1)) as usize;
@@ -298,113 +264,5 @@ impl Groups {
     }
 }
 
-/// Which of `size` moments count: those most of whose samples are measured ones.
-pub fn counting(axis: &AxisState, length: usize, size: usize) -> Vec<bool> {
-    (0..size)
-        .map(|moment| {
-            // A moment stands in the middle of its samples.
-            let good = (0..ASKED).filter(|part| {
-                let at = moment as f64 - 0.5 + (*part as f64 + 0.5) / ASKED as f64;
-                let sample = (at * length as f64 / size as f64).rem_euclid(length as f64);
-                axis.usable(sample as usize)
-            });
-            good.count() == ASKED
-        })
-        .collect()
-}
-
-/// Sum of scores of the tiles that count, and their number.
-fn score(strengths: &[f64], counts: &[bool]) -> (f64, f64) {
-    let good = || {
-        let pairs = strengths.iter().zip(counts);
-        pairs.filter(|(_, counts)| **counts).map(|(one, _)| *one)
-    };
-    let tiles = good().count() as f64;
-    let mean = good().sum::<f64>() / tiles.max(1.0);
-    if tiles < 8.0 || mean <= 0.0 {
-        return (0.0, 0.0);
-    }
-    // Over the group's own mean, which takes 1/8 a group off.
-    let sum: f64 = good().map(|one| (-one / mean).exp() - 0.5).sum();
-    (sum + 0.125, tiles)
-}
-
 #[cfg(test)]
-mod tests {
-    use std::f64::consts::TAU;
-    use std::sync::Arc;
-
-    use super::*;
-    use crate::model::random::Gaussian;
-    use crate::model::random::Seed;
-
-    const LENGTH: usize = 1 << 17;
-    const RATE_HZ: f64 = 2000.0;
-
-    /// White noise of deviation 1 with what `more` adds, of a sample's number and noise.
-    fn axis(seed: u64, more: impl Fn(usize, f64) -> f64) -> AxisState {
-        let mut noise = Gaussian::new(Seed { seed, stream: 0 }, 1.0);
-        let values = (0..LENGTH).map(|n| more(n, noise.draw())).collect();
-        AxisState::new(Arc::new(values), RATE_HZ, None).expect("long enough")
-    }
-
-    /// A tone of this amplitude that sways by 20 Hz about 300 Hz, six times a record.
-    fn wandering(amplitude: f64) -> impl Fn(usize, f64) -> f64 {
-        move |n, noise| {
-            let at = n as f64 / LENGTH as f64;
-            // The integral of 300 + 20 cos(2 pi 6 at).
-            let swings = 20.0 * (TAU * 6.0 * at).sin() / (TAU * 6.0);
-            let cycles = (300.0 * at + swings) * LENGTH as f64 / RATE_HZ;
-            noise + amplitude * (TAU * cycles).cos()
-        }
-    }
-
-    #[test]
-    fn steady_noise_is_steady() {
-        // 40 records at a level of 1 %: four or more alarms have a probability of 1e-3.
-        let alarms = (0..40).filter(|&seed| {
-            let axis = axis(seed, |_, noise| noise);
-            unsteady(&axis, 0.0..1000.0, &[], 0.01).is_some()
-        });
-        let alarms: Vec<u64> = alarms.collect();
-        assert!(alarms.len() < 4, "seeds {alarms:?}");
-    }
-
-    #[test]
-    fn a_wandering_tone_is_found_in_its_place() {
-        for seed in 100..104 {
-            let found = unsteady(&axis(seed, wandering(0.5)), 0.0..1000.0, &[], 1e-4);
-            let found = found.unwrap_or_else(|| panic!("seed {seed}: nothing"));
-            // Groups of 15.6 Hz at most lie across its ends.
-            assert!(
-                found.from_hz > 260.0 && found.to_hz < 340.0,
-                "seed {seed}: {found:?}"
-            );
-        }
-    }
-
-    #[test]
-    fn noise_that_is_switched_is_unsteady_everywhere() {
-        for seed in 200..204 {
-            let switched = |n: usize, noise: f64| if n % 4000 < 2000 { noise } else { 1.4 * noise };
-            let found = unsteady(&axis(seed, switched), 0.0..1000.0, &[], 1e-4);
-            let found = found.unwrap_or_else(|| panic!("seed {seed}: nothing"));
-            assert!(
-                found.to_hz - found.from_hz > 500.0,
-                "seed {seed}: {found:?}"
-            );
-            // Powers of 1 and 1.96 by turns: relative variance 0.105.
-            assert!(
-                (0.05..0.2).contains(&found.variance),
-                "seed {seed}: {found:?}"
-            );
-        }
-    }
-
-    #[test]
-    fn what_is_apart_is_not_looked_at() {
-        let axis = axis(300, wandering(0.5));
-        let found = unsteady(&axis, 0.0..1000.0, &[250.0..350.0], 1e-4);
-        assert_eq!(found, None, "seed 300");
-    }
-}
+mod tests;

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::diagnosis::axis::Whitened;
 use crate::diagnosis::statistic::p_value;
-use crate::diagnosis::steady::noise::strengths;
+use crate::diagnosis::steady::tiles::strengths;
 
 /// Ordinates of the narrowest band, and moments within the stretch that a band must have, at least:
 /// choices. A mean of eight strengths scatters by 35 %, and of fewer the ratio is not chi-squared

@@ -1,0 +1,212 @@
+//! The list of an axis's explanations, and how residual, spectrum and fit follow from it.
+
+use std::ops::Range;
+use std::sync::OnceLock;
+
+use crate::diagnosis::axis::{AxisState, NoFit};
+use crate::diagnosis::explanation::{Candidate, Change, Explanation, Snapshot};
+use crate::diagnosis::laws::search;
+use crate::diagnosis::record::bins::SpectralBins;
+use crate::diagnosis::record::residual::TakenOut;
+use crate::diagnosis::record::wave::Wave;
+use crate::diagnosis::result::estimate::Estimate;
+use crate::model::kind::Kind;
+
+/// Samples over which a converter's filter spreads a jump, on either side: those of the ADS1281
+/// settle within 63 conversions.
+pub const SPREAD: usize = 64;
+
+impl AxisState {
+    /// What its model holds beyond the five terms, in the order in which it was found.
+    pub fn explanations(&self) -> &[Explanation] {
+        &self.explanations
+    }
+
+    /// The first explanation of a kind.
+    pub fn explanation(&self, kind: Kind) -> Option<&Explanation> {
+        self.explanations.iter().find(|one| one.kind() == kind)
+    }
+
+    /// Whether it has an explanation of a kind.
+    pub fn has(&self, kind: Kind) -> bool {
+        self.explanation(kind).is_some()
+    }
+
+    /// Number of an explanation's law among the laws; `None` for one that is no law.
+    pub fn law_number(&self, explanation: &Explanation) -> Option<usize> {
+        let mut laws = self.explanations.iter().filter(|one| one.law().is_some());
+        laws.position(|one| std::ptr::eq(one, explanation))
+    }
+
+    /// Takes a candidate in and brings everything up to date.
+    ///
+    /// # Errors
+    /// [`NoFit`] where what is left cannot be fitted any more.
+    pub fn accept(&mut self, candidate: Candidate) -> Result<(), NoFit> {
+        let is_superseded = |one: &Explanation| candidate.supersedes.contains(&one.kind());
+        // What is amended moves up as others before it go.
+        let amends = candidate.amends.map(|place| {
+            let gone = self.explanations[..place]
+                .iter()
+                .filter(|one| is_superseded(one));
+            place - gone.count()
+        });
+        self.withdraw_where(is_superseded);
+        let Candidate {
+            effect,
+            p_value,
+            rivals,
+            freedom,
+            held_out_nats,
+            change,
+            reopens,
+            ..
+        } = candidate;
+        let place = if let Some(place) = amends {
+            let one = &mut self.explanations[place];
+            (one.effect, one.freedom, one.change) = (effect, freedom, change);
+            one.held_out_nats = held_out_nats;
+            place
+        } else {
+            let now = Snapshot::of(&self.explanations);
+            self.explanations.push(Explanation {
+                effect,
+                p_value,
+                rivals,
+                freedom,
+                held_out_nats,
+                change,
+                before: self.fit.clone(),
+                after: self.fit.clone(),
+                with: Snapshot::default(),
+                without: now,
+            });
+            self.explanations.len() - 1
+        };
+        // A statement about values leaves record and noise as they are.
+        if !matches!(self.explanations[place].change, Change::Grid { .. }) {
+            self.refresh()?;
+        }
+        let now = Snapshot::of(&self.explanations);
+        let one = &mut self.explanations[place];
+        (one.after, one.with) = (self.fit.clone(), now);
+        let withdrawn = reopens.iter().filter(|kind| self.withdraw(**kind)).count();
+        if withdrawn > 0 {
+            self.refresh()?;
+        }
+        Ok(())
+    }
+
+    /// Takes the explanations of a kind off the list; whether there were any. What follows from the list is
+    /// brought up to date by [`Self::refresh`].
+    pub fn withdraw(&mut self, kind: Kind) -> bool {
+        self.withdraw_where(|one| one.kind() == kind)
+    }
+
+    /// The same for all explanations of which `is_gone` is true.
+    pub fn withdraw_where(&mut self, is_gone: impl Fn(&Explanation) -> bool) -> bool {
+        let gone: Vec<Kind> = self
+            .explanations
+            .iter()
+            .filter(|one| is_gone(one))
+            .map(Explanation::kind)
+            .collect();
+        self.explanations.retain(|one| !is_gone(one));
+        for one in &mut self.explanations {
+            for &kind in &gone {
+                one.with.forget(kind);
+                one.without.forget(kind);
+            }
+        }
+        !gone.is_empty()
+    }
+
+    /// Takes the explanations off the list whose laws have these `numbers`.
+    pub fn withdraw_laws(&mut self, numbers: &[usize]) {
+        let mut number = 0;
+        self.explanations.retain(|one| {
+            let is_law = one.law().is_some();
+            number += usize::from(is_law);
+            !(is_law && numbers.contains(&(number - 1)))
+        });
+    }
+
+    /// Leaves out of an explanation's waveforms those of which `is_gone` is true, and the explanation with its last
+    /// one; whether there were any.
+    pub fn withdraw_waves(&mut self, is_gone: impl Fn(&Wave) -> bool) -> bool {
+        let mut any = false;
+        for one in &mut self.explanations {
+            if let Change::Waves(waves) = &mut one.change {
+                let before = waves.len();
+                waves.retain(|wave| !is_gone(wave));
+                any |= waves.len() < before;
+            }
+        }
+        let is_empty =
+            |one: &Explanation| matches!(&one.change, Change::Waves(waves) if waves.is_empty());
+        self.explanations.retain(|one| !is_empty(one));
+        any
+    }
+
+    /// Takes over what the last fit knows of the laws among the explanations.
+    pub fn set_laws(&mut self, estimates: impl Fn(usize, &Explanation) -> Estimate) {
+        let mut number = 0;
+        for one in &mut self.explanations {
+            if one.law().is_some() {
+                one.effect = estimates(number, one);
+                number += 1;
+            }
+        }
+    }
+
+    /// Brings residual, spectrum and fit up to date with the explanations.
+    ///
+    /// # Errors
+    /// [`NoFit`] where what is left cannot be fitted any more.
+    pub fn refresh(&mut self) -> Result<(), NoFit> {
+        self.forget_whitened();
+        self.powers = OnceLock::new();
+        let spread = self.is_filtered().then_some(SPREAD);
+        self.residual = self.residual.after(self.taken_out(), spread);
+        let values = self.residual.values();
+        let left_out: Vec<Range<usize>> = self.residual.left_out().cloned().collect();
+        if self.left_out == left_out {
+            self.bins.leave_out(&self.excluded_hz());
+            self.data = self.bins.measure(&values);
+        } else {
+            self.starts = OnceLock::new();
+            let bins = SpectralBins::new(&values, self.rate_hz, self.chain.as_ref());
+            self.bins = bins.ok_or(NoFit)?;
+            self.bins.leave_out(&self.excluded_hz());
+            self.data = self.bins.first();
+            self.left_out = left_out;
+        }
+        self.laws = Snapshot::of(&self.explanations).laws;
+        let fit = search::polish(&self.bins, &self.data, &mut self.laws, 0, 0.05);
+        self.fit = fit.ok_or(NoFit)?;
+        let mut polished = self.laws.iter();
+        for one in &mut self.explanations {
+            if let Change::Law(law) = &mut one.change
+                && let Some(polished) = polished.next()
+            {
+                law.clone_from(polished);
+            }
+        }
+        self.settle(values);
+        Ok(())
+    }
+
+    /// What the explanations do to the record.
+    fn taken_out(&self) -> TakenOut {
+        let mut taken = TakenOut::default();
+        for one in &self.explanations {
+            match &one.change {
+                Change::Waves(waves) => taken.waves.extend_from_slice(waves),
+                Change::Mask(stretches) => taken.masked.extend_from_slice(stretches),
+                Change::Cut(moment) => taken.cut.push(moment.clone()),
+                Change::Law(_) | Change::Grid { .. } => {}
+            }
+        }
+        taken
+    }
+}

@@ -1,0 +1,129 @@
+//! What is made of an axis when it is first asked for, and then kept.
+
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+
+use crate::diagnosis::axis::{AxisState, Whitened};
+use crate::diagnosis::laws::search;
+use crate::diagnosis::record::powers::{self, Powers};
+use crate::diagnosis::record::wave::Outlier;
+use crate::diagnosis::statistic::matched_filter::Transform;
+use crate::spectrum::{Line, record_lines};
+
+/// Power of the chain below which a frequency is shut out: what is left there says nothing of the
+/// sensor, and falls too fast to be whitened. 30 dB are a choice.
+const SHUT_OUT: f64 = 1e-3;
+
+/// What is made once, and can be given up before its owner changes.
+pub(super) struct Made<T>(Mutex<Arc<OnceLock<T>>>);
+
+impl<T> Default for Made<T> {
+    fn default() -> Self {
+        Self(Mutex::default())
+    }
+}
+
+impl<T: Clone> Clone for Made<T> {
+    fn clone(&self) -> Self {
+        Self(Mutex::new(self.cell()))
+    }
+}
+
+impl<T> Made<T> {
+    fn cell(&self) -> Arc<OnceLock<T>> {
+        Arc::clone(&self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    fn forget(&self) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Arc::default();
+    }
+}
+
+impl AxisState {
+    /// Transform of the residual and what whitens it; made once for each state.
+    pub fn whitened(&self) -> Arc<Whitened> {
+        let cell = self.seen.cell();
+        let seen = cell.get_or_init(|| {
+            let mut transform = self.fast.transform(&self.filled, self.rate_hz);
+            let density = self.densities(&transform);
+            transform.close(&density);
+            let top = self.shut_out(&transform);
+            Arc::new(Whitened {
+                transform,
+                density,
+                top,
+            })
+        });
+        Arc::clone(seen)
+    }
+
+    /// The first ordinate that the chain shuts out, or how many there are.
+    fn shut_out(&self, whole: &Transform) -> usize {
+        /// Steps over the band in which its response is followed.
+        const STEPS: usize = 4096;
+        let count = whole.ordinates().len();
+        let passes = |k: usize| self.bins.chain_power(whole.frequency(k)) >= SHUT_OUT;
+        let stride = count.div_ceil(STEPS);
+        let mut steps = (1..count).step_by(stride).chain([count - 1]);
+        let Some(beyond) = steps.find(|&k| !passes(k)) else {
+            return count;
+        };
+        (beyond.saturating_sub(stride).max(1)..=beyond)
+            .find(|&k| !passes(k))
+            .unwrap_or(beyond)
+    }
+
+    /// Gives up the transform until it is asked for again: a long record has no room for two.
+    pub fn forget_whitened(&self) {
+        self.seen.forget();
+    }
+
+    /// Samples of the ring that transforms look at: a few of the last ones may be left over.
+    pub fn ring_len(&self) -> usize {
+        self.fast.len()
+    }
+
+    /// Transform of the record with `outliers` put back, for noise of the `density` that it has without
+    /// them.
+    pub fn with(&self, outliers: &[Outlier], density: &[f64]) -> Transform {
+        let mut series = self.fast.series(&self.filled);
+        for one in outliers {
+            // The last few samples may be left over.
+            if let Some(value) = series.get_mut(one.index) {
+                *value += one.size;
+            }
+        }
+        let mut whole = self.fast.transform_in_place(series, self.rate_hz);
+        whole.close(density);
+        whole
+    }
+
+    /// Power of the whitened record over time; made once for each state.
+    pub fn powers(&self) -> Arc<Powers> {
+        let powers = self.powers.get_or_init(|| {
+            let seen = self.whitened();
+            let powers = powers::powers(&seen.transform, &seen.density, |n| self.usable(n));
+            Arc::new(powers)
+        });
+        Arc::clone(powers)
+    }
+
+    /// Makes what a round looks at, two things at a time. No two of these wait for a third that is made
+    /// once: one that waits may be given the other to do.
+    pub fn prepare(&self, level: f64) {
+        rayon::join(|| self.lines(level), || self.powers());
+    }
+
+    /// Lines of the residual at a family-wise `level`, the same for each of its states.
+    pub fn lines(&self, level: f64) -> &[Line] {
+        self.lines.get_or_init(|| {
+            let Ok(found) = record_lines::search(self.filled.as_slice(), self.rate_hz, level);
+            found
+        })
+    }
+
+    /// Where searches for laws begin; `None` without bins.
+    pub fn starts(&self) -> Option<Arc<search::Starts>> {
+        let made = || search::Starts::new(&self.bins).map(Arc::new);
+        self.starts.get_or_init(made).clone()
+    }
+}

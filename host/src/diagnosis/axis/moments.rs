@@ -1,0 +1,85 @@
+//! Which moments of an axis tests may judge by themselves: those that no bridge, cut or seam is near.
+
+use std::sync::{Arc, OnceLock};
+
+use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::record::bridge::bridge;
+
+/// Samples on either side of a bridge or a mask that tests of single moments leave out, at least
+/// and at most: choices. Between them what [`MEMORY`] asks.
+const GUARD: [usize; 2] = [256, 1 << 14];
+
+/// Time constants of the whitening filter for which it remembers where noise was cut: `e^-5` is
+/// left, 0.7 %.
+const MEMORY: f64 = 5.0;
+
+/// The least behind a converter's filter, which correlates samples that are further from each
+/// other: a choice.
+const FILTERED_GUARD: usize = 2048;
+
+/// Samples at both ends of the record that they leave out, for the ring closes there: a choice,
+/// four times what the line through the ends rests on.
+const SEAM: usize = 1024;
+
+impl AxisState {
+    /// Takes over what is left of the record, bridged where it is missing.
+    pub(super) fn settle(&mut self, mut values: Arc<Vec<f64>>) {
+        let mut gaps = if values.iter().all(|value| value.is_finite()) {
+            Vec::new()
+        } else {
+            bridge(Arc::make_mut(&mut values).as_mut_slice())
+        };
+        gaps.extend(self.residual.about_jumps(0));
+        gaps.sort_by_key(|gap| gap.start);
+        let guard = self.guard();
+        self.unusable.clear();
+        for gap in gaps {
+            let wide = gap.start.saturating_sub(guard)..(gap.end + guard).min(values.len());
+            match self.unusable.last_mut() {
+                Some(last) if last.end >= wide.start => last.end = last.end.max(wide.end),
+                _ => self.unusable.push(wide),
+            }
+        }
+        // A new law leaves the record as it was.
+        if self.filled != values {
+            self.filled = values;
+            self.lines = OnceLock::new();
+        }
+    }
+
+    /// Samples that what whitens the record remembers a cut for. Noise whose density rises with the
+    /// frequency (quantisation) is summed up, back to where it rises from.
+    fn guard(&self) -> usize {
+        const POINTS: i32 = 256;
+        let (low, high) = (8.0 / self.residual.len() as f64, 0.49_f64);
+        let (mut least, mut rises) = (f64::INFINITY, None);
+        for point in 0..=POINTS {
+            let cycles = low * (high / low).powf(f64::from(point) / f64::from(POINTS));
+            let density = self.density(cycles * self.rate_hz);
+            if density < least {
+                (least, rises) = (density, None);
+            } else if density > 2.0 * least && rises.is_none() {
+                rises = Some(cycles);
+            }
+        }
+        let samples = rises.map_or(0.0, |cycles| MEMORY / (std::f64::consts::TAU * cycles));
+        let [least, most] = GUARD;
+        let least = if self.is_filtered() {
+            FILTERED_GUARD
+        } else {
+            least
+        };
+        (samples as usize).clamp(least, most)
+    }
+
+    /// Whether tests of single moments may look at a sample.
+    pub fn usable(&self, index: usize) -> bool {
+        if index < SEAM || index + SEAM >= self.fast.len() {
+            return false;
+        }
+        // They overlap where one was added: no more than two can reach a sample.
+        let after = self.unusable.partition_point(|range| range.start <= index);
+        let near = self.unusable[..after].iter().rev().take(2);
+        near.into_iter().all(|range| range.end <= index)
+    }
+}

@@ -1,0 +1,78 @@
+//! Noise that is steady, tones that wander, and noise that is switched.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use super::*;
+use crate::model::random::Gaussian;
+use crate::model::random::Seed;
+
+const LENGTH: usize = 1 << 17;
+const RATE_HZ: f64 = 2000.0;
+
+/// White noise of deviation 1 with what `more` adds, of a sample's number and noise.
+fn axis(seed: u64, more: impl Fn(usize, f64) -> f64) -> AxisState {
+    let mut noise = Gaussian::new(Seed { seed, stream: 0 }, 1.0);
+    let values = (0..LENGTH).map(|n| more(n, noise.draw())).collect();
+    AxisState::new(Arc::new(values), RATE_HZ, None).expect("long enough")
+}
+
+/// A tone of this amplitude that sways by 20 Hz about 300 Hz, six times a record.
+fn wandering(amplitude: f64) -> impl Fn(usize, f64) -> f64 {
+    move |n, noise| {
+        let at = n as f64 / LENGTH as f64;
+        // The integral of 300 + 20 cos(2 pi 6 at).
+        let swings = 20.0 * (TAU * 6.0 * at).sin() / (TAU * 6.0);
+        let cycles = (300.0 * at + swings) * LENGTH as f64 / RATE_HZ;
+        noise + amplitude * (TAU * cycles).cos()
+    }
+}
+
+#[test]
+fn steady_noise_is_steady() {
+    // 40 records at a level of 1 %: four or more alarms have a probability of 1e-3.
+    let alarms = (0..40).filter(|&seed| {
+        let axis = axis(seed, |_, noise| noise);
+        unsteady(&axis, 0.0..1000.0, &[], 0.01).is_some()
+    });
+    let alarms: Vec<u64> = alarms.collect();
+    assert!(alarms.len() < 4, "seeds {alarms:?}");
+}
+
+#[test]
+fn a_wandering_tone_is_found_in_its_place() {
+    for seed in 100..104 {
+        let found = unsteady(&axis(seed, wandering(0.5)), 0.0..1000.0, &[], 1e-4);
+        let found = found.unwrap_or_else(|| panic!("seed {seed}: nothing"));
+        // Groups of 15.6 Hz at most lie across its ends.
+        assert!(
+            found.from_hz > 260.0 && found.to_hz < 340.0,
+            "seed {seed}: {found:?}"
+        );
+    }
+}
+
+#[test]
+fn noise_that_is_switched_is_unsteady_everywhere() {
+    for seed in 200..204 {
+        let switched = |n: usize, noise: f64| if n % 4000 < 2000 { noise } else { 1.4 * noise };
+        let found = unsteady(&axis(seed, switched), 0.0..1000.0, &[], 1e-4);
+        let found = found.unwrap_or_else(|| panic!("seed {seed}: nothing"));
+        assert!(
+            found.to_hz - found.from_hz > 500.0,
+            "seed {seed}: {found:?}"
+        );
+        // Powers of 1 and 1.96 by turns: relative variance 0.105.
+        assert!(
+            (0.05..0.2).contains(&found.variance),
+            "seed {seed}: {found:?}"
+        );
+    }
+}
+
+#[test]
+fn what_is_apart_is_not_looked_at() {
+    let axis = axis(300, wandering(0.5));
+    let found = unsteady(&axis, 0.0..1000.0, &[250.0..350.0], 1e-4);
+    assert_eq!(found, None, "seed 300");
+}

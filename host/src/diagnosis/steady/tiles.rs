@@ -1,0 +1,76 @@
+//! The whitened record in tiles of time and frequency: how strong each is, which of them count, and their
+//! [score](super::noise).
+
+use std::ops::Range;
+
+use realfft::num_complex::Complex64;
+
+use crate::diagnosis::axis::{AxisState, Whitened};
+use crate::diagnosis::statistic::matched_filter::smooth_len;
+use crate::fft::{self, long::Long};
+
+/// Ordinates of the widest band whose transform is planned.
+const LONGEST: usize = 1 << 16;
+
+/// Moments at which a tile is asked whether its samples count.
+const ASKED: usize = 8;
+
+/// Strength of the whitened record in the band of the ordinates, at `ordinates.len()` moments, in
+/// units of its density.
+pub fn strengths(seen: &Whitened, ordinates: Range<usize>) -> Vec<f64> {
+    over_time(seen, whitened(seen, ordinates).collect())
+}
+
+/// The ordinates of a band over the root of their densities.
+pub(super) fn whitened(
+    seen: &Whitened,
+    ordinates: Range<usize>,
+) -> impl Iterator<Item = Complex64> {
+    let pairs = seen.transform.ordinates()[ordinates.clone()].iter();
+    let pairs = pairs.zip(&seen.density[ordinates]);
+    pairs.map(|(ordinate, density)| ordinate / density.sqrt())
+}
+
+/// Power of a band, given by its ordinates, at as many even moments, over that of the record.
+pub(super) fn over_time(seen: &Whitened, mut band: Vec<Complex64>) -> Vec<f64> {
+    // A length with large prime factors would take many times the time and the memory.
+    band.truncate(smooth_len(band.len()));
+    if band.len() > LONGEST {
+        Long::new(band.len()).inverse(&mut band);
+    } else {
+        fft::inverse(band.len()).process(&mut band);
+    }
+    let unit = (band.len() as f64 * seen.transform.power()).recip();
+    band.iter().map(|value| value.norm_sqr() * unit).collect()
+}
+
+/// Which of `size` moments count: those most of whose samples are measured ones.
+pub fn counting(axis: &AxisState, length: usize, size: usize) -> Vec<bool> {
+    (0..size)
+        .map(|moment| {
+            // A moment stands in the middle of its samples.
+            let good = (0..ASKED).filter(|part| {
+                let at = moment as f64 - 0.5 + (*part as f64 + 0.5) / ASKED as f64;
+                let sample = (at * length as f64 / size as f64).rem_euclid(length as f64);
+                axis.usable(sample as usize)
+            });
+            good.count() == ASKED
+        })
+        .collect()
+}
+
+/// Sum of scores of the tiles that count, and their number.
+pub(super) fn score(strengths: &[f64], counts: &[bool]) -> (f64, f64) {
+    let good = || {
+        let pairs = strengths.iter().zip(counts);
+        pairs.filter(|(_, counts)| **counts).map(|(one, _)| *one)
+    };
+    let tiles = good().count() as f64;
+    let mean = good().sum::<f64>() / tiles.max(1.0);
+    if tiles < 8.0 || mean <= 0.0 {
+        return (0.0, 0.0);
+    }
+    // Over the group's own mean, which takes 1/8 a group off.
+    let sum: f64 = good().map(|one| (-one / mean).exp() - 0.5).sum();
+    (sum + 0.125, tiles)
+}
