@@ -69,7 +69,7 @@ fn withdrawing_removes_waves_from_the_residual_and_all_snapshots() {
     axis.refresh().expect("a fit");
     assert_eq!(kinds(&axis), [burst::KIND, sinusoid::KIND]);
     let line = line(50.0, 0.1);
-    assert_eq!(*axis.residual.waves(), [line.clone()]);
+    assert_eq!(axis.residual.waves(), std::slice::from_ref(&line));
     let left = [[vec![], vec![]], [vec![], vec![line]]];
     assert_eq!(snapshots(&axis), left);
 }

@@ -11,13 +11,16 @@ use crate::diagnosis::trial::{
 use crate::diagnosis::values::ValueFindings;
 use crate::model::{burst, markov, outliers, resonance, sinusoid, steps};
 
+/// What was learnt and the last kind, or none of both.
+type Outcome = Result<(Character, Option<Kind>), Spoilt>;
+
 /// What comes of a search by detectors that are made up, `refused` kinds aside, and what was told of it.
 fn search(
     axis: &mut AxisState,
     refused: &[Kind],
     before_rounds: &[&Detector],
     round: &[&Detector],
-) -> (Result<(Character, Option<Kind>), Spoilt>, Vec<Kind>) {
+) -> (Outcome, Vec<Kind>) {
     let told = Mutex::new(Vec::new());
     let found = |kind| told.lock().expect("no panic").push(kind);
     let values = ValueFindings::default();
