@@ -177,15 +177,14 @@ mod tests {
     }
 
     /// Noise whose strength swings by 40 %, so many times in the record.
-    fn swung(seed: u64, cycles: f64) -> AxisState {
-        let len = short(seed);
+    fn swung(seed: u64, len: usize, cycles: f64) -> AxisState {
         let swings = swinging(0.4, cycles, len);
         axis(seed, len, |n, noise| swings(n) * noise)
     }
 
     #[test]
     fn strength_that_moves_is_left_as_a_cycle_or_as_slow() {
-        let mut axis = swung(4, 40.0);
+        let mut axis = swung(4, short(4), 40.0);
         let remarks = by("variance", &mut axis);
         assert_eq!(remarks.len(), 1, "seed 4: {remarks:?}");
         let Place::Period(period_s) = remarks[0].place else {
@@ -197,14 +196,25 @@ mod tests {
             (period_s / cycle_s - 1.0).abs() < 0.025,
             "seed 4: {period_s}"
         );
-        let remarks = by("variance", &mut swung(4, 3.0));
+        let remarks = by("variance", &mut swung(4, short(4), 3.0));
         assert_eq!(remarks.len(), 1, "seed 4: {remarks:?}");
         assert!(matches!(remarks[0].place, Place::Slower(_)), "{remarks:?}");
     }
 
     #[test]
+    fn a_cycle_that_is_slow_as_well_is_said_once() {
+        // Of 1536 blocks of 64 samples the 64 slowest ordinates are slow, and 40 is among them.
+        let mut axis = swung(5, 3 * (1 << 15) + 1, 40.0);
+        let wander = strength::wander(&axis.powers()).expect("blocks");
+        assert!(wander.slow.p_value < LEVEL, "seed 5: {wander:?}");
+        let remarks = by("variance", &mut axis);
+        assert_eq!(remarks.len(), 1, "seed 5: {remarks:?}");
+        assert!(matches!(remarks[0].place, Place::Period(_)), "{remarks:?}");
+    }
+
+    #[test]
     fn a_coarse_grid_silences_the_strength_alone() {
-        let mut axis = swung(4, 40.0);
+        let mut axis = swung(4, short(4), 40.0);
         take_in(&mut axis, rounding::KIND, NOTHING);
         assert_eq!(by("variance", &mut axis), [], "seed 4");
         let mut lines = lines(3, 3, 0.0);
@@ -214,7 +224,7 @@ mod tests {
 
     #[test]
     fn what_is_left_comes_ahead_of_what_was_said() {
-        let mut axis = swung(4, 40.0);
+        let mut axis = swung(4, short(4), 40.0);
         let mut hearing = Hearing {
             axis: &mut axis,
             level: LEVEL,
