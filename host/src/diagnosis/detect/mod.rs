@@ -20,6 +20,8 @@ pub mod strength;
 pub mod telegraph;
 pub mod thermal;
 pub mod timebase;
+#[cfg(test)]
+mod trial;
 pub mod unsteady_band;
 pub mod warmup;
 

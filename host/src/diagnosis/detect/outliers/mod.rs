@@ -3,6 +3,8 @@
 pub mod filter;
 mod pursuit;
 mod size_law;
+#[cfg(test)]
+mod tests;
 
 use std::ops::Range;
 use std::sync::Arc;

@@ -1,0 +1,197 @@
+use std::f64::consts::TAU;
+
+use super::*;
+use crate::diagnosis::detect::trial::{self, Trial, noise, outlier};
+use crate::model::telegraph;
+
+/// Places far from one another.
+const APART: [usize; 4] = [4001, 7500, 11_111, 15_002];
+
+/// Noise with samples that are `size` too large.
+fn with(seed: u64, size: f64, places: &[usize]) -> Trial {
+    let mut values = noise(seed);
+    places.iter().for_each(|&place| values[place] += size);
+    Trial::new(values)
+}
+
+/// Places of the outliers that are named, none where none are.
+fn named_at(proposals: Vec<Proposal>) -> Vec<usize> {
+    let waves = match trial::candidate(proposals).map(|one| one.change) {
+        Some(Change::Waves(waves)) => waves,
+        _ => Vec::new(),
+    };
+    let all = waves.iter().filter_map(|wave| match wave {
+        Wave::Outliers(all) => Some(all.iter().map(|one| one.index)),
+        _ => None,
+    });
+    all.flatten().collect()
+}
+
+#[test]
+fn large_samples_are_named_where_they_are() {
+    for seed in 0..3 {
+        let mut trial = with(seed, 9.0, &APART);
+        let proposals = trial.ask(&DETECTOR);
+        assert_eq!(named_at(proposals), APART, "seed {seed}");
+        trial.refused.push(KIND);
+        assert!(trial.ask(&DETECTOR).is_empty(), "seed {seed}: refused");
+        assert!(
+            Trial::new(noise(seed)).ask(&DETECTOR).is_empty(),
+            "seed {seed}"
+        );
+    }
+}
+
+#[test]
+fn large_samples_close_together_are_none() {
+    // Four pairs where less than a hundredth of one is expected.
+    let pairs: Vec<usize> = APART
+        .iter()
+        .flat_map(|&place| [place, place + 20])
+        .collect();
+    let mut trial = with(10, 9.0, &pairs);
+    let proposals = trial.ask(&DETECTOR);
+    assert!(named_at(trial.ask(&DETECTOR)).is_empty());
+    assert!(trial::teaches(&proposals, &Lesson::LargeSamplesInGroups));
+    trial.character.learn(Lesson::LargeSamplesInGroups);
+    assert!(trial.ask(&DETECTOR).is_empty(), "looked for again");
+}
+
+#[test]
+fn large_samples_where_an_excluded_band_is_loud_belong_to_it() {
+    let mut values = noise(11);
+    // A tone of 20 Hz, switched on for 4 s about each of the places.
+    for place in APART {
+        for (n, value) in values.iter_mut().enumerate().skip(place - 200).take(400) {
+            *value += 2.0 * (TAU * 0.2 * n as f64).cos();
+        }
+    }
+    let at = |offset: usize| {
+        let mut values = values.clone();
+        APART
+            .iter()
+            .for_each(|place| values[place + offset] += 12.0);
+        let mut trial = Trial::new(values);
+        trial.exclude(18.0, 22.0);
+        trial.ask(&DETECTOR)
+    };
+    assert!(trial::teaches(&at(0), &Lesson::LargeSamplesInGroups));
+    // The same samples while the tone is off.
+    let elsewhere = APART.map(|place| place + 1500);
+    assert_eq!(named_at(at(1500)), elsewhere);
+}
+
+#[test]
+fn large_samples_that_short_dwells_leave_are_no_outliers() {
+    // Up and down by 50, once a second: one dwell in 200 is shorter than 5 ms and leaves less than 25.
+    let places = [4500, 7500, 11_500];
+    let turn = |place: usize, index: usize| trial::jump(index, 50.0 - 100.0 * (place % 2) as f64);
+    let jumps: Vec<_> = (1..19).map(|place| turn(place, place * 1000)).collect();
+    let proposals = |dwell_s: Option<f64>| {
+        let mut values = noise(12);
+        trial::add_steps(&mut values, &jumps);
+        places.iter().for_each(|&place| values[place] += 12.0);
+        let mut trial = Trial::new(values);
+        let kind = dwell_s.map_or(crate::model::steps::KIND, |_| telegraph::KIND);
+        trial.know(kind, [50.0, dwell_s.unwrap_or(0.0)], trial::steps(&jumps));
+        trial.ask(&DETECTOR)
+    };
+    assert_eq!(named_at(proposals(None)), places);
+    let switching = proposals(Some(1.0));
+    assert!(trial::teaches(&switching, &Lesson::LargeSamplesInGroups));
+    assert!(trial::withdraws(&switching, KIND));
+}
+
+#[test]
+fn large_samples_of_a_loud_stretch_are_no_outliers() {
+    let places = [6000, 6600, 7300];
+    let with = |factor: f64| {
+        let mut values = noise(13);
+        values[5500..8000].iter_mut().for_each(|one| *one *= factor);
+        places.iter().for_each(|&place| values[place] += 12.0);
+        Trial::new(values).ask(&DETECTOR)
+    };
+    assert_eq!(named_at(with(1.0)), places);
+    assert!(with(1.5).is_empty());
+}
+
+#[test]
+fn where_the_strength_moves_outliers_are_three_times_as_far_out_as_the_noise_about_them() {
+    // The noise is four times as loud in the second half; the threshold is some 5 of 2.9 or of 4.
+    let mut values = noise(14);
+    let half = values.len() / 2;
+    values[half..].iter_mut().for_each(|one| *one *= 4.0);
+    for (place, size) in [
+        (3000, 30.0),
+        (5000, 55.0),
+        (half + 3000, 55.0),
+        (half + 5000, 90.0),
+    ] {
+        values[place] = size;
+    }
+    let mut trial = Trial::new(values);
+    let expected = [3000, 5000, half + 3000, half + 5000];
+    assert_eq!(named_at(trial.ask(&DETECTOR)), expected);
+    trial.character.strength_moves = true;
+    assert_eq!(named_at(trial.ask(&DETECTOR)), [5000, half + 5000]);
+}
+
+#[test]
+fn where_the_level_switches_a_jump_is_no_outlier() {
+    let jumps = APART.map(|place| trial::jump(place, if place % 2 == 0 { 25.0 } else { -25.0 }));
+    let mut values = noise(15);
+    trial::add_steps(&mut values, &jumps);
+    values[9000] += 60.0;
+    let mut trial = Trial::new(values);
+    let found = |trial: &Trial| {
+        let seen = trial.axis.whitened();
+        let powers = trial.axis.powers();
+        let all = trial.look(|look| sought(look, &seen.transform, &seen.density, &powers));
+        all.outliers.iter().map(|one| one.index).collect::<Vec<_>>()
+    };
+    assert!(found(&trial).len() > 1, "no jump looks like an outlier");
+    trial.character.level_switches = true;
+    assert_eq!(found(&trial), [9000]);
+}
+
+#[test]
+fn outliers_are_sought_again_once_something_else_was_explained() {
+    // Beside the line only the larger ones stand out.
+    let line = Wave::Line {
+        cycles: 0.123,
+        cosine: 6.0,
+        sine: 0.0,
+        lost: None,
+    };
+    let mut values = vec![0.0; noise(16).len()];
+    line.take_out(&mut values);
+    for (value, noise) in values.iter_mut().zip(noise(16)) {
+        *value = noise - *value;
+    }
+    let sizes = [50.0, 9.0, 50.0, 9.0];
+    for (place, size) in APART.into_iter().zip(sizes) {
+        values[place] += size;
+    }
+    let mut trial = Trial::new(values);
+    let large = [outlier(APART[0], 48.0), outlier(APART[2], 51.0)];
+    let waves = vec![Wave::Outliers(Arc::new(large.to_vec()))];
+    trial.know(KIND, [0.01, 50.0], Change::Waves(waves));
+    let change = Change::Waves(vec![line]);
+    trial.know(crate::model::sinusoid::KIND, [12.3, 6.0], change);
+    let proposals = trial.ask(&DETECTOR);
+    assert!(trial::teaches(&proposals, &Lesson::OutliersSoughtAmong(2)));
+    let again = trial::candidate(proposals).expect("the smaller ones stand out now");
+    assert_eq!(again.amends, Some(0));
+    trial.accept(again);
+    assert_eq!(trial.axis.residual.outliers().len(), APART.len());
+    trial.character.learn(Lesson::OutliersSoughtAmong(2));
+    assert!(trial.ask(&DETECTOR).is_empty(), "looked for again");
+}
+
+#[test]
+fn outliers_that_are_none_any_more_are_taken_back() {
+    let mut trial = Trial::new(noise(17));
+    let waves = vec![Wave::Outliers(Arc::new(vec![outlier(APART[0], 0.5)]))];
+    trial.know(KIND, [0.01, 0.5], Change::Waves(waves));
+    assert!(trial::withdraws(&trial.ask(&DETECTOR), KIND));
+}
