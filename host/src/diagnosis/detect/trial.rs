@@ -1,6 +1,7 @@
 //! A small axis on which one detector is tried, for the tests of the rules by which effects that look
 //! alike are told apart.
 
+use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use super::Detector;
@@ -51,6 +52,8 @@ pub struct Trial {
     pub character: Character,
     /// What its values say.
     pub values: ValueFindings,
+    /// Level of one test.
+    pub level: f64,
     /// A covariate.
     pub covariate: Option<Vec<f64>>,
     /// Kinds that are not proposed any more.
@@ -66,6 +69,7 @@ impl Trial {
                 .expect("a record with a spectrum"),
             character: Character::default(),
             values: said,
+            level: LEVEL,
             covariate: None,
             refused: Vec::new(),
         }
@@ -74,7 +78,7 @@ impl Trial {
     /// Lets something look at the axis.
     pub fn look<T>(&self, at: impl FnOnce(&Look<'_>) -> T) -> T {
         let context = Context {
-            level: LEVEL,
+            level: self.level,
             covariate: self.covariate.as_deref(),
             values: &self.values,
             refused: &self.refused,
@@ -121,6 +125,38 @@ impl Trial {
     }
 }
 
+/// Adds noise of a deviation in a band of a hertz or so about 20 Hz, `envelope` times as strong at a sample.
+pub fn add_band(values: &mut [f64], seed: u64, deviation: f64, envelope: impl Fn(usize) -> f64) {
+    // First-order noise of a correlation time of 0.3 s on both phases of a tone.
+    let keep = (-1.0 / (0.3 * RATE_HZ)).exp();
+    let mut normal = Gaussian::new(
+        Seed { seed, stream: 2 },
+        deviation * (1.0 - keep * keep).sqrt(),
+    );
+    let mut phasor = [0.0, 0.0];
+    for (n, value) in values.iter_mut().enumerate() {
+        phasor = phasor.map(|one| keep * one + normal.draw());
+        let turn = TAU * 0.2 * n as f64;
+        *value += envelope(n) * (phasor[0] * turn.cos() + phasor[1] * turn.sin());
+    }
+}
+
+/// Noise on a level that switches by `height`, once in a quarter of a second on average, and where it does.
+pub fn switching(seed: u64, height: f64) -> (Vec<f64>, Vec<usize>) {
+    let mut values = noise(seed);
+    let mut normal = Gaussian::new(Seed { seed, stream: 3 }, 1.0);
+    let (mut level, mut moments) = (0.5 * height, Vec::new());
+    for (n, value) in values.iter_mut().enumerate() {
+        // A normal number is beyond 2.054 of its deviations once in 25 times.
+        if normal.draw().abs() > 2.054 {
+            level = -level;
+            moments.push(n);
+        }
+        *value += level;
+    }
+    (values, moments)
+}
+
 /// The only candidate among some proposals.
 pub fn candidate(proposals: Vec<Proposal>) -> Option<Candidate> {
     let mut candidates = proposals.into_iter().filter_map(|one| match one {
@@ -133,6 +169,25 @@ pub fn candidate(proposals: Vec<Proposal>) -> Option<Candidate> {
         "one candidate beside {first:?}"
     );
     Some(first)
+}
+
+/// Kinds that some proposals explain.
+pub fn kinds(proposals: &[Proposal]) -> Vec<Kind> {
+    let kinds = proposals.iter().filter_map(|one| match one {
+        Proposal::Explain(candidate) => Some(candidate.effect.kind),
+        _ => None,
+    });
+    kinds.collect()
+}
+
+/// A line of a frequency and an amplitude.
+pub fn line(f_hz: f64, amplitude: f64) -> Wave {
+    Wave::Line {
+        cycles: f_hz / RATE_HZ,
+        cosine: amplitude,
+        sine: 0.0,
+        lost: None,
+    }
 }
 
 /// Whether a lesson is among some proposals.
@@ -173,11 +228,23 @@ pub fn steps(jumps: &[Jump]) -> Change {
     Change::Waves(vec![Wave::Steps(jumps.to_vec())])
 }
 
-/// Adds the jumps to a record.
-pub fn add_steps(values: &mut [f64], jumps: &[Jump]) {
-    let back = jumps.iter().map(|one| Jump {
-        height: -one.height,
-        ..*one
-    });
-    Wave::Steps(back.collect()).take_out(values);
+/// A settling by `amplitude` within `time_s`.
+pub fn settling(amplitude: f64, time_s: f64) -> Wave {
+    Wave::WarmUp {
+        amplitude,
+        samples: time_s * RATE_HZ,
+    }
+}
+
+/// Adds to a record what would be taken out of it.
+pub fn add(values: &mut [f64], wave: &Wave) {
+    values.iter_mut().for_each(|value| *value = -*value);
+    wave.take_out(values);
+    values.iter_mut().for_each(|value| *value = -*value);
+}
+
+/// A covariate that goes up and down three times within a record of `length` samples, by 1 either way.
+pub fn covariate(length: usize) -> Vec<f64> {
+    let turn = |n: usize| TAU * 3.0 * n as f64 / length as f64;
+    (0..length).map(|n| turn(n).sin()).collect()
 }

@@ -2,6 +2,8 @@
 
 pub mod even;
 mod stretch;
+#[cfg(test)]
+mod tests;
 
 use super::{Detector, coarse_grid, strength, telegraph};
 use crate::diagnosis::axis::{AxisState, NoFit};

@@ -1,3 +1,5 @@
+//! What looks like an outlier and is none.
+
 use std::f64::consts::TAU;
 
 use super::*;
@@ -89,7 +91,7 @@ fn large_samples_that_short_dwells_leave_are_no_outliers() {
     let jumps: Vec<_> = (1..19).map(|place| turn(place, place * 1000)).collect();
     let proposals = |dwell_s: Option<f64>| {
         let mut values = noise(12);
-        trial::add_steps(&mut values, &jumps);
+        trial::add(&mut values, &Wave::Steps(jumps.to_vec()));
         places.iter().for_each(|&place| values[place] += 12.0);
         let mut trial = Trial::new(values);
         let kind = dwell_s.map_or(crate::model::steps::KIND, |_| telegraph::KIND);
@@ -140,7 +142,7 @@ fn where_the_strength_moves_outliers_are_three_times_as_far_out_as_the_noise_abo
 fn where_the_level_switches_a_jump_is_no_outlier() {
     let jumps = APART.map(|place| trial::jump(place, if place % 2 == 0 { 25.0 } else { -25.0 }));
     let mut values = noise(15);
-    trial::add_steps(&mut values, &jumps);
+    trial::add(&mut values, &Wave::Steps(jumps.to_vec()));
     values[9000] += 60.0;
     let mut trial = Trial::new(values);
     let found = |trial: &Trial| {
@@ -163,11 +165,8 @@ fn outliers_are_sought_again_once_something_else_was_explained() {
         sine: 0.0,
         lost: None,
     };
-    let mut values = vec![0.0; noise(16).len()];
-    line.take_out(&mut values);
-    for (value, noise) in values.iter_mut().zip(noise(16)) {
-        *value = noise - *value;
-    }
+    let mut values = noise(16);
+    trial::add(&mut values, &line);
     let sizes = [50.0, 9.0, 50.0, 9.0];
     for (place, size) in APART.into_iter().zip(sizes) {
         values[place] += size;
