@@ -2,6 +2,8 @@
 
 mod filter;
 mod pursuit;
+#[cfg(test)]
+mod tests;
 
 use crate::diagnosis::axis::profile::Noise;
 use crate::diagnosis::detect::look::{Lesson, Look, Proposal};

@@ -1,0 +1,151 @@
+//! What looks like a jump and is none, and what jumps become.
+
+use super::*;
+use crate::diagnosis::detect::level;
+use crate::diagnosis::detect::trial::{self, Trial, noise};
+
+/// Noise with jumps.
+fn values(seed: u64, jumps: &[Jump]) -> Vec<f64> {
+    let mut values = noise(seed);
+    trial::add(&mut values, &Wave::Steps(jumps.to_vec()));
+    values
+}
+
+/// The jump that is found in noise as it was fitted.
+fn found(trial: &Trial) -> Option<Jump> {
+    trial.look(|look| find(look, Noise::Fitted))
+}
+
+/// What becomes of all jumps that are found.
+fn named(seed: u64, jumps: &[Jump]) -> Candidate {
+    let trial = Trial::new(values(seed, jumps));
+    trial::candidate(trial.ask(&level::IN_FITTED_NOISE))
+        .unwrap_or_else(|| panic!("seed {seed}: nothing"))
+}
+
+#[test]
+fn jumps_are_named_where_they_are() {
+    let jumps = [trial::jump(6000, 4.0), trial::jump(12_000, 3.0)];
+    let found = named(0, &jumps);
+    assert_eq!(found.effect.kind, KIND, "seed 0");
+    let rows = found.effect.plain();
+    for (found, jump) in rows.chunks(2).zip(jumps) {
+        // Placed to within a few samples, the height to 5 of its deviations in 6000 samples of a weak walk.
+        assert!(
+            (found[0] - jump.index as f64 / trial::RATE_HZ).abs() < 0.1,
+            "seed 0: {rows:?}"
+        );
+        assert!(
+            (found[1] / jump.height).ln().abs() < 0.1,
+            "seed 0: {rows:?}"
+        );
+    }
+    assert_eq!(rows.len(), 4, "seed 0: {rows:?}");
+    assert!(self::found(&Trial::new(noise(0))).is_none(), "seed 0");
+}
+
+#[test]
+fn where_the_level_switches_no_jump_is_one_by_itself() {
+    let mut trial = Trial::new(values(1, &[trial::jump(9000, 4.0)]));
+    assert!(found(&trial).is_some(), "seed 1");
+    trial.character.level_switches = true;
+    assert!(found(&trial).is_none(), "seed 1");
+}
+
+#[test]
+fn a_jump_within_a_plainer_burst_is_a_part_of_it() {
+    for (factor, is_found) in [(1.0, true), (4.0, false)] {
+        let mut values = values(2, &[trial::jump(9000, 1.5)]);
+        values[8000..10_000]
+            .iter_mut()
+            .for_each(|one| *one *= factor);
+        let trial = Trial::new(values);
+        let filter = trial.axis.whitened();
+        let jump =
+            filter::largest_jump(&filter.transform, &filter.density, |n| trial.axis.usable(n));
+        let jump = jump.expect("a record longer than its margins");
+        assert!(
+            jump.p_value < trial::LEVEL,
+            "seed 2, factor {factor}: {jump:?}"
+        );
+        assert_eq!(found(&trial).is_some(), is_found, "seed 2, factor {factor}");
+    }
+}
+
+#[test]
+fn what_is_left_of_a_jump_is_the_same_again() {
+    // Of a jump by 4, 3 were taken out; another stands by itself.
+    let mut trial = Trial::new(values(
+        3,
+        &[trial::jump(6000, 4.0), trial::jump(12_000, 3.0)],
+    ));
+    let known = [trial::jump(6000, 3.0), trial::jump(12_000, 3.0)];
+    trial.know(KIND, [60.0, 3.0, 120.0, 3.0], trial::steps(&known));
+    let again = trial.look(|look| proposals(look, trial::jump(6002, 1.0)));
+    let again = trial::candidate(again).expect("the rest of it");
+    assert_eq!(again.amends, Some(0), "seed 3");
+    assert!(again.reopens.is_empty(), "seed 3");
+    let Change::Waves(waves) = &again.change else {
+        panic!("seed 3: {:?}", again.change);
+    };
+    let [Wave::Steps(jumps)] = waves.as_slice() else {
+        panic!("seed 3: {waves:?}");
+    };
+    let heights: Vec<f64> = jumps.iter().map(|one| one.height).collect();
+    assert_eq!(heights, [4.0, 3.0], "seed 3");
+}
+
+#[test]
+fn the_first_jumps_reopen_what_is_slower() {
+    let reopens = named(4, &[trial::jump(9000, 4.0)]).reopens;
+    assert_eq!(reopens, [warmup::KIND, thermal::KIND], "seed 4");
+}
+
+#[test]
+fn jumps_to_and_fro_by_as_much_are_two_levels() {
+    let at = |heights: [f64; 4]| {
+        let places = [4000, 7100, 11_500, 14_200];
+        let jumps = places.into_iter().zip(heights);
+        let jumps: Vec<Jump> = jumps
+            .map(|(index, height)| trial::jump(index, height))
+            .collect();
+        named(5, &jumps).effect.kind
+    };
+    assert_eq!(
+        at([4.0, -4.0, 4.0, -4.0]),
+        crate::model::telegraph::KIND,
+        "seed 5"
+    );
+    assert_eq!(at([4.0, 4.0, -4.0, -4.0]), KIND, "seed 5");
+}
+
+#[test]
+fn more_jumps_than_can_be_named_are_a_level_that_switches() {
+    let jumps = |count: usize| -> Vec<Jump> {
+        let height = |place: usize| if place.is_multiple_of(3) { -4.0 } else { 4.0 };
+        let places = (0..count).map(|place| (2000 + 100 * place, height(place)));
+        places
+            .map(|(index, height)| trial::jump(index, height))
+            .collect()
+    };
+    for (known, is_more) in [(MOST - 1, false), (MOST, true)] {
+        let all = jumps(known + 1);
+        let mut trial = Trial::new(values(6, &all));
+        trial.know(KIND, [0.0; 2], trial::steps(&all[..known]));
+        let proposals = trial.look(|look| proposals(look, all[known]));
+        let learnt = trial::teaches(&proposals, &Lesson::LevelSwitches);
+        assert_eq!(learnt, is_more, "seed 6, {known} known");
+        assert_eq!(
+            trial::withdraws(&proposals, KIND),
+            is_more,
+            "seed 6, {known} known"
+        );
+    }
+}
+
+#[test]
+fn refused_jumps_are_not_named_again() {
+    let mut trial = Trial::new(values(7, &[trial::jump(9000, 4.0)]));
+    trial.refused.push(KIND);
+    assert!(trial.ask(&level::IN_FITTED_NOISE).is_empty(), "seed 7");
+}
