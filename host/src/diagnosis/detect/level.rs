@@ -39,3 +39,40 @@ fn strongest(look: &Look<'_>, noise: Noise) -> Result<Vec<Proposal>, NoFit> {
     }
     Ok(jump.map_or_else(Vec::new, |jump| steps::proposals(look, jump)))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::detect::trial::{self, Trial, noise};
+    use crate::diagnosis::record::wave::Wave;
+    use crate::model::kind::Kind;
+
+    /// What is named first of a record that has all three: gain, amplitude of the settling, and height of the
+    /// jump.
+    fn first(seed: u64, [gain, amplitude, height]: [f64; 3]) -> Kind {
+        let mut values = noise(seed);
+        let covariate = trial::covariate(values.len());
+        for (value, covariate) in values.iter_mut().zip(&covariate) {
+            *value += gain * covariate;
+        }
+        let middle = values.len() / 2;
+        trial::add(&mut values, &trial::settling(amplitude, 20.0));
+        trial::add(&mut values, &Wave::Steps(vec![trial::jump(middle, height)]));
+        let mut trial = Trial::new(values);
+        trial.covariate = Some(covariate);
+        let found = trial::candidate(trial.ask(&IN_NOISE_ANEW));
+        found
+            .unwrap_or_else(|| panic!("seed {seed}: nothing"))
+            .effect
+            .kind
+    }
+
+    #[test]
+    fn the_largest_of_three_is_named_first() {
+        use crate::model::{steps, thermal, warmup};
+        // Beside a jump; beside a jump; beside both others, half as plain.
+        assert_eq!(first(0, [2.0, 4.0, 1.0]), thermal::KIND);
+        assert_eq!(first(0, [1.0, 12.0, 1.0]), warmup::KIND);
+        assert_eq!(first(0, [2.0, 8.0, 2.0]), steps::KIND);
+    }
+}

@@ -259,4 +259,18 @@ mod tests {
         }
         assert!(hidden > 0, "the walk hides none of them");
     }
+
+    #[test]
+    fn a_settling_as_quick_as_the_level_switches_is_a_dwell() {
+        use crate::diagnosis::detect::trial::{self, Trial, noise};
+        use crate::model::telegraph;
+        for (dwell_s, is_found) in [(2.0, true), (15.0, false)] {
+            let mut values = noise(0);
+            trial::add(&mut values, &trial::settling(4.0, 30.0));
+            let mut trial = Trial::new(values);
+            trial.know(telegraph::KIND, [1.0, dwell_s], trial::steps(&[]));
+            let found = trial.look(|look| find(look, Noise::Anew));
+            assert_eq!(found.is_some(), is_found, "seed 0, {dwell_s} s");
+        }
+    }
 }
