@@ -36,3 +36,24 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     );
     Ok(vec![Proposal::Explain(Box::new(candidate))])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::detect::trial::{self, Trial, noise};
+
+    #[test]
+    fn one_side_is_named_after_the_other() {
+        let clipped = noise(0).into_iter().map(|value| value.clamp(-1.5, 2.0));
+        let mut trial = Trial::new(clipped.collect());
+        let mut sides = Vec::new();
+        for _ in 0..2 {
+            let found = trial::candidate(trial.ask(&DETECTOR)).expect("a side that is left");
+            sides.push(found.effect.plain());
+            trial.accept(found);
+        }
+        sides.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        assert_eq!(sides, [[-1.5, -1.0], [2.0, 1.0]], "seed 0");
+        assert!(trial.ask(&DETECTOR).is_empty(), "seed 0: a third side");
+    }
+}

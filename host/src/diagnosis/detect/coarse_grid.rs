@@ -39,3 +39,31 @@ pub fn decides(axis: &AxisState) -> bool {
     let mut changes = axis.explanations().iter().map(|one| &one.change);
     changes.any(|change| *change == Change::Grid { decides: true })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::detect::trial::{self, Trial, noise};
+
+    #[test]
+    fn a_grid_is_named_once_and_decides_where_the_noise_spans_few_of_its_steps() {
+        for (step, is_decisive) in [(1.0, false), (4.0, true)] {
+            let rounded = noise(0)
+                .into_iter()
+                .map(|value| step * (value / step).round());
+            let mut trial = Trial::new(rounded.collect());
+            let found = trial::candidate(trial.ask(&DETECTOR)).expect("a grid");
+            assert_eq!(found.effect.plain(), [step], "seed 0");
+            trial.accept(found);
+            assert_eq!(decides(&trial.axis), is_decisive, "seed 0, step {step}");
+            assert!(
+                trial.ask(&DETECTOR).is_empty(),
+                "seed 0, step {step}: again"
+            );
+        }
+        assert!(
+            Trial::new(noise(0)).ask(&DETECTOR).is_empty(),
+            "seed 0: no grid"
+        );
+    }
+}

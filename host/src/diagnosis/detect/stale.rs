@@ -32,3 +32,27 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
         });
     Ok(candidate.into_iter().collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::detect::trial::{self, Trial, noise};
+
+    #[test]
+    fn repeats_are_replaced_once() {
+        let mut values = noise(0);
+        for n in (500..values.len()).step_by(701) {
+            values[n] = values[n - 1];
+        }
+        let mut trial = Trial::new(values);
+        let found =
+            trial::candidate(trial.ask(&DETECTOR)).expect("no two values are the same by chance");
+        assert_eq!(found.effect.kind, KIND, "seed 0");
+        trial.accept(found);
+        assert!(trial.ask(&DETECTOR).is_empty(), "seed 0: again");
+        assert!(
+            Trial::new(noise(0)).ask(&DETECTOR).is_empty(),
+            "seed 0: no repeats"
+        );
+    }
+}

@@ -31,3 +31,32 @@ pub fn moves() -> Vec<Proposal> {
         Proposal::Withdraw(vec![burst::KIND, outliers::KIND]),
     ]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::detect::trial::{self, Trial, noise};
+    use crate::diagnosis::explanation::Change;
+
+    #[test]
+    fn strength_that_moves_is_learnt_once_and_not_on_a_grid() {
+        use std::f64::consts::TAU;
+        let values = noise(0).into_iter().enumerate();
+        let moving = values.map(|(n, value)| value * (1.0 + 0.5 * (TAU * n as f64 / 3333.0).sin()));
+        let mut trial = Trial::new(moving.collect());
+        let proposals = trial.ask(&DETECTOR);
+        assert!(trial::teaches(&proposals, &Lesson::StrengthMoves), "seed 0");
+        for kind in [burst::KIND, outliers::KIND] {
+            assert!(trial::withdraws(&proposals, kind), "seed 0: {kind}");
+        }
+        trial.character.strength_moves = true;
+        assert!(trial.ask(&DETECTOR).is_empty(), "seed 0: again");
+        trial.character.strength_moves = false;
+        trial.know(rounding::KIND, [1.0], Change::Grid { decides: false });
+        assert!(trial.ask(&DETECTOR).is_empty(), "seed 0: on a grid");
+        assert!(
+            Trial::new(noise(0)).ask(&DETECTOR).is_empty(),
+            "seed 0: steady"
+        );
+    }
+}
