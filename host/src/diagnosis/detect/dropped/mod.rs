@@ -108,3 +108,53 @@ fn candidate(look: &Look<'_>, loss: &Loss) -> Candidate {
         )
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::detect::trial::{self, Trial, noise};
+    use crate::model::sinusoid;
+
+    /// Three lines of which `lost` samples are lost in the middle.
+    fn trial(seed: u64, lost: usize) -> Trial {
+        let mut longer = noise(seed);
+        for f_hz in [7.3, 11.9, 17.1] {
+            trial::add(&mut longer, &trial::line(f_hz, 0.5));
+        }
+        let middle = longer.len() / 2;
+        longer.drain(middle..middle + lost);
+        Trial::new(longer)
+    }
+
+    #[test]
+    fn a_loss_is_found_with_its_lines_while_they_are_in() {
+        let mut trial = trial(0, 9);
+        let mut kinds = trial::kinds(&trial.ask(&DETECTOR));
+        assert_eq!(kinds.pop(), Some(KIND), "seed 0");
+        assert_eq!(kinds, [sinusoid::KIND; 3], "seed 0");
+        trial.refused.push(KIND);
+        assert!(trial.ask(&DETECTOR).is_empty(), "seed 0: refused");
+        trial.refused.clear();
+        let out = Change::Waves(vec![trial::line(30.0, 0.0)]);
+        trial.know(sinusoid::KIND, [30.0, 0.0], out);
+        assert!(trial.ask(&DETECTOR).is_empty(), "seed 0: lines are out");
+    }
+
+    #[test]
+    fn lines_without_a_loss_are_remembered() {
+        let proposals = trial(1, 0).ask(&DETECTOR);
+        let [Proposal::Learn(lesson @ Lesson::LinesWithoutLoss(lines_hz))] = proposals.as_slice()
+        else {
+            panic!("seed 1: {proposals:?}");
+        };
+        assert_eq!(lines_hz.len(), 3, "seed 1");
+        // Whatever is remembered is not looked at again, not even a loss.
+        let mut trial = trial(0, 9);
+        let lines = trial.look(|look| strongest(lines::lines(look.axis, look.level())));
+        let lines_hz = lines.iter().map(|line| line.frequency_hz).collect();
+        trial.character.learn(lesson.clone());
+        assert!(!trial.ask(&DETECTOR).is_empty(), "seed 0: other lines");
+        trial.character.learn(Lesson::LinesWithoutLoss(lines_hz));
+        assert!(trial.ask(&DETECTOR).is_empty(), "seed 0: the same lines");
+    }
+}

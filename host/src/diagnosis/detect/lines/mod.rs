@@ -2,6 +2,8 @@
 
 mod mains;
 mod measure;
+#[cfg(test)]
+mod tests;
 
 use std::ops::Range;
 

@@ -1,0 +1,174 @@
+//! What looks like a line and is none by itself.
+
+use std::f64::consts::TAU;
+
+use super::*;
+use crate::diagnosis::detect::trial::{self, Trial, noise};
+use crate::diagnosis::laws::Law;
+
+/// A line as it is measured.
+fn measured(f_hz: f64) -> Measured {
+    Measured {
+        line: Line {
+            frequency_hz: f_hz,
+            frequency_sd_hz: 1e-3,
+            amplitude: 1.0,
+            ratio: 100.0,
+            false_alarm: 1e-9,
+        },
+        wave: trial::line(f_hz, 1.0),
+        amplitude_sd: 0.01,
+    }
+}
+
+/// Frequencies at which single lines are proposed.
+fn single_hz(trial: &Trial, all: &[f64]) -> Vec<f64> {
+    let groups = all.iter().map(|f_hz| Group::Single(measured(*f_hz)));
+    let proposals = trial.look(|look| proposals(look, groups.collect(), |_| false));
+    let first = |one: Proposal| match one {
+        Proposal::Explain(candidate) => candidate.effect.plain()[0],
+        other => panic!("{other:?}"),
+    };
+    proposals.into_iter().map(first).collect()
+}
+
+/// Noise with a line at 3.7 Hz, which `fades` towards both ends or does not.
+fn with_line(seed: u64, fades: bool) -> Trial {
+    let mut values = noise(seed);
+    let length = values.len() as f64;
+    for (n, value) in values.iter_mut().enumerate() {
+        let turns = n as f64 / length;
+        let size = if fades {
+            0.5 - 0.5 * (TAU * turns).cos()
+        } else {
+            1.0
+        };
+        *value += 0.5 * size * (TAU * 0.037 * n as f64).cos();
+    }
+    Trial::new(values)
+}
+
+#[test]
+fn a_line_that_wanders_is_left_and_then_excluded() {
+    let steady = with_line(0, false);
+    assert_eq!(
+        trial::kinds(&steady.ask(&DETECTOR)),
+        [sinusoid::KIND],
+        "seed 0"
+    );
+    assert!(steady.ask(&WANDERING).is_empty(), "seed 0");
+    let mut fading = with_line(0, true);
+    assert!(fading.ask(&DETECTOR).is_empty(), "seed 0, fading");
+    let excluded = fading.ask(&WANDERING);
+    let Some(Proposal::ExcludeLine(line)) = excluded.first() else {
+        panic!("seed 0, fading: {excluded:?}");
+    };
+    assert!(
+        line.band_hz.contains(&3.7),
+        "seed 0, fading: {:?}",
+        line.band_hz
+    );
+    assert_eq!(excluded.len(), 1, "what is left beside it is no second one");
+    fading.exclude(3.0, 4.4);
+    assert!(fading.ask(&WANDERING).is_empty(), "seed 0: excluded again");
+}
+
+#[test]
+fn the_top_of_a_resonance_is_no_line() {
+    let mut trial = Trial::new(noise(1));
+    let law = Law {
+        effect: resonance::KIND,
+        values: vec![20.0, 0.2, 1.0],
+    };
+    trial.accept(Candidate::new(
+        Estimate::of_law(resonance::KIND),
+        1e-9,
+        3.0,
+        Change::Law(law),
+    ));
+    let [about] = &resonances_hz(&trial.axis)[..] else {
+        panic!("seed 1: no resonance");
+    };
+    let far_hz = about.end + 1.0;
+    let within_hz = 0.5 * (about.start + about.end);
+    assert_eq!(single_hz(&trial, &[within_hz, far_hz]), [far_hz], "seed 1");
+}
+
+#[test]
+fn what_is_left_beside_a_line_is_no_second_one() {
+    let mut trial = Trial::new(noise(2));
+    // Of two that are found together as well.
+    assert_eq!(
+        single_hz(&trial, &[30.0, 30.05, 12.02, 13.0]),
+        [30.0, 12.02, 13.0],
+        "seed 2"
+    );
+    let out = Change::Waves(vec![trial::line(12.0, 0.0)]);
+    trial.know(sinusoid::KIND, [12.0, 0.0], out);
+    assert_eq!(single_hz(&trial, &[12.02, 13.0]), [13.0], "seed 2");
+    trial.refused.push(sinusoid::KIND);
+    assert!(single_hz(&trial, &[13.0]).is_empty(), "seed 2: refused");
+}
+
+#[test]
+fn what_is_left_of_a_cluster_is_no_line() {
+    let lines = [20.0, 20.05, 20.1].map(|f_hz| measured(f_hz).line).to_vec();
+    let cluster = Group::Cluster {
+        f_hz: 20.05,
+        width_hz: 0.1,
+        lines,
+    };
+    let trial = Trial::new(noise(3));
+    let proposals = trial.look(|look| proposals(look, vec![cluster], |_| false));
+    assert!(proposals.is_empty(), "seed 3: {proposals:?}");
+}
+
+#[test]
+fn a_line_by_itself_is_mains_only_where_its_base_or_twice_that_is() {
+    let is_hum = |all: &[f64]| {
+        let groups = with_hum(all.iter().map(|f_hz| measured(*f_hz)).collect());
+        groups
+            .iter()
+            .any(|group| matches!(group, Group::Hum { .. }))
+    };
+    for (all, expected) in [
+        (&[50.02][..], true),
+        (&[119.96], true),
+        (&[150.06], false),
+        (&[150.06, 250.1], true),
+        (&[150.06, 251.1], false),
+    ] {
+        assert_eq!(is_hum(all), expected, "{all:?}");
+    }
+}
+
+#[test]
+fn a_harmonic_is_added_to_the_mains_that_are_there() {
+    let mut trial = Trial::new(noise(4));
+    let known = Change::Waves(vec![trial::line(49.0, 0.0)]);
+    trial.know(hum::KIND, [50.0, 2.0], known);
+    let lines = vec![(1, measured(50.0)), (3, measured(150.0))];
+    let group = Group::Hum {
+        base_hz: 50.1,
+        base_sd_hz: 1e-3,
+        lines,
+    };
+    let proposals = trial.look(|look| proposals(look, vec![group], |_| false));
+    let found = trial::candidate(proposals).expect("more of it");
+    assert_eq!(found.amends, Some(0), "seed 4");
+    let values: Vec<Option<f64>> = found
+        .effect
+        .values
+        .iter()
+        .map(|one| one.map(|one| one.value))
+        .collect();
+    assert_eq!(values[..3], [Some(50.0), Some(2.0), None], "seed 4");
+    assert!(
+        values.len() == 4 && values[3].is_some(),
+        "seed 4: {values:?}"
+    );
+    assert!(
+        matches!(&found.change, Change::Waves(waves) if waves.len() == 3),
+        "seed 4"
+    );
+}
