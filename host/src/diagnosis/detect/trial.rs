@@ -125,10 +125,10 @@ impl Trial {
     }
 }
 
-/// Adds noise of a deviation in a band of a hertz or so about 20 Hz, `envelope` times as strong at a sample.
+/// Adds noise of a deviation in a band of three hertz about 20 Hz, `envelope` times as strong at a sample.
 pub fn add_band(values: &mut [f64], seed: u64, deviation: f64, envelope: impl Fn(usize) -> f64) {
-    // First-order noise of a correlation time of 0.3 s on both phases of a tone.
-    let keep = (-1.0 / (0.3 * RATE_HZ)).exp();
+    // First-order noise of a correlation time of 0.1 s on both phases of a tone.
+    let keep = (-10.0 / RATE_HZ).exp();
     let mut normal = Gaussian::new(
         Seed { seed, stream: 2 },
         deviation * (1.0 - keep * keep).sqrt(),

@@ -2,6 +2,8 @@
 //! with ([`Effect::starts`](crate::model::effect::Effect::starts)), and telegraph noise among them.
 
 mod switching;
+#[cfg(test)]
+mod tests;
 
 use rayon::prelude::*;
 
