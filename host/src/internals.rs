@@ -66,6 +66,9 @@ pub mod model {
     pub mod axis {
         pub use crate::model::axis::ModelAxis;
     }
+    pub mod catalogue {
+        pub use crate::model::catalogue::CATALOGUE;
+    }
     pub mod law {
         pub use crate::model::law::Law;
     }

@@ -14,10 +14,10 @@ use std::time::Duration;
 
 use clap::Parser;
 use inm_emulator::Fault;
-use inm_host::model::whole::Model;
-use inm_host::source::Source as _;
-use inm_host::source::board::{BoardSource, Plan, Stop};
-use inm_host::source::virtual_board::VirtualConnect;
+use inm_host::Model;
+use inm_host::Source as _;
+use inm_host::internals::source::board::{BoardSource, Plan, Stop};
+use inm_host::internals::virtual_board::VirtualConnect;
 use inm_protocol::{Filter, Phase, Rate, Settings};
 use inm_tests::golden;
 use inm_tests::hidden::frozen::program::{absolute, arguments as arguments_for};

@@ -5,10 +5,10 @@ use std::mem::discriminant;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use inm_host::export::input::Input;
-use inm_host::model::catalogue::CATALOGUE;
-use inm_host::model::whole::Model;
-use inm_host::model::{Coefficient, PerCoefficient};
+use inm_host::ExportInput as Input;
+use inm_host::Model;
+use inm_host::internals::model::catalogue::CATALOGUE;
+use inm_host::{Coefficient, PerCoefficient};
 use inm_protocol::{Decoder, Note, ToHost};
 use inm_tests::golden::{json, law, path};
 use inm_tests::hidden::frozen::compare::{Difference, differences};

@@ -192,6 +192,7 @@ pub fn heard(doubt: &Doubt, axis: &mut AxisState, strength_moves: bool) -> Vec<R
         axis,
         level: LEVEL,
         strength_moves,
+        large_samples_in_groups: false,
         remarks: Vec::new(),
     };
     (doubt.hear)(&mut hearing).expect("a fit of what is left");

@@ -265,14 +265,14 @@ mod tests {
     #[test]
     fn a_record_of_many_bands_is_of_another_kind() {
         let mut trial = Trial::new(values(6));
-        for number in 0..MOST {
-            if number + 1 == MOST {
+        for number in 0..MOST_BANDS {
+            if number + 1 == MOST_BANDS {
                 assert!(excluded(&trial).is_some(), "seed 6, {number} bands");
             }
             let from_hz = 40.0 + number as f64;
             trial.exclude(from_hz, from_hz + 0.1);
         }
-        assert_eq!(trial.axis.excluded().len(), MOST);
+        assert_eq!(trial.axis.excluded().len(), MOST_BANDS);
         assert!(excluded(&trial).is_none(), "seed 6");
     }
 }

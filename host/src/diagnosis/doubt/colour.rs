@@ -124,6 +124,7 @@ mod tests {
             axis: &mut axis,
             level: LEVEL,
             strength_moves: false,
+            large_samples_in_groups: false,
             remarks: vec![remark(1.0, 2.0)],
         };
         assert!((OF_TERMS.hear)(&mut hearing).is_ok(), "seed 1");

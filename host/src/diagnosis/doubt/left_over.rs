@@ -229,6 +229,7 @@ mod tests {
             axis: &mut axis,
             level: LEVEL,
             strength_moves: true,
+            large_samples_in_groups: false,
             remarks: vec![remark(1.0, 2.0)],
         };
         assert!((DOUBT.hear)(&mut hearing).is_ok(), "seed 4");

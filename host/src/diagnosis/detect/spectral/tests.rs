@@ -63,7 +63,7 @@ fn a_resonance_too_narrow_to_resolve_is_a_line() {
 #[test]
 fn beyond_four_laws_none_is_named() {
     let mut trial = with_band(3, 0.4);
-    (0..MOST).for_each(|number| known(&mut trial, 2.0 + 3.0 * number as f64));
+    (0..MOST_LAWS).for_each(|number| known(&mut trial, 2.0 + 3.0 * number as f64));
     assert!(trial.ask(&DETECTOR).is_empty(), "seed 3");
 }
 

@@ -128,7 +128,7 @@ fn more_jumps_than_can_be_named_are_a_level_that_switches() {
             .map(|(index, height)| trial::jump(index, height))
             .collect()
     };
-    for (known, is_more) in [(MOST - 1, false), (MOST, true)] {
+    for (known, is_more) in [(MOST_JUMPS - 1, false), (MOST_JUMPS, true)] {
         let all = jumps(known + 1);
         let mut trial = Trial::new(values(6, &all));
         trial.know(KIND, [0.0; 2], trial::steps(&all[..known]));
