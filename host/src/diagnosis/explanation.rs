@@ -7,6 +7,7 @@
 use std::ops::Range;
 
 use crate::diagnosis::laws::Law;
+use crate::diagnosis::record::envelope::Envelope;
 use crate::diagnosis::record::wave::Wave;
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::finding::Rival;
@@ -24,6 +25,9 @@ pub enum Change {
     Cut(Range<usize>),
     /// A law of the noise; its size is 1, its square a component of the fit.
     Law(Law),
+    /// The strength of the noise over time: the record stays as it is, and what looks at strengths looks
+    /// at them over this.
+    Strength(Envelope),
     /// Nothing: the values themselves lie on a grid. Where the noise spans few steps of it, how strong it looks
     /// depends on where the level lies between two of them.
     Grid {
@@ -116,6 +120,14 @@ impl Explanation {
         match &self.change {
             Change::Waves(waves) => waves,
             _ => &[],
+        }
+    }
+
+    /// The strength of the noise over time that it says, where it says any.
+    pub const fn envelope(&self) -> Option<&Envelope> {
+        match &self.change {
+            Change::Strength(envelope) => Some(envelope),
+            _ => None,
         }
     }
 

@@ -51,7 +51,7 @@ impl AxisState {
                 .filter(|one| is_superseded(one));
             place - gone.count()
         });
-        self.withdraw_where(is_superseded);
+        let makes_room = self.withdraw_where(is_superseded);
         let Candidate {
             effect,
             p_value,
@@ -83,9 +83,14 @@ impl AxisState {
             });
             self.explanations.len() - 1
         };
-        // A statement about values leaves record and noise as they are.
-        if !matches!(self.explanations[place].change, Change::Grid { .. }) {
-            self.refresh()?;
+        match self.explanations[place].change {
+            // What went for it changes them all the same.
+            _ if makes_room => self.refresh()?,
+            // A statement about values leaves record and noise as they are.
+            Change::Grid { .. } => {}
+            // So does one about strength, but for what is measured against it.
+            Change::Strength(_) => self.powers = OnceLock::new(),
+            _ => self.refresh()?,
         }
         let now = Snapshot::of(&self.explanations);
         let one = &mut self.explanations[place];
@@ -204,7 +209,7 @@ impl AxisState {
                 Change::Waves(waves) => taken.waves.extend_from_slice(waves),
                 Change::Mask(stretches) => taken.masked.extend_from_slice(stretches),
                 Change::Cut(moment) => taken.cut.push(moment.clone()),
-                Change::Law(_) | Change::Grid { .. } => {}
+                Change::Law(_) | Change::Strength(_) | Change::Grid { .. } => {}
             }
         }
         taken

@@ -3,7 +3,9 @@
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use crate::diagnosis::axis::{AxisState, Whitened};
+use crate::diagnosis::explanation::Explanation;
 use crate::diagnosis::laws::search;
+use crate::diagnosis::record::envelope::Envelope;
 use crate::diagnosis::record::powers::{self, Powers};
 use crate::diagnosis::record::wave::Outlier;
 use crate::diagnosis::statistic::matched_filter::Transform;
@@ -97,11 +99,28 @@ impl AxisState {
         whole
     }
 
-    /// Power of the whitened record over time; made once for each state.
+    /// What the explanations say of the strength of the noise over time.
+    fn envelopes(&self) -> impl Iterator<Item = &Envelope> {
+        self.explanations.iter().filter_map(Explanation::envelope)
+    }
+
+    /// Whether any of them says that it moves.
+    pub fn has_envelope(&self) -> bool {
+        self.envelopes().next().is_some()
+    }
+
+    /// Factor on the standard deviation of the noise at a sample that they explain.
+    pub fn envelope(&self, index: usize) -> f64 {
+        let factors = self.envelopes().map(|one| one.factor(index));
+        factors.product()
+    }
+
+    /// Power of the whitened record over time, over what is known of it; made once for each state.
     pub fn powers(&self) -> Arc<Powers> {
         let powers = self.powers.get_or_init(|| {
             let seen = self.whitened();
-            let powers = powers::powers(&seen.transform, &seen.density, |n| self.usable(n));
+            let (usable, envelope) = (|n| self.usable(n), |n| self.envelope(n));
+            let powers = powers::powers(&seen.transform, &seen.density, usable, envelope);
             Arc::new(powers)
         });
         Arc::clone(powers)

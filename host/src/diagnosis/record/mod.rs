@@ -3,6 +3,7 @@
 
 pub mod bins;
 pub mod bridge;
+pub mod envelope;
 pub mod powers;
 pub mod residual;
 pub mod samples;

@@ -14,6 +14,10 @@ use crate::numeric::order::median;
 /// place of its own.
 pub const BLOCK: usize = 64;
 
+/// The least factor on the deviation that a sample is divided by: where the noise all but vanishes, what is left
+/// of other noise would be all that counts.
+const LEAST: f64 = 0.05;
+
 /// Sums of squares of the whitened record.
 #[derive(Debug, Clone)]
 pub struct Powers {
@@ -23,9 +27,15 @@ pub struct Powers {
     pub counts: Vec<f64>,
 }
 
-/// Whitens `whole` by `density` and sums squares over blocks; `usable` says which samples count.
-pub fn powers(whole: &Transform, density: &[f64], usable: impl Fn(usize) -> bool + Sync) -> Powers {
-    // What is excluded from the band leaves that many degrees of freedom less.
+/// Whitens `whole` by `density` and sums squares over blocks; `usable` tells samples that count, `envelope`
+/// the factor on their standard deviation that is known.
+pub fn powers(
+    whole: &Transform,
+    density: &[f64],
+    usable: impl Fn(usize) -> bool + Sync,
+    envelope: impl Fn(usize) -> f64 + Sync,
+) -> Powers {
+    // What is left out of the band leaves that many degrees of freedom less.
     let seen = density.iter().filter(|density| density.is_finite()).count();
     let share = seen as f64 / density.len() as f64;
     // Of whatever variance: what counts is how it changes.
@@ -34,8 +44,9 @@ pub fn powers(whole: &Transform, density: &[f64], usable: impl Fn(usize) -> bool
     let both = blocks.map(|(block, values)| {
         let (mut sum, mut count) = (0.0, 0.0);
         for (offset, value) in values.iter().enumerate() {
-            if usable(block * BLOCK + offset) {
-                sum += value * value;
+            let index = block * BLOCK + offset;
+            if usable(index) {
+                sum += (value / envelope(index).max(LEAST)).powi(2);
                 count += 1.0;
             }
         }

@@ -21,7 +21,7 @@ use realfft::num_complex::Complex64;
 
 use crate::diagnosis::axis::{AxisState, Whitened};
 use crate::diagnosis::statistic::p_value;
-use crate::diagnosis::steady::tiles::{counting, over_time, score, whitened};
+use crate::diagnosis::steady::tiles::{counting, known, over, over_time, score, whitened};
 use crate::fft;
 
 /// Ordinates of the narrowest group, and how much wider the next ones are: choices. What lasts
@@ -130,6 +130,7 @@ impl Groups {
         excluded_hz: &[Range<f64>],
     ) -> Self {
         let counts = counting(axis, seen.transform.len(), size);
+        let known = known(axis, seen.transform.len(), size);
         // One plan and one memory for thousands of groups, else as `strengths`.
         let plan = fft::inverse(size);
         let mut scratch = vec![Complex64::ZERO; plan.get_inplace_scratch_len()];
@@ -159,6 +160,7 @@ impl Groups {
                 plan.process_with_scratch(&mut band, &mut scratch);
                 strengths.clear();
                 strengths.extend(band.iter().map(|value| value.norm_sqr() * unit));
+                over(&mut strengths, &known);
                 let (score, tiles) = score(&strengths, &counts);
                 groups.starts.push(start);
                 groups

@@ -15,6 +15,9 @@ const LONGEST: usize = 1 << 16;
 /// Moments at which a tile is asked whether its samples count.
 const ASKED: usize = 8;
 
+/// The least strength that others are taken over: where noise all but vanishes, other noise is all there is.
+const LEAST_KNOWN: f64 = 0.0025;
+
 /// Strength of the whitened record in the band of the ordinates, at `ordinates.len()` moments, in
 /// units of its density.
 pub fn strengths(seen: &Whitened, ordinates: Range<usize>) -> Vec<f64> {
@@ -57,6 +60,30 @@ pub fn counting(axis: &AxisState, length: usize, size: usize) -> Vec<bool> {
             good.count() == ASKED
         })
         .collect()
+}
+
+/// What the explanations say of the strength at each of `size` moments, as a mean square; empty where they say
+/// nothing.
+pub fn known(axis: &AxisState, length: usize, size: usize) -> Vec<f64> {
+    if !axis.has_envelope() {
+        return Vec::new();
+    }
+    let square = |moment: usize| {
+        let squares = (0..ASKED).map(|part| {
+            let at = moment as f64 - 0.5 + (part as f64 + 0.5) / ASKED as f64;
+            let sample = (at * length as f64 / size as f64).rem_euclid(length as f64);
+            axis.envelope(sample as usize).powi(2)
+        });
+        squares.sum::<f64>() / ASKED as f64
+    };
+    (0..size).map(square).collect()
+}
+
+/// Takes strengths over what is known of them, if anything is.
+pub fn over(strengths: &mut [f64], known: &[f64]) {
+    for (strength, known) in strengths.iter_mut().zip(known) {
+        *strength /= known.max(LEAST_KNOWN);
+    }
 }
 
 /// Sum of scores of the tiles that count, and their number.

@@ -131,7 +131,11 @@ fn sought(look: &Look<'_>, whole: &Transform, density: &[f64], powers: &Powers) 
         density,
         look.level(),
         |n| look.axis.usable(n),
-        |n| local.as_ref().map_or(1.0, |local| MOVING * local(n)),
+        |n| {
+            let local = local.as_ref().map_or(1.0, |local| MOVING * local(n));
+            // Where the noise is weak by what is known of it, other noise may be there still.
+            local * look.axis.envelope(n).max(1.0)
+        },
     );
     if look.character.level_switches && !found.outliers.is_empty() {
         // A jump is larger as a jump than as a single sample.

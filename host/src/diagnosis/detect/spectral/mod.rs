@@ -82,7 +82,7 @@ pub fn strongest_law(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
 
 /// Laws that are significant, the one that is worth most first.
 fn significant(look: &Look<'_>) -> Result<Vec<Found>, NoFit> {
-    let moving = look.character.strength_moves;
+    let moving = look.character.strength_moves || look.axis.has_envelope();
     let level = look.level() * if moving { WHERE_STRENGTH_MOVES } else { 1.0 };
     let axis = look.axis;
     let starts = axis.starts().ok_or(NoFit)?;

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::diagnosis::axis::AxisState;
-use crate::diagnosis::steady::tiles::{counting, strengths};
+use crate::diagnosis::steady::tiles::{counting, known, over, strengths};
 
 /// First ordinate that is looked at, a power of two, and groups an octave.
 const FIRST: usize = 256;
@@ -33,13 +33,15 @@ impl Tiles {
         while octave < seen.top {
             let size = octave / PER_OCTAVE;
             let counts = counting(axis, seen.transform.len(), size);
+            let explained = known(axis, seen.transform.len(), size);
             for part in 0..PER_OCTAVE {
                 let start = octave + part * size;
                 let known = |range: Range<usize>| seen.density[range].iter().all(|s| s.is_finite());
                 if start + size > seen.top || !known(start..start + size) {
                     continue;
                 }
-                let strengths = strengths(&seen, start..start + size);
+                let mut strengths = strengths(&seen, start..start + size);
+                over(&mut strengths, &explained);
                 let moments = size.div_ceil(finest);
                 let both = strengths.chunks(moments).zip(counts.chunks(moments));
                 let mut parts: Vec<[f64; 2]> = both

@@ -1,0 +1,48 @@
+//! The strength of the noise over time, where it is known.
+
+use std::f64::consts::TAU;
+
+/// A course of the strength of the noise: a cosine about its mean.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Envelope {
+    /// How far the standard deviation swings about its mean, over that mean; 0 to 1.
+    pub depth: f64,
+    /// Period, samples; above zero.
+    pub period: f64,
+    /// Phase at the first sample, radians.
+    pub phase_rad: f64,
+}
+
+impl Envelope {
+    /// Factor on the standard deviation at a sample. Its mean square over a period is one, so that what is
+    /// multiplied keeps its mean spectrum.
+    pub fn factor(&self, index: usize) -> f64 {
+        // Whole periods are taken off first, or the cosine of a large angle would be rounded.
+        let cycles = (index as f64 / self.period).fract();
+        let swing = self.depth * (TAU * cycles + self.phase_rad).cos();
+        (1.0 + swing) / (1.0 + 0.5 * self.depth * self.depth).sqrt()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_mean_square_over_whole_periods_is_one() {
+        for (depth, period, phase_rad) in [(0.0, 100.0, 0.0), (0.4, 12.5, 2.0), (1.0, 1000.0, -1.0)]
+        {
+            let envelope = Envelope {
+                depth,
+                period,
+                phase_rad,
+            };
+            // Squares hold twice the frequency at most: sums over whole periods are exact.
+            let squares = (0..1000).map(|index| envelope.factor(index).powi(2));
+            let mean = squares.sum::<f64>() / 1000.0;
+            assert!((mean - 1.0).abs() < 1e-12, "{envelope:?}: {mean}");
+            let most = 1.0 + depth;
+            assert!((0..1000).all(|index| envelope.factor(index).abs() <= most));
+        }
+    }
+}
