@@ -1,10 +1,10 @@
 //! What no catalogue holds: found, but not to be named.
 
-mod cyclic;
 mod lopsided;
 mod moving_corner;
 mod multiplicative;
 mod ringing;
+mod switched;
 mod tone_bursts;
 mod wandering_tone;
 
@@ -29,9 +29,9 @@ pub static KINDS: &[Kind] = &[
         draw: wandering_tone::draw,
     },
     Kind {
-        name: "cyclic",
+        name: "switched",
         axes: 1,
-        draw: cyclic::draw,
+        draw: switched::draw,
     },
     Kind {
         name: "multiplicative",

@@ -8,24 +8,24 @@ use crate::hidden::ideal::envelope::contrast;
 use crate::hidden::scene::Scene;
 use crate::hidden::truth::Truth;
 
-struct Cyclic {
+struct Switched {
     period_s: f64,
     duty: f64,
     factor: f64,
 }
 
 pub fn draw(_scene: &Scene, draw: &mut Draw) -> Box<dyn Effect> {
-    Box::new(Cyclic {
+    Box::new(Switched {
         period_s: draw.log_uniform(1.0, 20.0),
         duty: draw.uniform(0.3, 0.7),
         factor: 1.1,
     })
 }
 
-impl Effect for Cyclic {
+impl Effect for Switched {
     fn truths(&self) -> Vec<Truth> {
         vec![Truth::new(
-            "cyclic",
+            "switched",
             &[
                 ("period_s", self.period_s),
                 ("duty", self.duty),
