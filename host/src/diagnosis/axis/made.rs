@@ -117,13 +117,17 @@ impl AxisState {
 
     /// Power of the whitened record over time, over what is known of it; made once for each state.
     pub fn powers(&self) -> Arc<Powers> {
-        let powers = self.powers.get_or_init(|| {
-            let seen = self.whitened();
-            let (usable, envelope) = (|n| self.usable(n), |n| self.envelope(n));
-            let powers = powers::powers(&seen.transform, &seen.density, usable, envelope);
-            Arc::new(powers)
-        });
+        let powers = self
+            .powers
+            .get_or_init(|| Arc::new(self.powers_over(|_| 1.0)));
         Arc::clone(powers)
+    }
+
+    /// What these powers would be over one more `factor` on the deviation of each sample.
+    pub fn powers_over(&self, factor: impl Fn(usize) -> f64 + Sync) -> Powers {
+        let seen = self.whitened();
+        let (usable, envelope) = (|n| self.usable(n), |n| factor(n) * self.envelope(n));
+        powers::powers(&seen.transform, &seen.density, usable, envelope)
     }
 
     /// Makes what a round looks at, two things at a time. No two of these wait for a third that is made

@@ -6,4 +6,5 @@ pub mod law;
 pub mod line;
 pub mod noise;
 pub mod strength;
+pub mod swing;
 pub mod tiles;
