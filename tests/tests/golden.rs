@@ -16,7 +16,10 @@ use inm_tests::hidden::judge::program::Program;
 use serde_json::Value;
 
 /// Models and what they mean. One with a new effect is a new file and a line here.
-const MODELS: [[&str; 2]; 1] = [["model.json", "law.json"]];
+const MODELS: [[&str; 2]; 2] = [
+    ["model.json", "law.json"],
+    ["cyclic.model.json", "cyclic.law.json"],
+];
 
 fn inm(folder: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::new(Program::built().0);

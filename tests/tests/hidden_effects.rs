@@ -338,6 +338,30 @@ fn a_burst_is_louder_by_its_factor() {
 }
 
 #[test]
+fn cyclic_noise_swings_as_a_cosine() {
+    for seed in 1..4 {
+        let alone = Alone::within("cyclic", 4.0, 1e-3, seed);
+        let (depth, period_s) = (alone.parameter("depth"), alone.parameter("period_s"));
+        let phase_rad = alone.parameter("phase_rad");
+        let swing = |t_s: f64| 1.0 + depth * (TAU * t_s / period_s + phase_rad).cos();
+        // Powers in four parts of a cycle, over those that the cosine says.
+        let (mut powers, mut expected, mut counts) = ([0.0; 4], [0.0; 4], [0.0_f64; 4]);
+        for (i, sample) in alone.samples.iter().enumerate() {
+            let t_s = i as f64 / RATE_HZ;
+            let part = (4.0 * (t_s / period_s).fract()) as usize;
+            powers[part] += sample * sample;
+            expected[part] += swing(t_s).powi(2) * 1e-6 * RATE_HZ;
+            counts[part] += 1.0;
+        }
+        for part in 0..4 {
+            // The fourth powers of the cosine are at most three halves of the squares' square, five sigma.
+            let relative = (2.0 * 1.5 / counts[part]).sqrt();
+            near(powers[part] / expected[part], 1.0, 5.0 * relative, seed);
+        }
+    }
+}
+
+#[test]
 fn a_warmup_settles() {
     let alone = Alone::new("warmup", 1.0, 2);
     let (amplitude, time_s) = (alone.parameter("amplitude"), alone.parameter("time_s"));

@@ -2,8 +2,8 @@
 
 use super::kind::Kind;
 use super::{
-    burst, clipping, common_mode, dropped, hum, markov, outliers, powerlaw, resonance, rolloff,
-    rounding, sinusoid, stale, steps, telegraph, thermal, timebase, warmup,
+    burst, clipping, common_mode, cyclic, dropped, hum, markov, outliers, powerlaw, resonance,
+    rolloff, rounding, sinusoid, stale, steps, telegraph, thermal, timebase, warmup,
 };
 
 /// All effects of the catalogue.
@@ -24,6 +24,7 @@ pub static CATALOGUE: &[Kind] = &[
     clipping::KIND,
     rounding::KIND,
     burst::KIND,
+    cyclic::KIND,
     common_mode::KIND,
     timebase::KIND,
 ];

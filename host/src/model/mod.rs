@@ -15,6 +15,7 @@ pub mod catalogue;
 pub mod clipping;
 pub mod common_mode;
 mod correlation;
+pub mod cyclic;
 pub mod dropped;
 pub mod effect;
 pub mod file;

@@ -115,6 +115,7 @@ const EFFECTS: &[(&str, &str)] = &[
     ("clipping", r#""level": 10.1, "side": 1"#),
     ("quantisation", r#""step": 0.1"#),
     ("burst", r#""from_s": 0.4, "to_s": 1.2, "factor": 2"#),
+    ("cyclic", r#""depth": 0.5, "period_s": 0.7, "phase_rad": 1"#),
     ("common_mode", r#""gain": -0.5"#),
     ("timebase", r#""ratio": 1.0001"#),
 ];

@@ -7,6 +7,7 @@ pub mod burst;
 pub mod clipping;
 pub mod coarse_grid;
 pub mod common_mode;
+pub mod cyclic;
 pub mod dropped;
 pub mod level;
 pub mod lines;
@@ -52,6 +53,8 @@ pub static ROUND: &[&Detector] = &[
     &outliers::DETECTOR,
     &lines::DETECTOR,
     &level::IN_FITTED_NOISE,
+    // Noise that swings is louder in stretches, in every band.
+    &cyclic::DETECTOR,
     &unsteady_band::DETECTOR,
     &burst::DETECTOR,
     &strength::DETECTOR,

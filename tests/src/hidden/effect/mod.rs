@@ -4,6 +4,7 @@
 mod burst;
 mod clipping;
 mod common_mode;
+mod cyclic;
 mod dropped;
 mod hum;
 pub(crate) mod lorentzian;
@@ -196,6 +197,11 @@ pub static KINDS: &[Kind] = &[
         name: "burst",
         axes: 1,
         draw: burst::draw,
+    },
+    Kind {
+        name: "cyclic",
+        axes: 1,
+        draw: cyclic::draw,
     },
     Kind {
         name: "warmup",

@@ -1,0 +1,285 @@
+//! Cyclic: the noise grows and shrinks at a period.
+//!
+//! Where the plainest movement of the noise's power is a cycle, a cosine is fitted to it. It is named only if
+//! nothing is left: noise that is switched has harmonics, noise whose strength wanders has neighbouring
+//! frequencies, and noise whose corner swings does so by more at some frequencies than at others.
+
+use std::f64::consts::TAU;
+
+use super::Detector;
+use crate::diagnosis::axis::{AxisState, NoFit};
+use crate::diagnosis::detect::look::{Look, Proposal};
+use crate::diagnosis::explanation::{Candidate, Change};
+use crate::diagnosis::record::envelope::Envelope;
+use crate::diagnosis::record::powers::{BLOCK, Powers};
+use crate::diagnosis::result::estimate::Estimate;
+use crate::diagnosis::result::value::Value;
+use crate::diagnosis::statistic::p_value;
+use crate::diagnosis::steady::noise::strengths;
+use crate::diagnosis::steady::strength::{Wander, wander};
+use crate::diagnosis::steady::swing::Swing;
+use crate::model::cyclic::KIND;
+use crate::model::{burst, outliers, rounding};
+
+/// Blocks of the shortest period: its harmonics, by which it is known for a cosine, have four.
+const LEAST_BLOCKS: f64 = 8.0;
+
+/// Level at which harmonics speak against it: noise that is switched is not to be named even where its harmonics
+/// are hardly seen, at the cost of one true cosine in a hundred.
+const HARMONICS: f64 = 0.01;
+
+/// Looks for one cosine that explains how the strength moves.
+pub static DETECTOR: Detector = Detector { tests: 1, look };
+
+fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
+    let axis = look.axis;
+    // On a coarse grid noise seems to change wherever its level lies within a step.
+    if !look.is_open(KIND) || axis.has(KIND) || axis.has(rounding::KIND) {
+        return Ok(Vec::new());
+    }
+    let found = cyclic(axis, look.level());
+    let found = found.filter(|one| evenness(axis, &one.swing) >= look.level());
+    Ok(found.into_iter().map(|one| proposal(axis, &one)).collect())
+}
+
+fn proposal(axis: &AxisState, found: &Cyclic) -> Proposal {
+    let Cyclic { swing, sd, .. } = found;
+    let rate_hz = axis.rate_hz;
+    let effect = Estimate::new(
+        KIND,
+        [
+            Value::normal(swing.depth, sd.depth),
+            Value::normal(swing.period / rate_hz, sd.period / rate_hz),
+            Value::normal(swing.phase_rad, sd.phase_rad),
+        ],
+    );
+    Proposal::Explain(Box::new(Candidate {
+        held_out_nats: found.held_nats,
+        // Loud parts of it may have been taken for them.
+        supersedes: vec![burst::KIND, outliers::KIND],
+        ..Candidate::new(effect, found.p_value, 3.0, Change::Strength(*swing))
+    }))
+}
+
+/// A cosine of the strength.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cyclic {
+    /// It.
+    pub swing: Envelope,
+    /// Standard deviations of its three numbers.
+    pub sd: Envelope,
+    /// Gain in log-likelihood of the odd blocks when fitted to the even ones.
+    pub held_nats: Option<f64>,
+    /// Probability of as plain a cycle in steady noise.
+    pub p_value: f64,
+}
+
+/// The cosine that explains how the power of the noise moves at a `level`, if one does and nothing is left.
+fn cyclic(axis: &AxisState, level: f64) -> Option<Cyclic> {
+    let powers = axis.powers();
+    // A cycle between two ordinates is plainer as a slow movement: that one is asked about once the cosine is out.
+    let Wander { cyclic, .. } = wander(&powers)?;
+    if cyclic.p_value >= level || cyclic.period < LEAST_BLOCKS * BLOCK as f64 {
+        return None;
+    }
+    let (swing, _) = Swing::new(&powers, cyclic.period)?.named()?;
+    let left = axis.powers_over(|index| swing.factor(index));
+    // Powers that swing scatter by more than their degrees of freedom say: these are known once it is out.
+    let powers = Powers {
+        powers: powers.powers.clone(),
+        counts: left.counts.clone(),
+    };
+    let fit = Swing::new(&powers, cyclic.period)?;
+    let moves = wander(&left)?;
+    if moves.cyclic.p_value.min(moves.slow.p_value) < level || fit.harmonics(&left) < HARMONICS {
+        return None;
+    }
+    let (swing, sd) = fit.named()?;
+    Some(Cyclic {
+        swing,
+        sd,
+        held_nats: held_out(&powers, cyclic.period),
+        p_value: cyclic.p_value,
+    })
+}
+
+/// Gain in log-likelihood of the odd blocks for a cosine that is fitted to the even ones, over one power for all.
+fn held_out(powers: &Powers, period: f64) -> Option<f64> {
+    let half = |parity: usize| {
+        let mut half = powers.clone();
+        let others = half.counts.iter_mut().skip(1 - parity).step_by(2);
+        others.for_each(|count| *count = 0.0);
+        half
+    };
+    let (even, odd) = (half(0), half(1));
+    let fit = Swing::new(&even, period)?;
+    let gain = fit.score(&odd) - Swing::steady(&even).score(&odd);
+    gain.is_finite().then_some(gain)
+}
+
+/// Probability of swings that differ as much from one octave to the next where all noise swings alike.
+fn evenness(axis: &AxisState, swing: &Envelope) -> f64 {
+    /// Ordinates of the lowest octave.
+    const LEAST: usize = 64;
+    let seen = axis.whitened();
+    let periods = seen.transform.len() as f64 / swing.period;
+    let (mut square, mut swings, mut weights, mut bands) = (0.0, 0.0, 0.0, 0.0);
+    let mut top = seen.top - 1;
+    // Moments that follow the swing.
+    while top >= 2 * LEAST && top as f64 >= 2.0 * LEAST_BLOCKS * periods {
+        let strengths = strengths(&seen, top / 2..top);
+        top /= 2;
+        // A band of as many ordinates as there are moments sees a frequency by the share of them that it keeps
+        // when it is moved by it.
+        let kept = 1.0 - periods / strengths.len() as f64;
+        if let Some([mean, variance]) = swing_of_band(axis, swing, &strengths) {
+            let (mean, weight) = (mean / kept, kept * kept / variance);
+            square += weight * mean * mean;
+            swings += weight * mean;
+            weights += weight;
+            bands += 1.0;
+        }
+    }
+    if bands < 2.0 {
+        return 1.0;
+    }
+    p_value::chi_squared(square - swings * swings / weights, bands - 1.0)
+}
+
+/// Mean of the swing's cosine over the strengths of a band, by their weight, and its variance.
+fn swing_of_band(axis: &AxisState, swing: &Envelope, strengths: &[f64]) -> Option<[f64; 2]> {
+    let samples = axis.ring_len() as f64 / strengths.len() as f64;
+    let cosines = strengths
+        .iter()
+        .enumerate()
+        .filter_map(|(moment, strength)| {
+            let at = moment as f64 * samples;
+            let angle = TAU * (at / swing.period).fract() + swing.phase_rad;
+            axis.usable(at as usize).then_some((*strength, angle.cos()))
+        });
+    let [sum, with] = cosines
+        .clone()
+        .fold([0.0; 2], |[sum, with], (strength, cosine)| {
+            [sum + strength, with + strength * cosine]
+        });
+    let mean = with / sum;
+    // A strength is exponential: its square is twice its variance.
+    let variances = cosines.map(|(strength, cosine)| 0.5 * (strength * (cosine - mean)).powi(2));
+    let variance = variances.sum::<f64>() / (sum * sum);
+    (variance > 0.0 && variance.is_finite()).then_some([mean, variance])
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::model::random::{Gaussian, Seed};
+
+    const LEVEL: f64 = 2e-4;
+
+    /// White noise of deviation 1 with what `more` makes of a sample's number and noise; lengths that differ.
+    fn axis(seed: u64, mut more: impl FnMut(usize, f64) -> f64) -> AxisState {
+        let mut noise = Gaussian::new(Seed { seed, stream: 0 }, 1.0);
+        let length = 70_000 + 1009 * seed as usize % 20_000;
+        let values = (0..length).map(|n| more(n, noise.draw())).collect();
+        AxisState::new(Arc::new(values), 1000.0, None).expect("long enough")
+    }
+
+    /// A swing drawn by its seed: periods from 9 to 60 blocks.
+    fn drawn(seed: u64) -> Envelope {
+        let mut draw = Gaussian::new(Seed { seed, stream: 1 }, 1.0);
+        let mut share = || (0.5 + 0.2 * draw.draw()).clamp(0.0, 1.0);
+        Envelope {
+            depth: 0.2 + 0.5 * share(),
+            period: BLOCK as f64 * 9.0 * 6.0_f64.powf(share()),
+            phase_rad: 6.0 * share() - 3.0,
+        }
+    }
+
+    #[test]
+    fn a_swing_is_found_with_its_parameters() {
+        let mut missed = Vec::new();
+        for seed in 0..16 {
+            let swing = drawn(seed);
+            let axis = axis(seed, |n, noise| swing.factor(n) * noise);
+            let Some(found) = cyclic(&axis, LEVEL) else {
+                missed.push(seed);
+                continue;
+            };
+            let Cyclic { swing: is, sd, .. } = found;
+            let off = [
+                (is.depth - swing.depth) / sd.depth,
+                (is.period - swing.period) / sd.period,
+                (is.phase_rad - swing.phase_rad) / sd.phase_rad,
+            ];
+            // 48 numbers beyond four sigma: once in 300.
+            assert!(
+                off.iter().all(|z| z.abs() < 4.0),
+                "seed {seed}: {off:?} sigma, {is:?} for {swing:?}"
+            );
+            assert!(found.held_nats > Some(10.0), "seed {seed}: {found:?}");
+            let even = evenness(&axis, &is);
+            // At this level one of 16 once in 300.
+            assert!(even > LEVEL, "seed {seed}: not even, {even:e}");
+        }
+        // The harmonics refuse one in a hundred: two or more of 16 have a probability of 1 %, three of 5e-4.
+        assert!(missed.len() < 3, "seeds {missed:?}");
+    }
+
+    #[test]
+    fn steady_noise_does_not_swing() {
+        // At 5 % of 40 records, two; eight or more have a probability of 7e-4.
+        let found = (0..40).filter(|&seed| {
+            let axis = axis(seed, |_, noise| noise);
+            cyclic(&axis, 0.05).is_some()
+        });
+        let found: Vec<u64> = found.collect();
+        assert!(found.len() < 8, "seeds {found:?}");
+    }
+
+    #[test]
+    fn noise_that_is_switched_is_another() {
+        for seed in 0..10 {
+            let period = drawn(seed).period;
+            let duty = 0.3 + 0.04 * seed as f64;
+            let axis = axis(seed, |n, noise| {
+                let is_on = (n as f64 / period).fract() < duty;
+                if is_on { 1.7 * noise } else { noise }
+            });
+            let seen = wander(&axis.powers()).expect("long enough").cyclic.p_value;
+            assert!(seen < LEVEL, "seed {seed}: {seen:e}, nothing to refuse");
+            let found = cyclic(&axis, LEVEL);
+            assert_eq!(found, None, "seed {seed}: {period} samples, duty {duty}");
+        }
+    }
+
+    #[test]
+    fn a_period_of_few_blocks_is_not_told() {
+        let swing = Envelope {
+            depth: 0.5,
+            period: 6.0 * BLOCK as f64,
+            phase_rad: 0.0,
+        };
+        let axis = axis(7, |n, noise| swing.factor(n) * noise);
+        let seen = wander(&axis.powers()).expect("long enough").cyclic.p_value;
+        assert!(seen < LEVEL, "seed 7: {seen:e}, nothing to refuse");
+        assert_eq!(cyclic(&axis, LEVEL), None, "seed 7");
+    }
+
+    #[test]
+    fn noise_that_swings_at_some_frequencies_is_uneven() {
+        for seed in 20..24 {
+            let swing = drawn(seed);
+            // Slow noise through a pole swings beside white noise that does not.
+            let mut more = Gaussian::new(Seed { seed, stream: 2 }, 1.0);
+            let mut slow = 0.0;
+            let axis = axis(seed, |n, noise| {
+                slow = 0.8 * slow + more.draw();
+                swing.factor(n) * slow + noise
+            });
+            let even = evenness(&axis, &swing);
+            assert!(even < LEVEL, "seed {seed}: {even:e}");
+        }
+    }
+}
