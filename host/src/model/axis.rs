@@ -117,12 +117,12 @@ impl ModelEffect {
     ///
     /// # Errors
     /// In words, if they are too few or too many, or one is out of its range.
-    pub fn of(kind: Kind, values: Vec<f64>) -> Result<Self, String> {
-        let names = kind.parameters(&values).into_iter();
+    pub fn of(kind: Kind, values: &[f64]) -> Result<Self, String> {
+        let names = kind.parameters(values).into_iter();
         let names = names.map(|parameter| parameter.name.into_owned());
         let named: BTreeMap<String, f64> = names.zip(values.iter().copied()).collect();
         if named.len() != values.len() {
-            let expected = kind.parameters(&values).len();
+            let expected = kind.parameters(values).len();
             return Err(format!(
                 "{kind}: {} parameters; expected {expected}",
                 values.len()

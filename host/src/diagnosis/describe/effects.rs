@@ -12,7 +12,8 @@ use crate::model::axis::ModelEffect;
 /// Findings as a model file has them, where data can be made of them; a harmonic that was not found is zero
 /// there.
 pub fn named_effects(findings: &[Finding]) -> Vec<ModelEffect> {
-    let effect = |finding: &Finding| ModelEffect::of(finding.effect, finding.estimate.plain()).ok();
+    let effect =
+        |finding: &Finding| ModelEffect::of(finding.effect, &finding.estimate.plain()).ok();
     findings.iter().filter_map(effect).collect()
 }
 
@@ -20,7 +21,7 @@ pub fn named_effects(findings: &[Finding]) -> Vec<ModelEffect> {
 pub fn law_effects(bins: &SpectralBins, snapshot: &Snapshot, fit: &Fit) -> Vec<ModelEffect> {
     let sized = |which: usize| {
         let values = laws::sized(bins, &snapshot.laws, which, fit);
-        ModelEffect::of(snapshot.laws[which].effect, values).ok()
+        ModelEffect::of(snapshot.laws[which].effect, &values).ok()
     };
     (0..snapshot.laws.len()).filter_map(sized).collect()
 }

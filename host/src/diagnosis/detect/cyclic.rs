@@ -15,9 +15,9 @@ use crate::diagnosis::record::powers::{BLOCK, Powers};
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
 use crate::diagnosis::statistic::p_value;
-use crate::diagnosis::steady::tiles::strengths;
 use crate::diagnosis::steady::strength::{Wander, wander};
 use crate::diagnosis::steady::swing::Swing;
+use crate::diagnosis::steady::tiles::strengths;
 use crate::model::cyclic::KIND;
 use crate::model::{burst, outliers, rounding};
 

@@ -34,7 +34,7 @@ impl Coarse {
         /// Least step over the noise: below, rounding adds half a percent to it.
         const SEEN: f64 = 0.25;
         let coarser = declared.is_none_or(|declared| step > COARSER * declared.abs());
-        (coarser && step > SEEN * noise).then(|| Self {
+        (coarser && step > SEEN * noise).then_some(Self {
             step,
             decides: step > DECIDES * rms,
         })
