@@ -11,6 +11,26 @@
 //! The driver therefore owns its bus, knows the mode, keeps the gap of 24 clocks after every
 //! byte of a command, leaves read-continuous mode before it touches a register, and reads back
 //! what it wrote.
+//!
+//! On the emulator's bench; on the board bus, pin and delay are the chip's.
+//!
+//! ```
+//! use embedded_hal::delay::DelayNs;
+//! use inm_emulator::{Bench, Constant, Converter};
+//! use inm_firmware::ads1281::{Ads1281, POWER_UP_US};
+//!
+//! let bench = Bench::new([0, 1, 2].map(|axis| Converter::new(Constant(1000 * axis))));
+//! let mut converter = Ads1281::new(bench.spi(2), bench.drdy(2), bench.delay());
+//! bench.delay().delay_us(POWER_UP_US);
+//! converter.reset()?;
+//! converter.read_continuously()?;
+//! converter.forget_edge();
+//! bench.run_until_edge(2, u64::MAX).expect("a conversion within 64 ms");
+//! let reading = converter.read()?;
+//! assert_eq!(reading.word.value(), 2000);
+//! assert!(!reading.torn);
+//! # Ok::<(), inm_firmware::ads1281::Error>(())
+//! ```
 
 pub mod calibrate;
 pub mod command;
