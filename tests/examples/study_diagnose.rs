@@ -18,10 +18,13 @@ use inm_tests::hidden::judge::tally;
 use inm_tests::hidden::judge::trial::{self, Task, Trial, run_all};
 use inm_tests::hidden::scene::SAMPLES;
 use inm_tests::hidden::strength::Strength;
-use inm_tests::hidden::{outside, pairs};
+use inm_tests::hidden::{outside, pairs, wide};
 
 /// Strengths of the detection table.
 const STRENGTHS: [f64; 8] = [0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 4.0, 10.0];
+
+/// Samples of the longest record of the wide draw.
+const LONGEST: usize = 1 << 21;
 
 /// Hides effects in records and lets `inm diagnose` find them.
 #[derive(Debug, Parser)]
@@ -44,15 +47,25 @@ struct Arguments {
     /// Just this multiple of the ideal detector's strength.
     #[arg(long)]
     strength: Option<f64>,
-    /// Samples a record.
-    #[arg(long, default_value_t = SAMPLES)]
-    samples: usize,
+    /// Samples a record; with --wide those of the longest [default: 1048576, with --wide 2097152]
+    #[arg(long)]
+    samples: Option<usize>,
+    /// Strengths to 1000 in records of any length, rate, noise and form; clean records and singles.
+    #[arg(long, conflicts_with = "strength")]
+    wide: bool,
     /// Records at once.
     #[arg(long, default_value_t = 2)]
     at_once: usize,
     /// Writes the records and what is hidden in them here and stops: nothing is run.
     #[arg(long)]
     keep: Option<PathBuf>,
+}
+
+impl Arguments {
+    fn samples(&self) -> usize {
+        self.samples
+            .unwrap_or(if self.wide { LONGEST } else { SAMPLES })
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -79,11 +92,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let names: Vec<&str> = all.map(|kind| kind.name).collect();
         return Err(format!("--kind {name}: no such kind; one of {}", names.join(", ")).into());
     }
-    if arguments.samples < 1 << 16 {
+    if arguments.samples() < 1 << 16 {
         return Err("--samples: at least 65536, so that every effect has room".into());
     }
     for part in Part::value_variants() {
         let chosen = match (arguments.part.as_slice(), arguments.kind.as_slice()) {
+            ([], _) if arguments.wide => match arguments.kind.is_empty() {
+                true => matches!(part, Part::Clean | Part::Single),
+                false => *part == Part::Single,
+            },
             ([], []) => true,
             ([], _) => matches!(part, Part::Single | Part::Outside),
             (parts, _) => parts.contains(part),
@@ -117,15 +134,18 @@ fn run(part: Part, arguments: &Arguments) -> Result<(), Box<dyn std::error::Erro
     );
     println!(
         "== {part:?}, seeds {first} to {last}, {} samples\n",
-        arguments.samples
+        arguments.samples()
     );
+    if arguments.wide {
+        println!("{}", wide::tally::tables(&trials));
+    }
     if part == Part::Strength {
         println!("{}", tally::detection(&trials));
         return Ok(());
     }
     println!("{}", tally::confusion(&trials));
     println!("{}", tally::coverage(&trials));
-    if matches!(part, Part::Single | Part::Pairs) {
+    if matches!(part, Part::Single | Part::Pairs) && !arguments.wide {
         println!("{}", allan_table::table(&trials));
     }
     Ok(())
@@ -155,7 +175,8 @@ fn verdict(trial: &Trial) -> String {
     };
     let verdict = match (score.is_right(), score.placed) {
         (_, Some(true)) if score.extra.is_empty() => "placed".to_owned(),
-        (true, None) => "right".to_owned(),
+        (true, None) if score.held => "right".to_owned(),
+        (true, None) => "named, but NOT HELD".to_owned(),
         _ => {
             let missed = score.named.iter().filter(|(_, named)| !named);
             let missed: Vec<&str> = missed.map(|(name, _)| *name).collect();
@@ -167,7 +188,9 @@ fn verdict(trial: &Trial) -> String {
             )
         }
     };
-    format!("{case}: {verdict}, {:.2} s", time.as_secs_f64())
+    let facts: Vec<&str> = trial.facts.iter().map(|(_, at)| at.trim()).collect();
+    let like = facts.join(" ");
+    format!("{case}: {verdict}, {:.2} s, {like}", time.as_secs_f64())
 }
 
 fn tasks(part: Part, arguments: &Arguments) -> Vec<Task> {
@@ -186,6 +209,7 @@ fn tasks(part: Part, arguments: &Arguments) -> Vec<Task> {
         Part::Closure => (singles(effect::KINDS), (2.0, 10.0)),
     };
     let strengths: Vec<Strength> = match (arguments.strength, part) {
+        (_, Part::Clean | Part::Single) if arguments.wide => vec![Strength::Any],
         (Some(strength), _) => vec![Strength::At(strength)],
         (None, Part::Strength) => STRENGTHS.map(Strength::At).to_vec(),
         (None, _) => vec![Strength::Between(range.0, range.1)],
@@ -200,7 +224,7 @@ fn tasks(part: Part, arguments: &Arguments) -> Vec<Task> {
                 let plan = Plan {
                     kinds: kinds.clone(),
                     strength: *strength,
-                    samples: arguments.samples,
+                    samples: arguments.samples(),
                 };
                 tasks.push(Task { plan, seed });
             }

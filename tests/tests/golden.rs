@@ -16,9 +16,10 @@ use inm_tests::hidden::judge::program::Program;
 use serde_json::Value;
 
 /// Models and what they mean. One with a new effect is a new file and a line here.
-const MODELS: [[&str; 2]; 2] = [
+const MODELS: [[&str; 2]; 3] = [
     ["model.json", "law.json"],
     ["cyclic.model.json", "cyclic.law.json"],
+    ["unnamed.model.json", "unnamed.law.json"],
 ];
 
 fn inm(folder: &Path, arguments: &[&str]) -> Output {

@@ -44,6 +44,8 @@ impl Alone {
             axes: vec![base; kind.axes],
             target: 0,
             chain: Chain::None,
+            declared: true,
+            relative: false,
         };
         let effect = (kind.draw)(&scene, &mut Draw::new(seed, kind.name)).scaled(factor);
         let mut alone = Self {
@@ -358,6 +360,46 @@ fn cyclic_noise_swings_as_a_cosine() {
             let relative = (2.0 * 1.5 / counts[part]).sqrt();
             near(powers[part] / expected[part], 1.0, 5.0 * relative, seed);
         }
+    }
+}
+
+#[test]
+fn shocks_have_their_height_and_their_energy() {
+    for seed in 1..9 {
+        // So plain that the noise is a millionth of it.
+        let alone = Alone::new("shock", 1e6, seed);
+        let truth = alone.truth();
+        let (mut energy, mut highest, mut count) = (0.0, 0.0, 0);
+        while let Some(peak) = truth.parameter(&format!("peak_{}", count + 1)) {
+            count += 1;
+            let of = |name: &str| truth.parameter(&format!("{name}_{count}"));
+            highest = f64::max(highest, peak.abs());
+            energy += peak
+                * peak
+                * match (of("f_hz"), of("decay_s"), of("duration_s")) {
+                    (Some(f_hz), Some(decay_s), None) => {
+                        // The integral of e^(-2t/T) sin^2 wt, over the square of its highest point, with a = wT:
+                        // T a^2 / (4 (1 + a^2)) and e^(-2 atan(a) / a) a^2 / (1 + a^2).
+                        let a = TAU * f_hz * decay_s;
+                        0.25 * decay_s * (2.0 * a.atan() / a).exp()
+                    }
+                    (None, None, Some(length_s)) => 0.5 * length_s,
+                    other => panic!("seed {seed}: {other:?}"),
+                };
+        }
+        assert!((1..=4).contains(&count), "seed {seed}");
+        let largest = alone
+            .samples
+            .iter()
+            .fold(0.0, |most: f64, one| most.max(one.abs()));
+        assert!(
+            largest < 1.0001 * highest,
+            "seed {seed}: {largest} of {highest}"
+        );
+        let sum = alone.samples.iter().map(|one| one * one).sum::<f64>() / RATE_HZ;
+        // What ends within a noise of 1e-6 of it lies a record's tail below; sums of twenty samples or more a decay
+        // are integrals to some percent, for the first sample may come half a period late.
+        near(sum / energy, 1.0, 0.1, seed);
     }
 }
 

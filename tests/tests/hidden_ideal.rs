@@ -24,6 +24,8 @@ fn scene(base: Base, samples: usize) -> Scene {
         axes: vec![base],
         target: 0,
         chain: Chain::None,
+        declared: true,
+        relative: false,
     }
 }
 

@@ -184,7 +184,7 @@ fn places_are_read_from_words() {
 /// What has no name is right when a remark says where, and wrong when it is named.
 #[test]
 fn outside_the_catalogue_no_name_is_right() {
-    let case = Case::draw(&plan(&["wandering_tone"]), 1);
+    let case = Case::draw(&plan(&["beating_tone"]), 1);
     let f_hz = case.truths[0].parameter("f_hz").expect("known");
     let mut answer = Answer {
         axes: vec![Axis::default()],
@@ -249,6 +249,8 @@ fn detection_stands_beside_the_ideal() {
         seed: 1,
         strength: Some(strength),
         ideal_power: Some(ideal),
+        facts: Vec::new(),
+        redrawn: 0,
         result: match named {
             Some(named) => Ok((
                 Score {
@@ -359,6 +361,8 @@ fn the_table_marks_what_is_off() {
         seed: 1,
         strength: None,
         ideal_power: None,
+        facts: Vec::new(),
+        redrawn: 0,
         result: Ok((
             Score {
                 allan: errors

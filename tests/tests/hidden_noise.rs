@@ -25,6 +25,8 @@ fn record(base: Base, chain: Chain, seed: u64) -> Vec<f64> {
         axes: vec![base],
         target: 0,
         chain,
+        declared: true,
+        relative: false,
     };
     Axis::new(&scene, 0, &[], seed, "noise").samples().0
 }

@@ -53,6 +53,11 @@ usage: cargo xtask <command>
              coverage of the 95 % intervals over thousands of simulated records; minutes
   study diagnose [--seeds N] [--part PART] [--kind KIND] [--strength M]
              whether `inm diagnose` finds effects hidden in records; hours for 200 seeds
+  study everyday [--seeds N] [--kind KIND]
+             whether `inm diagnose` says what happened: a knock, a door, a fan, a logger that averages
+  study robust [--records N] [--first-seed S]
+             whether `inm diagnose` keeps its head on records of any length, type and content; an hour
+             for 5000
   study published [--records N]
              the published table simulated N times (400) an axis: published, weighted and likelihood
              fit beside the Cramér-Rao bound; a second and a half a record and axis
@@ -73,6 +78,8 @@ fn main() -> ExitCode {
         ["docs"] => docs::run(),
         ["study", "intervals"] => study::intervals(),
         ["study", "diagnose", ref options @ ..] => study::diagnose(options),
+        ["study", "everyday", ref options @ ..] => study::everyday(options),
+        ["study", "robust", ref options @ ..] => study::robust(options),
         ["study", "published"] => study::example("study_published", None),
         ["study", "published", "--records", count] => {
             study::example("study_published", Some(count))

@@ -30,6 +30,28 @@ pub fn intervals() -> Result<()> {
 /// # Errors
 /// It does not build, or the options are wrong.
 pub fn diagnose(options: &[&str]) -> Result<()> {
+    judge("study_diagnose", options)
+}
+
+/// Whether `inm diagnose` keeps its head on records of any kind; prints a table. `options` go to the
+/// study.
+///
+/// # Errors
+/// It does not build, the options are wrong, or a record fails.
+pub fn robust(options: &[&str]) -> Result<()> {
+    judge("study_robust", options)
+}
+
+/// Whether `inm diagnose` says what happened on an ordinary desk; prints tables. `options` go to the study.
+///
+/// # Errors
+/// It does not build, or the options are wrong.
+pub fn everyday(options: &[&str]) -> Result<()> {
+    judge("study_everyday", options)
+}
+
+/// Runs an example of the tests that judges `inm`, in release.
+fn judge(name: &str, options: &[&str]) -> Result<()> {
     let build = [
         "build",
         "--release",
@@ -41,7 +63,7 @@ pub fn diagnose(options: &[&str]) -> Result<()> {
     execute(&mut cargo(&build))?;
     let program = target().join("release").join("inm");
     let mut study = cargo(&["run", "--release", "--package", "inm-tests"]);
-    study.args(["--example", "study_diagnose", "--", "--inm"]);
+    study.args(["--example", name, "--", "--inm"]);
     study.arg(program.with_extension(std::env::consts::EXE_EXTENSION));
     execute(study.args(options))
 }

@@ -11,6 +11,7 @@ use super::column;
 use super::input::InputOptions;
 use super::output::write_to;
 use super::results::ResultOptions;
+use crate::diagnosis::result::finding::AxisDiagnosis;
 use crate::face::diagnose::{DiagnosisError, DiagnosisOptions, FAMILY_LEVEL, Step, diagnose};
 use crate::report;
 use crate::source::open::open;
@@ -108,11 +109,7 @@ impl DiagnoseCommand {
             })?;
         }
         self.results.write(&diagnosis)?;
-        let left = diagnosis
-            .axes
-            .iter()
-            .any(|axis| !axis.unexplained.is_empty());
-        Ok(if left {
+        Ok(if diagnosis.axes.iter().any(AxisDiagnosis::lacks) {
             ExitCode::from(UNEXPLAINED)
         } else {
             ExitCode::SUCCESS

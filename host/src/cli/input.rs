@@ -1,5 +1,7 @@
 //! Options that say what an array file holds, shared by the subcommands that read one.
 
+use std::ops::Range;
+
 use clap::Args;
 
 use crate::chain::Chain;
@@ -36,6 +38,9 @@ pub struct InputOptions {
     /// Leave out what lies at or after this time, seconds from the start.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub to: Option<f64>,
+    /// Leave out a stretch, seconds from the start of what is read; may be repeated.
+    #[arg(long, value_name = "FROM:TO", value_parser = stretch)]
+    pub exclude: Vec<Range<f64>>,
     /// Signal chain the data came through, such as ads1281:linear+400hz.
     #[arg(long)]
     pub chain: Option<Chain>,
@@ -51,7 +56,18 @@ impl From<InputOptions> for ArrayOptions {
             scales: options.scale,
             from_s: options.from,
             to_s: options.to,
+            exclude_s: options.exclude,
             chain: options.chain,
         }
     }
+}
+
+/// A stretch of time, from zero on, as it is written on the command line.
+fn stretch(text: &str) -> Result<Range<f64>, String> {
+    let ends = text.split_once(':');
+    let ends = ends.and_then(|(from, to)| Some(from.trim().parse().ok()?..to.trim().parse().ok()?));
+    ends.filter(|one: &Range<f64>| one.start >= 0.0 && one.start < one.end)
+        .ok_or_else(|| {
+            "expected two times in seconds, the earlier first, such as 20:31.5".to_owned()
+        })
 }

@@ -4,7 +4,6 @@ use std::cell::OnceCell;
 use std::sync::Arc;
 
 use crate::diagnosis::axis::AxisState;
-use crate::diagnosis::axis::ramp;
 use crate::diagnosis::detect::look::Context;
 use crate::diagnosis::detect::telegraph;
 use crate::diagnosis::doubt;
@@ -12,6 +11,7 @@ use crate::diagnosis::family::level_of_one_test;
 use crate::diagnosis::held_out::Halves;
 use crate::diagnosis::held_out::laws::Ordinates;
 use crate::diagnosis::laws;
+use crate::diagnosis::laws::departure::departure;
 use crate::diagnosis::laws::spread::Spread;
 use crate::diagnosis::options::Options;
 use crate::diagnosis::progress::{Progress, Step};
@@ -21,11 +21,16 @@ use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::finding::Remark;
 use crate::diagnosis::result::value::Value;
 use crate::diagnosis::search::{self, Spoilt};
+use crate::diagnosis::unnamed;
 use crate::diagnosis::values::ValueFindings;
 use crate::diagnosis::views::Before;
 use crate::fit::likelihood::Fit;
+use crate::fit::likelihood::components::SEEN;
 use crate::fit::likelihood::ramp::Ramp;
+use crate::fit::likelihood::terms::{self, LikelihoodFit};
+use crate::model::PerCoefficient;
 use crate::model::kind::Kind;
+use crate::numeric::mixture::add_mixture;
 use crate::signal::Axis;
 use crate::source::Values;
 
@@ -43,6 +48,8 @@ pub struct Explained {
     pub base: Bare,
     /// What no effect of the catalogue explains.
     pub unexplained: Vec<Remark>,
+    /// Probability of what has no name, in data of the model without it; `None` where there is nothing.
+    pub unnamed: Option<f64>,
     /// Standard deviations of the squares of the base components.
     pub squares_sd: Vec<f64>,
     /// Gain of each explanation in log-likelihood on data that it was not fitted to, nats.
@@ -52,7 +59,7 @@ pub struct Explained {
 /// An axis before anything was explained.
 #[derive(Clone)]
 pub struct Bare {
-    /// Fit of the five terms alone.
+    /// Fit of the five terms alone, as `inm analyze` makes it.
     pub fit: Fit,
     /// What the five terms get wrong.
     pub discrepancies: Vec<Remark>,
@@ -106,13 +113,16 @@ pub fn explain(
         };
         attempt(axis, &context)
     });
-    let (axis, done, held_out_nats) = explained?;
+    let (mut axis, unexplained, held_out_nats) = explained?;
+    let unnamed = unnamed::complete(&mut axis, level);
+    let squares_sd = with_intervals(&mut axis);
     Ok(Explained {
         axis,
         mean: own_mean,
         base,
-        unexplained: done.unexplained,
-        squares_sd: done.squares_sd,
+        unexplained,
+        unnamed,
+        squares_sd,
         held_out_nats,
     })
 }
@@ -154,39 +164,45 @@ impl Bare {
     /// Of an axis as it begins. What the search looks at first is made on the way.
     fn of(axis: &AxisState, level: f64, options: &Options) -> Self {
         let look = || {
-            let before = Before::new(axis, options);
-            let slope = slope(ramp::ramp(axis));
+            let measured = axis.residual.measured();
+            let five = terms::fit_values(measured, axis.rate_hz, axis.chain.as_ref());
             axis.powers();
-            (before, slope)
+            five
         };
-        let (_, (before, slope)) = rayon::join(|| axis.lines(level), look);
-        let departure = doubt::left_over::of_spectrum(axis, level);
+        let (_, five) = rayon::join(|| axis.lines(level), look);
+        let squares = five.as_ref().map(LikelihoodFit::squares);
+        let fit = squares.map_or_else(|| axis.fit.clone(), |squares| of_squares(axis, &squares));
+        let departure = departure(&axis.data, &fit.expected);
+        let departure = departure.filter(|one| one.p_value < level);
         Self {
-            fit: axis.fit.clone(),
             discrepancies: departure
                 .iter()
                 .map(doubt::left_over::spectrum_remark)
                 .collect(),
-            before,
-            slope,
+            before: Before::new(axis, &fit, options),
+            slope: squares.map_or(0.0, |squares| squares.r.sqrt()),
+            fit,
         }
     }
 }
 
-/// What a search that came to its end says beyond its explanations.
-struct Done {
-    unexplained: Vec<Remark>,
-    squares_sd: Vec<f64>,
+/// An axis's fit with these squares in place of its own.
+fn of_squares(axis: &AxisState, squares: &PerCoefficient<f64>) -> Fit {
+    let mut fit = axis.fit.clone();
+    fit.squared.fill(0.0);
+    for (squared, letter) in fit.squared.iter_mut().zip(SEEN) {
+        *squared = *squares.get(letter);
+    }
+    fit.expected.fill(0.0);
+    add_mixture(&mut fit.expected, axis.bins.units(), &fit.squared);
+    fit
 }
 
-fn attempt(axis: &mut AxisState, context: &Context<'_>) -> Result<Done, Spoilt> {
+/// What no effect explains, once all that has a name is found.
+fn attempt(axis: &mut AxisState, context: &Context<'_>) -> Result<Vec<Remark>, Spoilt> {
     let (character, latest) = search::search(axis, context)?;
     let doubts = doubt::hear(axis, context.level, &character);
-    let unexplained = doubts.map_err(|_| Spoilt { latest })?;
-    Ok(Done {
-        unexplained,
-        squares_sd: with_intervals(axis),
-    })
+    doubts.map_err(|_| Spoilt { latest })
 }
 
 /// Gives the laws of an axis the parameters of the last fit, with their intervals; standard deviations of the

@@ -21,10 +21,20 @@ pub enum Change {
     Waves(Vec<Wave>),
     /// Stretches of another noise: no fit looks at them.
     Mask(Vec<Range<usize>>),
+    /// Stretches in which something happened: no fit looks at them, and waveforms stand for them in the model.
+    Happened {
+        /// The stretches.
+        masked: Vec<Range<usize>>,
+        /// What stands for them.
+        waves: Vec<Wave>,
+    },
     /// A moment at which samples were lost: the noise itself is cut there.
     Cut(Range<usize>),
     /// A law of the noise; its size is 1, its square a component of the fit.
     Law(Law),
+    /// A tone that neither a waveform nor a density describes: no fit and no test looks at these bands, hertz, and it is
+    /// in the model as it was measured.
+    Tone(Vec<Range<f64>>),
     /// The strength of the noise over time: the record stays as it is, and what looks at strengths looks
     /// at them over this.
     Strength(Envelope),
@@ -118,7 +128,23 @@ impl Explanation {
     /// What it takes out of the record.
     pub fn waves(&self) -> &[Wave] {
         match &self.change {
-            Change::Waves(waves) => waves,
+            Change::Waves(waves) | Change::Happened { waves, .. } => waves,
+            _ => &[],
+        }
+    }
+
+    /// What stands in the model for stretches that no fit looks at.
+    pub fn in_place_of_stretches(&self) -> &[Wave] {
+        match &self.change {
+            Change::Happened { waves, .. } => waves,
+            _ => &[],
+        }
+    }
+
+    /// The bands that it fills, hertz, where it is a tone that no fit looks at.
+    pub fn bands_hz(&self) -> &[Range<f64>] {
+        match &self.change {
+            Change::Tone(bands_hz) => bands_hz,
             _ => &[],
         }
     }
@@ -143,6 +169,8 @@ pub struct Snapshot {
     waves: Vec<(Kind, Wave)>,
     /// Laws beyond the five terms.
     pub laws: Vec<Law>,
+    /// Tones that are in the model as they were measured.
+    pub tones: Vec<Estimate>,
 }
 
 impl Snapshot {
@@ -159,6 +187,11 @@ impl Snapshot {
                 .filter_map(Explanation::law)
                 .cloned()
                 .collect(),
+            tones: explanations
+                .iter()
+                .filter(|one| matches!(one.change, Change::Tone(_)))
+                .map(|one| one.effect.clone())
+                .collect(),
         }
     }
 
@@ -167,8 +200,9 @@ impl Snapshot {
         self.waves.iter().map(|(_, wave)| wave)
     }
 
-    /// Takes the waveforms of a kind out of it.
+    /// Takes the waveforms and the tones of a kind out of it.
     pub fn forget(&mut self, kind: Kind) {
         self.waves.retain(|(other, _)| *other != kind);
+        self.tones.retain(|other| other.kind != kind);
     }
 }

@@ -14,11 +14,13 @@ pub mod progress;
 pub mod record;
 pub mod refused;
 pub mod result;
+pub mod room;
 pub mod run;
 pub mod search;
 pub mod statistic;
 pub mod steady;
 #[cfg(test)]
 mod trial;
+pub mod unnamed;
 pub mod values;
 pub mod views;

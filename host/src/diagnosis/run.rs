@@ -29,7 +29,7 @@ pub struct Diagnosed {
 /// the way: a long record leaves no room for it.
 ///
 /// # Errors
-/// [`Refused`] where an axis holds too little.
+/// [`Refused`] where every axis holds too little; one that does among others is said to.
 pub fn diagnose(
     samples: Samples,
     options: &Options,
@@ -45,6 +45,8 @@ fn diagnose_axes(
     progress: &Progress<'_>,
 ) -> Result<Diagnosed, Refused> {
     let (mut axes, mut residuals) = (Vec::new(), Vec::new());
+    let mut first_refused = None;
+    let length = samples.len();
     let is_long = samples.len() > LONG_RECORD;
     let at_once = if is_long {
         1
@@ -70,10 +72,23 @@ fn diagnose_axes(
             })
             .collect();
         for one in done {
-            let (axis, residual) = one?;
+            let (axis, residual) = match one {
+                Err(Refused::Lost { .. }) => one?,
+                Err(refused) => {
+                    let done = describe::undiagnosed(&signal.axes[axes.len()], &refused);
+                    first_refused.get_or_insert(refused);
+                    (done, vec![f32::NAN; length])
+                }
+                Ok(done) => done,
+            };
             axes.push(axis);
             residuals.push(Spilled::new(residual, is_long));
         }
+    }
+    if let Some(refused) = first_refused
+        && axes.iter().all(|one: &AxisDiagnosis| one.refused.is_some())
+    {
+        return Err(refused);
     }
     let residuals: Vec<Vec<f32>> = residuals
         .into_iter()

@@ -10,6 +10,7 @@ use crate::diagnosis::axis::{AxisState, NoFit};
 use crate::diagnosis::detect::look::{Character, Context, Look, Proposal};
 use crate::diagnosis::detect::{self, Detector};
 use crate::diagnosis::explanation::Candidate;
+use crate::diagnosis::room;
 use crate::model::kind::Kind;
 
 /// Rounds, at most: far more than effects that one record can resolve.
@@ -136,7 +137,7 @@ impl<'a> Search<'a> {
     /// Takes a candidate in, unless it is refused.
     fn explain(&mut self, candidate: Candidate) -> Result<bool, NoFit> {
         let kind = candidate.effect.kind;
-        if self.context.refused.contains(&kind) {
+        if self.context.refused.contains(&kind) || !room::holds(self.axis, &candidate) {
             return Ok(false);
         }
         if candidate.amends.is_none() {

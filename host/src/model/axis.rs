@@ -163,10 +163,14 @@ impl TryFrom<NamedEffect> for ModelEffect {
 
 impl From<ModelEffect> for NamedEffect {
     fn from(effect: ModelEffect) -> Self {
-        let names = effect.parameters().into_iter().map(|one| one.name);
+        let known = effect.parameters().into_iter().zip(&effect.values);
+        // What may be left out is, where it is zero.
+        let written = known.filter(|(one, value)| !one.optional || **value != 0.0);
         Self {
             effect: effect.kind.name().to_owned(),
-            parameters: names.map(String::from).zip(effect.values).collect(),
+            parameters: written
+                .map(|(one, value)| (String::from(one.name), *value))
+                .collect(),
         }
     }
 }

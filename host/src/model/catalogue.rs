@@ -3,7 +3,8 @@
 use super::kind::Kind;
 use super::{
     burst, clipping, common_mode, cyclic, dropped, hum, markov, outliers, powerlaw, resonance,
-    rolloff, rounding, sinusoid, stale, steps, telegraph, thermal, timebase, warmup,
+    rolloff, rounding, shock, sinusoid, stale, steps, telegraph, thermal, timebase, unnamed,
+    wandering_line, warmup,
 };
 
 /// All effects of the catalogue.
@@ -14,8 +15,10 @@ pub static CATALOGUE: &[Kind] = &[
     powerlaw::KIND,
     rolloff::KIND,
     hum::KIND,
+    wandering_line::KIND,
     telegraph::KIND,
     steps::KIND,
+    shock::KIND,
     warmup::KIND,
     thermal::KIND,
     outliers::KIND,
@@ -27,6 +30,7 @@ pub static CATALOGUE: &[Kind] = &[
     cyclic::KIND,
     common_mode::KIND,
     timebase::KIND,
+    unnamed::KIND,
 ];
 
 /// The effect called `name`.

@@ -128,6 +128,8 @@ pub struct Parameter {
     pub quantity: Quantity,
     /// What it means, in a few words.
     pub meaning: &'static str,
+    /// Whether it may be left out of a model file, and is zero then.
+    pub optional: bool,
 }
 
 impl Parameter {
@@ -141,6 +143,16 @@ impl Parameter {
             name: name.into(),
             quantity,
             meaning,
+            optional: false,
+        }
+    }
+
+    /// The same, which may be left out of a model file.
+    #[must_use]
+    pub fn or_zero(self) -> Self {
+        Self {
+            optional: true,
+            ..self
         }
     }
 }
@@ -150,10 +162,18 @@ impl Parameter {
 pub enum Quantity {
     /// Frequency, above zero.
     Hertz,
+    /// Middle of a band about zero or above, hertz.
+    Centre,
+    /// How far a frequency moves, zero or above.
+    Wander,
+    /// Frequency; zero where there is none.
+    HertzOrNone,
     /// Events a second, zero or above.
     PerSecond,
     /// Length of time, above zero.
     Second,
+    /// Length of time; zero where there is none.
+    SecondOrNone,
     /// Time since the start of the record, zero or above.
     Instant,
     /// Time by which one thing lags another, zero or above.
@@ -182,9 +202,9 @@ impl Quantity {
     /// Its unit for a signal in `signal`; empty where it has none.
     pub fn unit(self, signal: Unit) -> String {
         match self {
-            Self::Hertz => "Hz".to_owned(),
+            Self::Hertz | Self::Centre | Self::Wander | Self::HertzOrNone => "Hz".to_owned(),
             Self::PerSecond => "1/s".to_owned(),
-            Self::Second | Self::Instant | Self::Delay => "s".to_owned(),
+            Self::Second | Self::SecondOrNone | Self::Instant | Self::Delay => "s".to_owned(),
             Self::Signal => signal.to_string(),
             Self::SignalPerSecond => format!("{signal}/s"),
             Self::SignalPerKelvin => format!("{signal}/K"),
@@ -199,7 +219,14 @@ impl Quantity {
             && match self {
                 Self::Signal | Self::SignalPerSecond | Self::SignalPerKelvin | Self::Ratio => true,
                 Self::Hertz | Self::Second | Self::Factor => value > 0.0,
-                Self::Instant | Self::Delay | Self::PerSecond | Self::Density => value >= 0.0,
+                Self::Centre
+                | Self::Wander
+                | Self::Instant
+                | Self::Delay
+                | Self::HertzOrNone
+                | Self::SecondOrNone
+                | Self::PerSecond
+                | Self::Density => value >= 0.0,
                 Self::Share => (0.0..=1.0).contains(&value),
                 Self::Count => value >= 0.0 && value.fract() == 0.0,
                 Self::Sign => value.abs() == 1.0,
@@ -213,9 +240,14 @@ impl Quantity {
                 "a finite number"
             }
             Self::Hertz | Self::Second | Self::Factor => "a number above zero",
-            Self::Instant | Self::Delay | Self::PerSecond | Self::Density => {
-                "zero or a number above it"
-            }
+            Self::Centre
+            | Self::Wander
+            | Self::Instant
+            | Self::Delay
+            | Self::HertzOrNone
+            | Self::SecondOrNone
+            | Self::PerSecond
+            | Self::Density => "zero or a number above it",
             Self::Share => "a number from 0 to 1",
             Self::Count => "a whole number, zero or above",
             Self::Sign => "1 or -1",
@@ -228,7 +260,12 @@ impl Quantity {
 /// # Errors
 /// In words, if a parameter is missing, unknown or out of its range.
 pub fn in_order(effect: &dyn Effect, named: &BTreeMap<String, f64>) -> Result<Vec<f64>, String> {
-    let parameters = effect.parameters(&vec![0.0; named.len()]);
+    let is_named = |one: &Parameter| named.contains_key(one.name.as_ref());
+    let left_out = effect.parameters(&vec![0.0; named.len()]).into_iter();
+    let left_out = left_out
+        .filter(|one| one.optional && !is_named(one))
+        .count();
+    let parameters = effect.parameters(&vec![0.0; named.len() + left_out]);
     let expected = || {
         let names: Vec<&str> = parameters.iter().map(|one| one.name.as_ref()).collect();
         names.join(", ")
@@ -245,7 +282,8 @@ pub fn in_order(effect: &dyn Effect, named: &BTreeMap<String, f64>) -> Result<Ve
     }
     let value = |parameter: &Parameter| {
         let name = parameter.name.as_ref();
-        let value = *named.get(name).ok_or_else(|| {
+        let none = parameter.optional.then_some(&0.0);
+        let value = *named.get(name).or(none).ok_or_else(|| {
             format!(
                 "{}: parameter `{name}` ({}) is missing; expected {}",
                 effect.name(),

@@ -1,4 +1,7 @@
 //! Hum: lines at multiples of one frequency, such as the mains and its harmonics.
+//!
+//! Mains keep their frequency to some 20 mHz: where a record is long enough to see that, the lines wander together
+//! ([`WanderingLine`]).
 
 use super::effect::{Effect, Parameter, Part, Quantity};
 use super::kind::Kind;
@@ -6,6 +9,7 @@ use super::marks::Mark;
 use super::random::{self, Generator};
 use super::sinusoid::ALLAN_PEAK;
 use super::sinusoid::{Oscillator, Sinusoid};
+use super::wandering_line;
 use super::{Line, Seed, Term};
 
 /// Sinusoids at multiples of a frequency, each with a phase of its own.
@@ -81,6 +85,9 @@ struct Entry;
 /// The same by its identity.
 pub const KIND: Kind = Kind::of(&Entry);
 
+/// Place of the first amplitude among the values: that of a wandering line, whose law it has where it wanders.
+pub const FIRST_AMPLITUDE: usize = wandering_line::FIRST_AMPLITUDE;
+
 impl Effect for Entry {
     fn name(&self) -> &'static str {
         "hum"
@@ -92,8 +99,22 @@ impl Effect for Entry {
     }
 
     fn parameters(&self, values: &[f64]) -> Vec<Parameter> {
-        let harmonics = values.len().saturating_sub(1).max(1);
-        let base = Parameter::new("f_hz", Quantity::Hertz, "base frequency");
+        let harmonics = values.len().saturating_sub(FIRST_AMPLITUDE).max(1);
+        let frequency = [
+            Parameter::new("f_hz", Quantity::Hertz, "base frequency"),
+            Parameter::new(
+                "wander_hz",
+                Quantity::Wander,
+                "root mean square of the base frequency about its mean; zero if steady",
+            )
+            .or_zero(),
+            Parameter::new(
+                "wander_s",
+                Quantity::Delay,
+                "correlation time of the base frequency; zero if steady",
+            )
+            .or_zero(),
+        ];
         let amplitude = |number| {
             Parameter::new(
                 format!("amplitude_{number}"),
@@ -101,14 +122,15 @@ impl Effect for Entry {
                 "half of peak to peak at this multiple of the base",
             )
         };
-        std::iter::once(base)
+        frequency
+            .into_iter()
             .chain((1..=harmonics).map(amplitude))
             .collect()
     }
 
     fn check(&self, values: &[f64]) -> String {
         let (number, _) = (1_u32..)
-            .zip(&values[1..])
+            .zip(&values[FIRST_AMPLITUDE..])
             .max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()))
             .expect("at least one harmonic");
         format!(
@@ -121,7 +143,7 @@ impl Effect for Entry {
     }
 
     fn marks(&self, values: &[f64]) -> Vec<Mark> {
-        let numbered = (1_u32..).zip(&values[1..]);
+        let numbered = (1_u32..).zip(&values[FIRST_AMPLITUDE..]);
         let there = numbered.filter(|(_, amplitude)| **amplitude != 0.0);
         let lines = there.map(|(multiple, _)| Mark::Line {
             f_hz: values[0] * f64::from(multiple),
@@ -132,9 +154,12 @@ impl Effect for Entry {
     }
 
     fn part(&self, values: &[f64]) -> Part {
+        if values[1] > 0.0 && values[2] > 0.0 {
+            return Part::Term(Box::new(wandering_line::line_of(values)));
+        }
         Part::Term(Box::new(Hum {
             f_hz: values[0],
-            amplitudes: values[1..].to_vec(),
+            amplitudes: values[FIRST_AMPLITUDE..].to_vec(),
         }))
     }
 }
@@ -192,6 +217,23 @@ mod tests {
                 "m = {m}: {measured} for {expected}"
             );
         }
+    }
+
+    #[test]
+    fn how_it_wanders_may_be_left_out() {
+        let of = |wander: &str| {
+            let hum = format!(
+                r#"{{ "effect": "hum",
+                    "parameters": {{ "f_hz": 50, {wander} "amplitude_1": 3, "amplitude_2": 1 }} }}"#
+            );
+            trial::axis("", &hum)
+        };
+        let (old, steady) = (of(""), of(r#""wander_hz": 0, "wander_s": 0,"#));
+        assert_eq!(old, steady);
+        assert_eq!(old.law(1000.0).lines().len(), 2);
+        let wandering = of(r#""wander_hz": 0.5, "wander_s": 0.2,"#);
+        assert_eq!(wandering.law(1000.0).lines(), []);
+        trial::assert_allan_variance(&wandering, 1000.0, &[1, 3, 20, 200]);
     }
 
     #[test]

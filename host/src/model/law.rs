@@ -183,24 +183,33 @@ impl Law {
 
     /// Expected Allan variance at `m` data periods.
     ///
-    /// Exact where nothing filters; else the integral of the density ([`kernel::variance`]).
+    /// Exact where nothing filters; else the integral of the density ([`kernel::variance`]), which would step over a
+    /// narrow peak: of that the filters let through what they let through in its middle.
     pub fn allan_variance(&self, m: u64) -> f64 {
         let direct = |term: &dyn Term| term.allan_variance(m, self.true_rate_hz());
         if self.power.is_empty() && self.distortions.is_empty() {
             return self.terms.iter().map(|term| direct(&**term)).sum();
         }
-        let drift: f64 = self
-            .terms
-            .iter()
-            .filter(|term| term.is_drift())
-            .map(|term| direct(&**term))
-            .sum();
-        let lines: f64 = self
+        let mut variance: f64 = self
             .lines()
             .into_iter()
             .map(|line| line.power * Kernel::Allan.at(m, PI * line.f_hz / self.rate_hz))
             .sum();
-        let noise = kernel::variance(Kernel::Allan, m, self.rate_hz, |f| self.density(f));
-        drift + lines + noise
+        let mut broad: Vec<&dyn Term> = Vec::new();
+        for term in &self.terms {
+            match term.narrow_hz() {
+                _ if term.is_drift() => variance += direct(&**term),
+                Some(f_hz) => variance += direct(&**term) * self.power(f_hz / self.clock),
+                None => broad.push(&**term),
+            }
+        }
+        let density = |f_hz: f64| {
+            let sum: f64 = broad
+                .iter()
+                .map(|&term| self.density_ahead(term, f_hz))
+                .sum();
+            sum * self.power(f_hz) + self.density_added(f_hz)
+        };
+        variance + kernel::variance(Kernel::Allan, m, self.rate_hz, density)
     }
 }

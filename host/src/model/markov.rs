@@ -2,6 +2,8 @@
 
 use std::f64::consts::PI;
 
+use rustfft::num_complex::Complex64;
+
 use super::effect::{Band, Effect, Parameter, Part, Quantity};
 use super::kind::Kind;
 use super::marks::Mark;
@@ -41,9 +43,61 @@ impl Markov {
 const SHORT: f64 = 1e-3;
 
 /// Series of the Allan variance for unit deviation at `x` correlation times, `discrete` being
-/// `1 / m^2` of sampled data and 0 of continuous time. Relative error below 1e-7 for `x` < [`SHORT`].
-fn short(x: f64, discrete: f64) -> f64 {
-    x * (2.0 / 3.0 * (1.0 + 0.5 * discrete) - x * (0.5 - x * 7.0 / 30.0))
+/// `1 / m^2` of sampled data and 0 of continuous time. Relative error below 1e-9 for `x` < [`SHORT`].
+fn short(x: Complex64, discrete: f64) -> Complex64 {
+    x * (2.0 / 3.0 * (1.0 + 0.5 * discrete) - x * (0.5 - x * cubic(discrete)))
+}
+
+/// Factor of the third power in it, from the sums over the cubes of lags: 1/6 for one sample, 7/30 without an end.
+fn cubic(discrete: f64) -> f64 {
+    7.0 / 30.0 - discrete / 18.0 - discrete * discrete / 90.0
+}
+
+/// Allan variance at `m` samples of a process whose covariance is `exp(-decay |k|)` at a lag of `k` samples, from
+/// the sums over `a^|k|` with `a = exp(-decay)`:
+/// `1 / m^2 * [m (1 + a) / (1 - a) - a (1 - a^m) (3 - a^m) / (1 - a)^2]`. Of a complex decay the real part is that of a
+/// process which rings.
+pub(super) fn unit_allan_variance(decay: Complex64, m: u64) -> Complex64 {
+    let m = m as f64;
+    let x = m * decay;
+    if x.norm() < SHORT {
+        return short(x, 1.0 / (m * m));
+    }
+    let (fall, whole) = (one_less_exp(decay), one_less_exp(x));
+    let a = 1.0 - fall;
+    let sum = m * (1.0 + a) / fall - a * whole * (2.0 + whole) / (fall * fall);
+    sum / (m * m)
+}
+
+/// The same of `decay` and its derivative with respect to it.
+pub(super) fn unit_allan_variance_and_slope(decay: Complex64, m: u64) -> [Complex64; 2] {
+    /// As [`SHORT`], for a difference in which the first terms cancel.
+    const SHORT_SLOPE: f64 = 2e-3;
+    let count = m as f64;
+    let x = count * decay;
+    if x.norm() < SHORT_SLOPE {
+        let discrete = 1.0 / (count * count);
+        let slope = 2.0 / 3.0 * (1.0 + 0.5 * discrete) - x * (1.0 - 3.0 * x * cubic(discrete));
+        return [short(x, discrete), count * slope];
+    }
+    let (fall, whole) = (one_less_exp(decay), one_less_exp(x));
+    let a = 1.0 - fall;
+    let product = whole * (2.0 + whole);
+    let grown = count * (1.0 - whole) * (2.0 + 2.0 * whole);
+    let falls = a / (fall * fall);
+    let slope = -2.0 * count * falls - falls * (grown - product - 2.0 * a * product / fall);
+    [unit_allan_variance(decay, m), slope / (count * count)]
+}
+
+/// `1 - exp(-x)`, with all its digits where that is small.
+fn one_less_exp(x: Complex64) -> Complex64 {
+    let half = (0.5 * x.im).sin();
+    let cosine_less_one = -2.0 * half * half;
+    let fall = (-x.re).exp();
+    Complex64::new(
+        -(-x.re).exp_m1() - fall * cosine_less_one,
+        fall * x.im.sin(),
+    )
 }
 
 impl Markov {
@@ -57,24 +111,14 @@ impl Markov {
 }
 
 impl Term for Markov {
-    /// Of the sampled process, from the sums over `a^|k|` with `a = exp(-tau0 / time_s)`:
-    /// `D / m^2 * [m (1 + a) / (1 - a) - a (1 - a^m) (3 - a^m) / (1 - a)^2]`.
     fn allan_variance(&self, m: u64, rate_hz: f64) -> f64 {
-        let (decay, m) = (self.decay(rate_hz), m as f64);
-        let x = m * decay;
-        if x < SHORT {
-            return self.deviation.powi(2) * short(x, 1.0 / (m * m));
-        }
-        let (fall, whole) = (-(-decay).exp_m1(), -(-x).exp_m1());
-        let a = 1.0 - fall;
-        let sum = m * (1.0 + a) / fall - a * whole * (2.0 + whole) / (fall * fall);
-        self.deviation.powi(2) * sum / (m * m)
+        self.deviation.powi(2) * unit_allan_variance(self.decay(rate_hz).into(), m).re
     }
 
     fn allan_asymptote(&self, tau_s: f64) -> f64 {
         let x = tau_s / self.time_s;
         let shape = if x < SHORT {
-            short(x, 0.0)
+            short(x.into(), 0.0).re
         } else {
             (2.0 * x - 3.0 + 4.0 * (-x).exp() - (-2.0 * x).exp()) / (x * x)
         };

@@ -36,6 +36,7 @@ pub mod random;
 pub mod resonance;
 pub mod rolloff;
 pub mod rounding;
+pub mod shock;
 pub mod sinusoid;
 pub mod stale;
 pub mod steps;
@@ -44,7 +45,10 @@ pub mod thermal;
 pub mod timebase;
 #[cfg(test)]
 mod trial;
+pub mod unnamed;
 pub mod walk;
+pub mod wander;
+pub mod wandering_line;
 pub mod warmup;
 pub mod white;
 pub mod whole;
@@ -72,6 +76,12 @@ pub trait Term: Send + Sync {
     /// Its power at single frequencies, which is in no density.
     fn lines(&self) -> Vec<Line> {
         Vec::new()
+    }
+
+    /// The frequency of its peak, hertz, where it has nothing but one so narrow that a filter acts on all of
+    /// it as on its middle.
+    fn narrow_hz(&self) -> Option<f64> {
+        None
     }
 
     /// Whether it is a slow course without a spectrum, that any chain lets through as it is.

@@ -34,10 +34,12 @@ pub struct Gaussian {
 impl Gaussian {
     /// A stream with the standard deviation `deviation`.
     pub fn new(seed: Seed, deviation: f64) -> Self {
-        Self {
-            random: random(seed),
-            deviation,
-        }
+        Self::of(random(seed), deviation)
+    }
+
+    /// What comes next of `random`, with the standard deviation `deviation`.
+    pub const fn of(random: Pcg64, deviation: f64) -> Self {
+        Self { random, deviation }
     }
 
     /// Draws the next number.

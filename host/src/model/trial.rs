@@ -99,10 +99,18 @@ const EFFECTS: &[(&str, &str)] = &[
         "hum",
         r#""f_hz": 50, "amplitude_1": 0.1, "amplitude_2": 0.05"#,
     ),
+    (
+        "wandering_line",
+        r#""f_hz": 70, "wander_hz": 2, "wander_s": 0.3, "amplitude_1": 0.1, "amplitude_2": 0.05"#,
+    ),
     ("telegraph", r#""height": 1, "dwell_s": 0.02"#),
     (
         "steps",
         r#""time_s_1": 0.7, "height_1": 3, "time_s_2": 1.9, "height_2": -1"#,
+    ),
+    (
+        "shock",
+        r#""time_s_1": 0.3, "peak_1": 2, "duration_s_1": 0.4, "f_hz_1": 40, "decay_s_1": 0.1"#,
     ),
     ("warmup", r#""amplitude": 2, "time_s": 0.3"#),
     ("thermal", r#""gain": 0.001, "lag_s": 10"#),
@@ -118,6 +126,7 @@ const EFFECTS: &[(&str, &str)] = &[
     ("cyclic", r#""depth": 0.5, "period_s": 0.7, "phase_rad": 1"#),
     ("common_mode", r#""gain": -0.5"#),
     ("timebase", r#""ratio": 1.0001"#),
+    ("unnamed", r#""f_hz": 60, "width_hz": 20, "amplitude": 0.1"#),
 ];
 
 #[cfg(test)]

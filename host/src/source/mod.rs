@@ -10,6 +10,7 @@ pub mod audit;
 pub mod board;
 pub mod capture;
 mod error;
+mod excluding;
 pub mod frames;
 pub mod npy;
 pub mod npy_header;

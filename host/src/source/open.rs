@@ -6,6 +6,7 @@ use std::path::Path;
 
 use super::array::ArraySource;
 use super::capture::CaptureSource;
+use super::excluding::Excluding;
 use super::npy::NpyTable;
 use super::npy_header::MAGIC;
 use super::options::ArrayOptions;
@@ -30,6 +31,16 @@ const CAPTURE_START: &[u8] = b"#inm-capture";
 /// If it cannot be opened, is empty, is of an unknown kind, or does not go together with
 /// the options.
 pub fn open(path: &str, options: &ArrayOptions) -> Result<Box<dyn Source>, SourceError> {
+    let source = whole(path, options)?;
+    Ok(if options.exclude_s.is_empty() {
+        source
+    } else {
+        Box::new(Excluding::new(source, &options.exclude_s))
+    })
+}
+
+/// All of it, but for what `--from` and `--to` cut off.
+fn whole(path: &str, options: &ArrayOptions) -> Result<Box<dyn Source>, SourceError> {
     if path == STANDARD_INPUT {
         return stream(
             "standard input",
@@ -77,6 +88,7 @@ fn capture(path: &str, options: &ArrayOptions) -> Result<Box<dyn Source>, Source
         from_s,
         to_s,
         chain,
+        exclude_s: _,
     } = options;
     let told = [
         ("--rate", rate_hz.is_some()),

@@ -1,5 +1,6 @@
 //! What the user says about an array file that the file itself cannot: rate, axes, units.
 
+use std::ops::Range;
 use std::str::FromStr;
 
 use crate::chain::Chain;
@@ -22,6 +23,8 @@ pub struct ArrayOptions {
     pub from_s: Option<f64>,
     /// Leaves out what lies at or after this time since the start, seconds.
     pub to_s: Option<f64>,
+    /// Leaves out these stretches, seconds since the start of what is read, each not empty.
+    pub exclude_s: Vec<Range<f64>>,
     /// Signal chain that the data came through.
     pub chain: Option<Chain>,
 }

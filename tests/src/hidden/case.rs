@@ -12,6 +12,8 @@ use super::outside::Place;
 use super::scene::Scene;
 use super::strength::{Strength, unit};
 use super::truth::Truth;
+use super::wide;
+use super::wide::form::Form;
 
 /// What to hide.
 #[derive(Clone)]
@@ -20,7 +22,7 @@ pub struct Plan {
     pub kinds: Vec<&'static Kind>,
     /// How strong each.
     pub strength: Strength,
-    /// Samples in the record.
+    /// Samples in the record; with [`Strength::Any`] those of the longest.
     pub samples: usize,
 }
 
@@ -39,6 +41,10 @@ impl Plan {
 pub struct Case {
     /// What settles it, with the plan.
     pub seed: u64,
+    /// How it is written.
+    pub form: Form,
+    /// Scenes that were drawn in vain before this one.
+    pub redrawn: usize,
     /// Its samples: a column an axis.
     pub columns: Vec<Vec<f64>>,
     /// Temperature, degrees Celsius.
@@ -55,6 +61,8 @@ pub struct Case {
     pub ideal: Option<Evidence>,
     /// Where it shows, of what has no name.
     pub place: Option<Place>,
+    /// Size of a code, where it holds codes.
+    step: Option<f64>,
     hidden: Vec<Box<dyn Effect>>,
     name: String,
 }
@@ -75,8 +83,13 @@ impl Case {
         let name = plan.name();
         let axes = plan.kinds.iter().map(|kind| kind.axes).max().unwrap_or(1);
         let mut draw = Draw::new(seed, &format!("{name} scene"));
+        let any = plan.strength == Strength::Any;
+        let mut redrawn = 0;
         let (scene, hidden) = loop {
-            let scene = Scene::draw(plan.samples, axes, &mut draw);
+            let scene = match any {
+                true => wide::scene::draw(&plan.kinds, plan.samples, axes, &mut draw),
+                false => Scene::draw(plan.samples, axes, &mut draw),
+            };
             let units: Option<Vec<_>> = plan
                 .kinds
                 .iter()
@@ -85,13 +98,18 @@ impl Case {
             if let Some(units) = units {
                 break (scene, units);
             }
+            redrawn += 1;
         };
         let mut draw = Draw::new(seed, &format!("{name} strength"));
         let strengths: Vec<f64> = hidden
             .iter()
-            .map(|_| match plan.strength {
+            .zip(&plan.kinds)
+            .map(|(effect, kind)| match plan.strength {
                 Strength::At(strength) => strength,
                 Strength::Between(lo, hi) => draw.log_uniform(lo, hi),
+                Strength::Any => {
+                    draw.log_uniform(1.0, wide::limits::cap(kind.name, effect.as_ref(), &scene))
+                }
             })
             .collect();
         let hidden: Vec<Box<dyn Effect>> = hidden
@@ -101,6 +119,11 @@ impl Case {
             .collect();
         let mut case = Self {
             seed,
+            form: match any {
+                true => Form::draw(plan, seed),
+                false => Form::default(),
+            },
+            redrawn,
             columns: Vec::new(),
             temperature: None,
             reference: None,
@@ -109,11 +132,20 @@ impl Case {
             ideal: hidden.first().map(|effect| effect.evidence(&scene)),
             place: hidden.iter().find_map(|effect| effect.place()),
             scene,
+            step: None,
             hidden,
             name,
         };
         case.fill();
+        let settled = case.form.settle(&mut case.columns, seed);
+        case.step = settled;
         case
+    }
+
+    /// Size of a code, where its numbers are multiples of one and it does not say so.
+    pub fn code(&self) -> Option<f64> {
+        self.step
+            .filter(|_| !self.form.is_integer() || self.temperature.is_some())
     }
 
     fn fill(&mut self) {
@@ -168,7 +200,7 @@ impl Case {
             "--unit".to_owned(),
             "m/s^2".to_owned(),
         ];
-        if let Some(chain) = self.scene.chain.declared() {
+        if let Some(chain) = self.scene.chain.declared().filter(|_| self.scene.declared) {
             arguments.extend(["--chain".to_owned(), chain]);
         }
         if self.temperature.is_some() {
@@ -188,8 +220,23 @@ impl Case {
         let record = folder.join("record.npy");
         let columns = self.columns.iter().chain(&self.temperature);
         let columns: Vec<&[f64]> = columns.map(Vec::as_slice).collect();
-        npy::write(&record, &columns)?;
         let mut arguments = self.arguments();
+        match self
+            .step
+            .filter(|_| self.form.is_integer() && self.temperature.is_none())
+        {
+            Some(step) => {
+                let code = |value: &f64| (value / step).round() as i32;
+                let codes = self.columns.iter();
+                let codes: Vec<Vec<i32>> = codes
+                    .map(|column| column.iter().map(code).collect())
+                    .collect();
+                let codes: Vec<&[i32]> = codes.iter().map(Vec::as_slice).collect();
+                npy::write(&record, &codes)?;
+                arguments.extend(["--scale".to_owned(), step.to_string()]);
+            }
+            None => npy::write(&record, &columns)?,
+        }
         if let Some(reference) = &self.reference {
             let other = folder.join("other.npy");
             let columns: Vec<&[f64]> = reference.iter().map(Vec::as_slice).collect();

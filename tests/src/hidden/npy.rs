@@ -29,6 +29,22 @@ impl Element for i32 {
     }
 }
 
+impl Element for f32 {
+    const DESCR: &str = "<f4";
+
+    fn bytes(self) -> impl AsRef<[u8]> {
+        self.to_le_bytes()
+    }
+}
+
+impl Element for i16 {
+    const DESCR: &str = "<i2";
+
+    fn bytes(self) -> impl AsRef<[u8]> {
+        self.to_le_bytes()
+    }
+}
+
 /// Writes columns of equal length as a two-dimensional array in C order, one column as a
 /// one-dimensional one (NPY format 1.0).
 ///

@@ -22,6 +22,10 @@ pub struct Scene {
     pub target: usize,
     /// The chain, the same for all.
     pub chain: Chain,
+    /// Whether the program is told of the chain.
+    pub declared: bool,
+    /// Whether what is hidden is drawn in units of rate and length.
+    pub relative: bool,
 }
 
 impl Scene {
@@ -33,6 +37,16 @@ impl Scene {
             axes: (0..axes).map(|_| Base::draw(draw)).collect(),
             target: draw.index(axes),
             chain: Chain::draw(draw),
+            declared: true,
+            relative: false,
+        }
+    }
+
+    /// Times to draw from, seconds: `usual`, or from so many samples to such a part of the record.
+    pub fn times_s(&self, usual: (f64, f64), samples: f64, part: f64) -> (f64, f64) {
+        match self.relative {
+            true => (samples / self.rate_hz, self.duration_s() / part),
+            false => usual,
         }
     }
 

@@ -11,6 +11,9 @@ pub enum Strength {
     Between(f64, f64),
     /// Just this.
     At(f64),
+    /// From 1 to what the kind can be at most ([`wide`](super::wide)), in a record of any length, rate,
+    /// noise and form.
+    Any,
 }
 
 /// The effect at strength 1: the weakest that suffices (see

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::explanation::Explanation;
 use crate::diagnosis::result::finding::Remark;
 use crate::diagnosis::result::place::Place;
 
@@ -39,10 +40,16 @@ impl AxisState {
         &self.excluded
     }
 
-    /// The same as frequencies alone, hertz.
+    /// Bands that neither fits nor tests look at, hertz: those, and the bands of tones that have a name.
     pub fn excluded_hz(&self) -> Vec<Range<f64>> {
         let bands = self.excluded.iter().map(|one| one.band_hz.clone());
-        bands.collect()
+        bands.chain(self.tones_hz()).collect()
+    }
+
+    /// Bands of tones that have a name, hertz.
+    pub fn tones_hz(&self) -> Vec<Range<f64>> {
+        let named = self.explanations().iter().flat_map(Explanation::bands_hz);
+        named.cloned().collect()
     }
 
     /// Excludes a band, joined with one beside it.
@@ -60,7 +67,8 @@ impl AxisState {
 
     /// The bands that would be excluded with a new one, hertz.
     pub fn excluded_with(&self, new_hz: &Range<f64>) -> Vec<Range<f64>> {
-        let mut bands_hz = self.excluded_hz();
+        let bands = self.excluded.iter().map(|one| one.band_hz.clone());
+        let mut bands_hz: Vec<Range<f64>> = bands.collect();
         match self.beside(new_hz) {
             Some(place) => bands_hz[place] = union(&bands_hz[place], new_hz),
             None => bands_hz.push(new_hz.clone()),

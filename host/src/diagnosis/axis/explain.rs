@@ -5,11 +5,12 @@ use std::sync::OnceLock;
 
 use crate::diagnosis::axis::{AxisState, NoFit};
 use crate::diagnosis::explanation::{Candidate, Change, Explanation, Snapshot};
-use crate::diagnosis::laws::search;
+use crate::diagnosis::laws::{Law, search};
 use crate::diagnosis::record::bins::SpectralBins;
 use crate::diagnosis::record::residual::TakenOut;
 use crate::diagnosis::record::wave::Wave;
 use crate::diagnosis::result::estimate::Estimate;
+use crate::fit::likelihood::{Data, Fit};
 use crate::model::kind::Kind;
 
 /// Samples over which a converter's filter spreads a jump, on either side: those of the ADS1281
@@ -36,6 +37,16 @@ impl AxisState {
     pub fn law_number(&self, explanation: &Explanation) -> Option<usize> {
         let mut laws = self.explanations.iter().filter(|one| one.law().is_some());
         laws.position(|one| std::ptr::eq(one, explanation))
+    }
+
+    /// Number of an explanation among the effects of the noise's model: laws, then tones. `None` for one that is
+    /// neither.
+    pub fn effect_number(&self, explanation: &Explanation) -> Option<usize> {
+        let is_tone = |one: &&Explanation| matches!(one.change, Change::Tone(_));
+        let mut tones = self.explanations.iter().filter(is_tone);
+        let mut tone = || tones.position(|one| std::ptr::eq(one, explanation));
+        self.law_number(explanation)
+            .or_else(|| Some(self.laws.len() + tone()?))
     }
 
     /// Takes a candidate in and brings everything up to date.
@@ -164,6 +175,12 @@ impl AxisState {
         }
     }
 
+    /// Takes over all laws, those without a name behind those that have one, with their fit to `data`, the whole
+    /// spectrum. Nothing is searched for any more.
+    pub fn complete(&mut self, laws: Vec<Law>, fit: Fit, data: Data) {
+        (self.laws, self.fit, self.data) = (laws, fit, data);
+    }
+
     /// Brings residual, spectrum and fit up to date with the explanations.
     ///
     /// # Errors
@@ -178,6 +195,10 @@ impl AxisState {
         if self.left_out == left_out {
             self.bins.leave_out(&self.excluded_hz());
             self.data = self.bins.measure(&values);
+            // A wave that is no number somewhere leaves fewer samples than the bins were made for.
+            if self.data.len() != self.bins.dof().len() {
+                return Err(NoFit);
+            }
         } else {
             self.starts = OnceLock::new();
             let bins = SpectralBins::new(&values, self.rate_hz, self.chain.as_ref());
@@ -207,9 +228,13 @@ impl AxisState {
         for one in &self.explanations {
             match &one.change {
                 Change::Waves(waves) => taken.waves.extend_from_slice(waves),
+                Change::Happened { masked, waves } => {
+                    taken.masked.extend_from_slice(masked);
+                    taken.waves.extend_from_slice(waves);
+                }
                 Change::Mask(stretches) => taken.masked.extend_from_slice(stretches),
                 Change::Cut(moment) => taken.cut.push(moment.clone()),
-                Change::Law(_) | Change::Strength(_) | Change::Grid { .. } => {}
+                Change::Law(_) | Change::Tone(_) | Change::Strength(_) | Change::Grid { .. } => {}
             }
         }
         taken

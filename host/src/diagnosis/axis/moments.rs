@@ -82,4 +82,14 @@ impl AxisState {
         let near = self.unusable[..after].iter().rev().take(2);
         near.into_iter().all(|range| range.end <= index)
     }
+
+    /// Share of the samples that were measured: of every so many, in long records.
+    pub fn measured_share(&self) -> f64 {
+        /// Samples that are asked, about: a share is then known to a thousandth.
+        const ASKED: usize = 1 << 18;
+        let measured = self.residual.measured();
+        let asked = measured.iter().step_by((measured.len() / ASKED).max(1));
+        let count = asked.len().max(1);
+        asked.filter(|value| value.is_finite()).count() as f64 / count as f64
+    }
 }

@@ -230,3 +230,26 @@ fn a_law_is_told_from_a_name() {
     assert!(axis.has(telegraph::KIND) && !axis.has(markov::KIND));
     assert_eq!(axis.laws[0].effect, markov::KIND);
 }
+
+/// A fit to huge values may give a wave that is no number: the search has to begin again without it.
+#[test]
+fn a_wave_that_is_no_number_cannot_be_fitted() {
+    let mut axis = noise();
+    let wave: Change = jump(5000, f64::NAN).into();
+    assert_eq!(axis.accept(made_up(steps::KIND, wave)), Err(NoFit));
+}
+
+/// Beyond the band a peak would be seen by its flank alone, and mean nothing.
+#[test]
+fn a_peak_lies_inside_the_band() {
+    let axis = noise();
+    let peak = |f_hz, width_hz| {
+        let values = vec![f_hz, width_hz, 1.0];
+        let effect = resonance::KIND;
+        crate::diagnosis::laws::Law { effect, values }.is_sound(&axis.bins)
+    };
+    let top_hz = 0.5 * axis.rate_hz;
+    assert!(peak(0.5 * top_hz, 0.1 * top_hz));
+    assert!(!peak(1.01 * top_hz, 0.1 * top_hz));
+    assert!(!peak(0.5 * top_hz, 1e-3 / axis.residual.len() as f64));
+}

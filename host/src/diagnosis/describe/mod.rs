@@ -2,11 +2,13 @@
 
 mod coefficients;
 mod effects;
+mod unnamed;
 
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::axis::ramp;
 use crate::diagnosis::describe::coefficients::{coefficients, even_density, of_ramp};
-use crate::diagnosis::describe::effects::{finding, law_effects, named_effects};
+use crate::diagnosis::describe::effects::{all_effects, finding, law_effects};
+use crate::diagnosis::describe::unnamed::without_name;
 use crate::diagnosis::explain::{Explained, slope};
 use crate::diagnosis::explanation::{Explanation, Snapshot};
 use crate::diagnosis::held_out;
@@ -14,9 +16,11 @@ use crate::diagnosis::held_out::allan::HeldCurve;
 use crate::diagnosis::held_out::size::Sizes;
 use crate::diagnosis::options::Options;
 use crate::diagnosis::record::residual::Residual;
+use crate::diagnosis::refused::Refused;
 use crate::diagnosis::result::finding::{AxisDiagnosis, Base, Final, Finding, Gain};
+use crate::diagnosis::result::verdict::Verdict;
 use crate::diagnosis::result::views::Views;
-use crate::diagnosis::views::Models;
+use crate::diagnosis::views::{self, Models};
 use crate::fft::ring::Series;
 use crate::fit::likelihood::Fit;
 use crate::fit::likelihood::components::SEEN;
@@ -38,6 +42,7 @@ pub(crate) fn describe(
         mean,
         base: bare,
         unexplained,
+        unnamed,
         squares_sd,
         held_out_nats,
     } = explained;
@@ -49,7 +54,9 @@ pub(crate) fn describe(
     };
     let base = judge.judged(&Snapshot::default(), &bare.fit, bare.slope);
     let last_ramp = last_ramp(&axis);
-    let now = Snapshot::of(axis.explanations());
+    // What has no name is a law too.
+    let mut now = Snapshot::of(axis.explanations());
+    now.laws.clone_from(&axis.laws);
     let noise = judge.judged(&now, &axis.fit, slope(last_ramp));
     let findings = judge.findings(held_out_nats, &noise.model);
     let last = last(&axis, &noise, last_ramp, &findings, squares_sd);
@@ -58,12 +65,15 @@ pub(crate) fn describe(
         noise: &noise.model,
         whole: &last.model,
     };
+    let allan = views::allan(&axis, models, &findings);
+    let verdict = Verdict::new(&allan);
+    let unnamed = unnamed.map(|p_value| without_name(p_value, &noise.model, axis.rate_hz, &allan));
     let views = bare.before.map(|before| Views {
         held_out: judge.held.beside(&base.expected, &noise.expected),
         ..Views::new(
             &axis,
             before,
-            models,
+            (models, allan),
             &findings,
             options.covariate.as_deref(),
         )
@@ -79,12 +89,49 @@ pub(crate) fn describe(
             allan_error_percent: base.error_percent,
             allan_error_sampling_percent: base.sampling_percent,
         },
+        refused: None,
         unexplained,
+        unnamed,
         last,
+        verdict,
         findings,
         views: views.unwrap_or_default(),
     };
     (diagnosis, residual)
+}
+
+/// What there is to say of an axis that cannot be diagnosed, beside others that can.
+pub(crate) fn undiagnosed(signal: &Axis, refused: &Refused) -> AxisDiagnosis {
+    let model = ModelAxis {
+        name: signal.name.clone(),
+        unit: signal.unit,
+        mean: 0.0,
+        chain: signal.chain.clone(),
+        coefficients: PerCoefficient::default(),
+        effects: Vec::new(),
+    };
+    AxisDiagnosis {
+        name: signal.name.clone(),
+        unit: signal.unit,
+        refused: Some(refused.to_string()),
+        base: Base {
+            model: model.clone(),
+            discrepancies: Vec::new(),
+            allan_error_percent: None,
+            allan_error_sampling_percent: None,
+        },
+        findings: Vec::new(),
+        unexplained: Vec::new(),
+        unnamed: None,
+        last: Final {
+            model,
+            coefficients: PerCoefficient::default(),
+            allan_error_percent: None,
+            allan_error_sampling_percent: None,
+        },
+        verdict: Verdict::default(),
+        views: Views::default(),
+    }
 }
 
 /// The slope of what is left, unless effects were taken out that go with one: then what is left tells little of it.
@@ -110,7 +157,7 @@ fn last(
             r: slope(last_ramp),
             ..held_out::coefficients(&squares)
         },
-        effects: named_effects(findings),
+        effects: all_effects(findings, &noise.model),
         ..noise.model.clone()
     };
     Final {
@@ -214,7 +261,7 @@ fn passed(axis: &AxisState) -> Option<Series> {
     let seen = axis.whitened();
     let kept = |k: usize| f64::from(u8::from(seen.density[k].is_finite()));
     let passed = || seen.transform.filtered(|k| kept(k).into());
-    (!axis.excluded().is_empty()).then(passed)
+    (!axis.excluded_hz().is_empty()).then(passed)
 }
 
 /// What is left of a record, or what of that `passed`; NaN where missing or masked.

@@ -13,6 +13,7 @@ pub mod level;
 pub mod lines;
 pub mod look;
 pub mod outliers;
+pub mod shock;
 pub mod slow_change;
 pub mod spectral;
 pub mod stale;
@@ -24,6 +25,7 @@ pub mod timebase;
 #[cfg(test)]
 mod trial;
 pub mod unsteady_band;
+pub mod wandering_line;
 pub mod warmup;
 
 use crate::diagnosis::axis::NoFit;
@@ -37,8 +39,9 @@ pub struct Detector {
     pub look: fn(&Look<'_>) -> Result<Vec<Proposal>, NoFit>,
 }
 
-/// What the values themselves say, before any model.
+/// What happened, and what the values themselves say, before any model.
 pub static BEFORE_ROUNDS: &[&Detector] = &[
+    &shock::DETECTOR,
     &stale::DETECTOR,
     &clipping::DETECTOR,
     &coarse_grid::DETECTOR,
@@ -51,6 +54,8 @@ pub static ROUND: &[&Detector] = &[
     // Where samples are lost the noise is cut: no bad samples, no burst.
     &dropped::DETECTOR,
     &outliers::DETECTOR,
+    // What wanders is no steady line.
+    &wandering_line::DETECTOR,
     &lines::DETECTOR,
     &level::IN_FITTED_NOISE,
     // Noise that swings is louder in stretches, in every band.

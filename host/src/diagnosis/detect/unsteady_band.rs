@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{Detector, burst, spectral, telegraph};
+use super::{Detector, burst, spectral, telegraph, wandering_line};
 use crate::diagnosis::axis::{AxisState, Excluded, NoFit};
 use crate::diagnosis::detect::look::{Look, Proposal};
 use crate::diagnosis::result::finding::Remark;
@@ -53,6 +53,10 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     }
     if let Some(switching) = spectral::switching_anywhere(look)? {
         return Ok(switching);
+    }
+    let within_hz = found.from_hz..found.to_hz;
+    if let Some(tone) = wandering_line::named(look, &within_hz, found.p_value) {
+        return Ok(vec![tone]);
     }
     let excluded = Excluded {
         band_hz: found.from_hz..found.to_hz,

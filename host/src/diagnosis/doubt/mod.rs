@@ -4,12 +4,14 @@
 //! what it was named for, but what is there may not behave as the effect does. What a doubt takes back it
 //! remarks on.
 
+mod cancelled;
 pub mod colour;
 pub mod grouped_samples;
 pub mod law;
 pub mod left_over;
 pub mod lopsided;
 pub mod tops;
+pub mod unbounded;
 
 use crate::diagnosis::axis::{AxisState, NoFit};
 use crate::diagnosis::detect::look::Character;
@@ -25,9 +27,11 @@ pub struct Doubt {
 
 /// All doubts, in the order in which they are heard.
 pub static DOUBTS: &[&Doubt] = &[
+    &cancelled::DOUBT,
     &tops::DOUBT,
     &lopsided::DOUBT,
     &law::DOUBT,
+    &unbounded::DOUBT,
     &grouped_samples::DOUBT,
     &colour::OF_TERMS,
     &left_over::DOUBT,

@@ -9,6 +9,7 @@ use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::explanation::{Explanation, Snapshot};
 use crate::diagnosis::held_out::allan::{AtJumps, HeldCurve};
 use crate::diagnosis::record::wave::Wave;
+use crate::diagnosis::statistic::allan_curve;
 use crate::model::axis::ModelAxis;
 
 /// Degrees of freedom from which a point of the Allan curve counts: the deviation is then known to
@@ -52,15 +53,19 @@ impl<'a> Sizes<'a> {
         let law = self.noise.law(self.axis.rate_hz);
         let mut rest = self.noise.clone();
         let mut own: Vec<Wave> = one.with.waves().cloned().collect();
-        match self.axis.law_number(one) {
+        match self.axis.effect_number(one) {
             Some(which) if which < rest.effects.len() => {
                 rest.effects.remove(which);
                 own.clear();
             }
             _ => own.retain(|wave| !one.without.waves().any(|other| other == wave)),
         }
-        if one.law().is_none() && own.is_empty() {
+        if self.axis.effect_number(one).is_none() && own.is_empty() {
             return None;
+        }
+        let apart = one.in_place_of_stretches();
+        if !apart.is_empty() {
+            return self.change_of_stretches(apart);
         }
         let rest = rest.law(self.axis.rate_hz);
         let own = self.held.waveform(self.axis, &own, AtJumps::Kept);
@@ -75,6 +80,24 @@ impl<'a> Sizes<'a> {
             let with = law.allan_variance(point.m) + waves;
             let without = rest.allan_variance(point.m) + (waves - at(&own)).max(0.0);
             100.0 * ((with / without).sqrt() - 1.0).abs()
+        });
+        let changes = changes.filter(|change| change.is_finite());
+        changes.reduce_with(f64::max)
+    }
+
+    /// The same for waveforms that stand for stretches which the held-out half leaves out: by what they add to
+    /// the whole record.
+    fn change_of_stretches(&self, waves: &[Wave]) -> Option<f64> {
+        let mut course = vec![0.0; self.axis.residual.len()];
+        waves.iter().for_each(|wave| wave.take_out(&mut course));
+        let rate_hz = self.axis.rate_hz;
+        let law = self.noise.law(rate_hz);
+        let points = allan_curve::allan(&course, rate_hz).into_par_iter();
+        let points = points.filter(|point| point.edf >= LEAST_EDF);
+        let changes = points.map(|point| {
+            let waves = self.waves.iter().find(|other| other.m == point.m);
+            let without = law.allan_variance(point.m) + waves.map_or(0.0, |one| one.variance);
+            100.0 * ((1.0 + point.variance / without).sqrt() - 1.0)
         });
         let changes = changes.filter(|change| change.is_finite());
         changes.reduce_with(f64::max)

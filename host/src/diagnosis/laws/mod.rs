@@ -4,13 +4,13 @@
 //! exponents) are moved by turns in their logarithms until nothing gains.
 
 pub mod departure;
-mod rise;
+pub mod rise;
 pub mod search;
 pub mod spread;
 
 use crate::diagnosis::record::bins::SpectralBins;
 use crate::fit::likelihood::{Data, Fit, maximise};
-use crate::model::effect::Part;
+use crate::model::effect::{Part, Quantity};
 use crate::model::kind::Kind;
 
 /// An effect with its values; the size, if it has one, is 1 and its square is a component.
@@ -27,6 +27,22 @@ impl Law {
     pub fn shape(&self) -> impl Iterator<Item = usize> + use<> {
         let size = self.effect.size();
         (0..self.values.len()).filter(move |&place| Some(place) != size)
+    }
+
+    /// Whether it is what its name says, and lies where the bins could show it: frequencies and widths of
+    /// what is added between a tenth of the lowest bin and half the rate, since what is narrower than the record
+    /// resolves is found to be a line by that. A filter's corner may lie beyond: its flank is seen.
+    pub fn is_sound(&self, bins: &SpectralBins) -> bool {
+        if !self.effect.is_sound(&self.values) {
+            return false;
+        }
+        let lowest_hz = bins.all().first().map_or(0.0, |bin| bin.f_hz);
+        let band_hz = 0.1 * lowest_hz..=0.5 * bins.rate_hz();
+        let parameters = self.effect.parameters(&self.values);
+        let mut pairs = parameters.iter().zip(&self.values);
+        let is_inside = |value| band_hz.contains(value);
+        !self.adds()
+            || pairs.all(|(one, value)| one.quantity != Quantity::Hertz || is_inside(value))
     }
 
     fn adds(&self) -> bool {
@@ -98,7 +114,6 @@ pub fn sized(bins: &SpectralBins, laws: &[Law], which: usize, fit: &Fit) -> Vec<
 
 /// With which power of its size a law's density grows.
 pub fn squared_power(law: &Law) -> f64 {
-    use crate::model::effect::Quantity;
     let size = law.effect.size().unwrap_or(0);
     match law.effect.parameters(&law.values)[size].quantity {
         Quantity::Density => 1.0,

@@ -20,10 +20,19 @@ pub struct Rise<'a> {
 impl<'a> Rise<'a> {
     /// Together with `present`, whose fit is `base`; `None` if the data cannot distinguish these.
     pub fn new(data: &Data, base: &'a Fit, present: &[Vec<f64>]) -> Option<Self> {
-        let expected = &base.expected;
+        Self::beside_squares(data, &base.expected, present, &base.squared)
+    }
+
+    /// Together with `present`, whose `squared` sizes make the expectation `expected`.
+    pub fn beside_squares(
+        data: &Data,
+        expected: &'a [f64],
+        present: &[Vec<f64>],
+        squared: &[f64],
+    ) -> Option<Self> {
         let active: Vec<Vec<f64>> = present
             .iter()
-            .zip(&base.squared)
+            .zip(squared)
             .filter(|(_, squared)| **squared > 0.0)
             .map(|(one, squared)| {
                 one.iter()

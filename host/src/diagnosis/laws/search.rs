@@ -68,7 +68,7 @@ pub fn polish(
             for factor in [f64::exp(step), f64::exp(-step)] {
                 let before = laws[law].values[place];
                 laws[law].values[place] = before * factor;
-                let sound = laws[law].effect.is_sound(&laws[law].values);
+                let sound = laws[law].is_sound(bins);
                 match sound.then(|| moved(bins, data, laws, law, &best)).flatten() {
                     Some(next) if next.value > best.value + WORTH => {
                         best = next;

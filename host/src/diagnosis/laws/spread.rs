@@ -2,9 +2,11 @@
 
 use nalgebra::DMatrix;
 
-use crate::diagnosis::laws::{Law, component_of, fit, squared_power};
+use crate::diagnosis::laws::{Law, component_of, fit, sized, squared_power};
 use crate::diagnosis::record::bins::SpectralBins;
+use crate::diagnosis::result::value::Value;
 use crate::fit::likelihood::{Data, Fit};
+use crate::model::unnamed;
 
 /// Uncertainty of a fit with laws: covariance of the logarithms of all shapes, from the curvature of
 /// the likelihood with all sizes free, and how the squares move with the shapes.
@@ -21,9 +23,10 @@ pub struct Spread<'a> {
 }
 
 impl<'a> Spread<'a> {
-    /// The spread about the fit `best` of the five terms and the `laws`.
+    /// The spread about the fit `best` of the five terms and the `laws`. What has no name keeps its shape.
     pub fn new(bins: &'a SpectralBins, data: &Data, laws: &'a [Law], best: &'a Fit) -> Self {
         let places: Vec<(usize, usize)> = (0..laws.len())
+            .filter(|&law| laws[law].effect != unnamed::KIND)
             .flat_map(|law| laws[law].shape().map(move |place| (law, place)))
             .collect();
         let at = |moves: &[(usize, f64)]| {
@@ -99,6 +102,14 @@ impl<'a> Spread<'a> {
             }
         }
         variance.max(0.0).sqrt()
+    }
+
+    /// The values of a law with the size that the fit gives it, each with its interval.
+    pub fn values(&self, which: usize) -> Vec<Value> {
+        let values = sized(self.bins, self.laws, which, self.best);
+        let both = values.iter().zip(self.log_deviations(which));
+        both.map(|(value, sd)| Value::log_normal(*value, sd))
+            .collect()
     }
 
     /// Standard deviations of the logarithms of a law's values. Infinite where the data do not determine one.

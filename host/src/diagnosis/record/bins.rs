@@ -117,13 +117,19 @@ impl SpectralBins {
 
     /// Takes the bins within any of `bands`, hertz, out of what fits and tests look at.
     pub fn leave_out(&mut self, bands: &[Range<f64>]) {
-        for (bin, dof) in self.data.dof.iter_mut().enumerate() {
+        self.data.dof = self.dof_beside(bands);
+    }
+
+    /// Degrees of freedom of the bins, those within any of `bands`, hertz, all but taken out.
+    pub fn dof_beside(&self, bands: &[Range<f64>]) -> Vec<f64> {
+        let dof_of = |(bin, dof): (usize, &f64)| {
             // With a bin on either side, for what the window lets through.
             let low = self.estimate.bins[bin.saturating_sub(1)].f_hz;
             let high = self.estimate.bins[(bin + 1).min(self.dof.len() - 1)].f_hz;
             let is_apart = bands.iter().any(|band| band.start < high && low < band.end);
-            *dof = self.dof[bin] * if is_apart { NOTHING } else { 1.0 };
-        }
+            dof * if is_apart { NOTHING } else { 1.0 }
+        };
+        self.dof.iter().enumerate().map(dof_of).collect()
     }
 
     /// Degrees of freedom of the bins, excluded ones included.

@@ -6,6 +6,7 @@ use realfft::num_complex::Complex64;
 
 use crate::fft::phasor::Phasor;
 use crate::model::random::Generator;
+use crate::model::shock::Shock;
 use crate::model::steps::Staircase;
 use crate::model::warmup::Settling;
 
@@ -68,6 +69,13 @@ pub enum Wave {
         /// The covariate, about its mean.
         column: Arc<Vec<f32>>,
     },
+    /// Short transients.
+    Shocks {
+        /// Each of them, in seconds and in the unit of the record.
+        shocks: Vec<Shock>,
+        /// Samples a second.
+        rate_hz: f64,
+    },
     /// Single samples that do not belong.
     Outliers(Arc<Vec<Outlier>>),
     /// Single samples that were not measured (repeats of the one before), in place of which the
@@ -101,6 +109,15 @@ impl Wave {
                 let out = |value: &mut f64, line: Complex64| *value -= line.re;
                 phasor.zip(0, before, amplitude, out);
                 phasor.zip(after + samples as usize, later, amplitude, out);
+            }
+            Self::Shocks { shocks, rate_hz } => {
+                for shock in shocks {
+                    let down = Shock {
+                        peak: -shock.peak,
+                        ..*shock
+                    };
+                    down.add_to(0, values, *rate_hz);
+                }
             }
             Self::Follows { gain, column } => {
                 for (value, column) in values.iter_mut().zip(column.iter()) {

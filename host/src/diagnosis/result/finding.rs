@@ -8,6 +8,7 @@ use crate::analyse::SourceSummary;
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::place::Place;
 use crate::diagnosis::result::value::Value;
+use crate::diagnosis::result::verdict::Verdict;
 use crate::diagnosis::result::views::Views;
 use crate::model::PerCoefficient;
 use crate::model::axis::ModelAxis;
@@ -55,17 +56,31 @@ pub struct AxisDiagnosis {
     pub name: String,
     /// Unit of the signal.
     pub unit: Unit,
+    /// Why it could not be diagnosed, beside others that could; all else is empty then.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub refused: Option<String>,
     /// The five terms alone.
     pub base: Base,
     /// What there is beyond them.
     pub findings: Vec<Finding>,
     /// What no effect of the catalogue explains.
     pub unexplained: Vec<Remark>,
+    /// What is in the last model without a name.
+    pub unnamed: Option<Unnamed>,
     /// The model with all findings.
     #[serde(rename = "final")]
     pub last: Final,
+    /// Whether one may simulate with it.
+    pub verdict: Verdict,
     /// What both models look like next to the record.
     pub views: Views,
+}
+
+impl AxisDiagnosis {
+    /// Whether something is left unexplained, or without a name where it matters.
+    pub fn lacks(&self) -> bool {
+        !self.unexplained.is_empty() || self.unnamed.as_ref().is_some_and(Unnamed::matters)
+    }
 }
 
 /// The five terms alone.
@@ -79,6 +94,40 @@ pub struct Base {
     pub allan_error_percent: Option<f64>,
     /// What sampling alone makes of that.
     pub allan_error_sampling_percent: Option<f64>,
+}
+
+/// Noise that is in a model without a name.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Unnamed {
+    /// Probability of as much in data of the model without it, the search included.
+    pub p_value: f64,
+    /// Largest change of the model's Allan deviation when it is taken out, percent, at averaging times of
+    /// [`LEAST_INTERVALS`](crate::diagnosis::result::verdict::LEAST_INTERVALS) or more.
+    pub allan_change_percent: f64,
+    /// Its bands, the strongest first.
+    pub bands: Vec<UnnamedBand>,
+}
+
+impl Unnamed {
+    /// Whether it matters to who simulates with the model.
+    pub fn matters(&self) -> bool {
+        self.allan_change_percent >= MATTERS_PERCENT
+    }
+}
+
+/// Change of the Allan deviation from which noise without a name matters, percent: a little less than the
+/// source's simulation was off by (Pavlov and Petrov: 4 %).
+const MATTERS_PERCENT: f64 = 3.0;
+
+/// A band of noise without a name.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct UnnamedBand {
+    /// Its middle, hertz.
+    pub f_hz: f64,
+    /// Its width at half the power, hertz.
+    pub width_hz: f64,
+    /// Root mean square, unit of the signal.
+    pub amplitude: f64,
 }
 
 /// A test that fails and has no name.

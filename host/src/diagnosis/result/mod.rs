@@ -4,4 +4,5 @@ pub mod estimate;
 pub mod finding;
 pub mod place;
 pub mod value;
+pub mod verdict;
 pub mod views;

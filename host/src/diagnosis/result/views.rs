@@ -38,6 +38,10 @@ pub struct AllanPoint {
     pub lo: f64,
     /// Upper end of its 95 % interval.
     pub hi: f64,
+    /// Equivalent degrees of freedom of the measured variance.
+    pub edf: f64,
+    /// How many times the averaging time fits into the record.
+    pub intervals: u64,
     /// What the five terms alone expect.
     pub before: f64,
     /// What the extended model expects.

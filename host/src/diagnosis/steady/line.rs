@@ -73,8 +73,8 @@ struct Part {
     number: f64,
 }
 
-/// Phasor of the line in a part of the record, and `sum w^2 / (sum w)^2`; `None` where most of the
-/// part does not count.
+/// Phasor of the line in a part of the record, and `sum w^2 / (sum w)^2`; `None` where hardly any
+/// of the part counts.
 fn phasor(axis: &AxisState, cycles: f64, from: usize, length: usize) -> Option<(Complex64, f64)> {
     let (mut sum, mut weights, mut squares) = (Complex64::ZERO, 0.0, 0.0);
     let mut counted = 0;
@@ -89,7 +89,7 @@ fn phasor(axis: &AxisState, cycles: f64, from: usize, length: usize) -> Option<(
         squares += window * window;
         counted += 1;
     });
-    (4 * counted > 3 * length).then(|| (sum / weights, squares / (weights * weights)))
+    (4 * counted > length).then(|| (sum / weights, squares / (weights * weights)))
 }
 
 #[cfg(test)]

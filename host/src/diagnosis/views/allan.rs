@@ -23,7 +23,7 @@ pub(crate) fn points(
     wave: &[f64],
     bursts: &[Burst],
 ) -> Vec<AllanPoint> {
-    let rate_hz = axis.rate_hz;
+    let (rate_hz, samples) = (axis.rate_hz, axis.residual.len() as u64);
     let (before, after) = (models.base.law(rate_hz), models.noise.law(rate_hz));
     let (measured, waves) = rayon::join(
         || allan_curve::allan(axis.residual.measured(), rate_hz),
@@ -47,6 +47,8 @@ pub(crate) fn points(
             adev: one.deviation(),
             lo: one.lo,
             hi: one.hi,
+            edf: one.edf,
+            intervals: samples / one.m,
             before: before.allan_variance(one.m).sqrt(),
             after: variance.sqrt(),
             simulated: None,

@@ -43,13 +43,23 @@ pub(crate) fn compare(axis: &AxisState, models: Models<'_>, wave: &[f64]) -> Vec
     });
     let observed = mean_squares(&windows, axis.residual.measured(), block);
     let of_wave = mean_squares(&windows, wave, block);
+    // Of what cannot be observed nothing is predicted either: a window of minutes in a record of
+    // milliseconds would take longer than all else.
+    let seen: Vec<&Window> = windows
+        .iter()
+        .zip(&observed)
+        .filter(|(_, one)| one.is_some())
+        .map(|(window, _)| window)
+        .collect();
     let (before, after) = rayon::join(
-        || predict(models.base, &windows),
-        || predict(models.noise, &windows),
+        || predict(models.base, &seen),
+        || predict(models.noise, &seen),
     );
+    let mut predicted = before.into_iter().zip(after);
     let compared = |(number, observed): (usize, Option<(f64, usize)>)| {
         let (square, disjoint) = observed?;
         let (lo, hi) = point::interval(square, disjoint as f64);
+        let (before, after) = predicted.next()?;
         let of_wave = of_wave[number].map_or(0.0, |(square, _)| square);
         Some(VelocityError {
             t_s: TIMES_S[number],
@@ -57,8 +67,8 @@ pub(crate) fn compare(axis: &AxisState, models: Models<'_>, wave: &[f64]) -> Vec
             observed: square.sqrt(),
             lo,
             hi,
-            before: before[number],
-            after: after[number].hypot(of_wave.sqrt()),
+            before,
+            after: after.hypot(of_wave.sqrt()),
         })
     };
     observed
@@ -70,16 +80,20 @@ pub(crate) fn compare(axis: &AxisState, models: Models<'_>, wave: &[f64]) -> Vec
 
 /// One standard deviation of the error under a model for each of `windows`, which are aligned alike; the
 /// intervals of its coefficients left out.
-fn predict(model: &ModelAxis, windows: &[Window; TIMES_S.len()]) -> Vec<f64> {
+fn predict(model: &ModelAxis, windows: &[&Window]) -> Vec<f64> {
     let known = PerCoefficient::from_fn(|one| {
         let value = model.coefficients.get(one).abs();
         (value, value)
     });
-    let rate_hz = windows[0].rate_hz;
-    let alignment_s = windows[0].aligned as f64 / rate_hz;
+    let Some(first) = windows.first() else {
+        return Vec::new();
+    };
+    let rate_hz = first.rate_hz;
+    let alignment_s = first.aligned as f64 / rate_hz;
     let times_s = windows
-        .each_ref()
+        .iter()
         .map(|window| window.integrated as f64 / rate_hz);
+    let times_s: Vec<f64> = times_s.collect();
     let growth = navigate::growth(
         model,
         &known,
@@ -217,6 +231,25 @@ mod tests {
         let expected = slope * 30.0 * (30.0 + 10.0) / 2.0;
         assert!((square.sqrt() / expected - 1.0).abs() < 1e-9, "{square}");
         assert_eq!(disjoint, 8 * 5);
+    }
+
+    /// A window of minutes in a record of milliseconds would take longer to predict than all else.
+    #[test]
+    fn nothing_is_predicted_that_cannot_be_observed() {
+        let axis = crate::diagnosis::trial::axis(1, 9000, |_, noise| noise);
+        let model = crate::model::whole::Model::published(None).axes.remove(0);
+        let models = Models {
+            base: &model,
+            noise: &model,
+            whole: &model,
+        };
+        let times: Vec<f64> = compare(&axis, models, &vec![0.0; 9000])
+            .iter()
+            .map(|one| one.t_s)
+            .collect();
+        // A block is 563 samples at 1000/s, and some windows have to fit in: one tenth of a second.
+        assert_eq!(times, [0.1]);
+        assert!(predict(&model, &[]).is_empty());
     }
 
     #[test]

@@ -13,7 +13,7 @@ pub mod spectrum;
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::options::Options;
 use crate::diagnosis::result::finding::Finding;
-use crate::diagnosis::result::views::{Amplitudes, Counts, Course, Views};
+use crate::diagnosis::result::views::{AllanPoint, Amplitudes, Counts, Course, Views};
 use crate::fit::likelihood::Fit;
 use crate::model::axis::ModelAxis;
 use crate::model::burst;
@@ -34,10 +34,10 @@ pub struct Before {
 }
 
 impl Before {
-    /// Of an axis with nothing known; `None` where no views are wanted.
-    pub fn new(axis: &AxisState, options: &Options) -> Option<Self> {
+    /// Of an axis with nothing known and the `fit` of the five terms alone; `None` where no views are wanted.
+    pub fn new(axis: &AxisState, fit: &Fit, options: &Options) -> Option<Self> {
         options.views.then(|| Self {
-            fit: axis.fit.clone(),
+            fit: fit.clone(),
             amplitudes: Counts::new(axis),
         })
     }
@@ -76,28 +76,23 @@ impl Burst {
 }
 
 impl Views {
-    /// Of an axis that is done, with a simulated record at the `temperature`, which costs as much as some of the
-    /// tests. The held-out half is not among them yet.
+    /// Of an axis that is done and the points of its [Allan deviation](allan), with a simulated record at the
+    /// `temperature`, which costs as much as some of the tests. The held-out half is not among them yet.
     pub fn new(
         axis: &AxisState,
         before: Before,
-        models: Models<'_>,
+        (models, mut allan): (Models<'_>, Vec<AllanPoint>),
         findings: &[Finding],
         temperature: Option<&[f64]>,
     ) -> Self {
         // One more record's worth of memory at a time.
         let course = Course::new(axis, findings, models.whole.mean);
         let after = Counts::new(axis);
-        let bursts = bursts(findings, axis.residual.len() as f64 / axis.rate_hz);
+        let bursts = bursts(axis, findings);
         let wave = deterministic(axis);
-        let (mut allan, (mut spectrum, velocity_error)) = rayon::join(
-            || allan::points(axis, models, &wave, &bursts),
-            || {
-                (
-                    spectrum::Pooled::new(axis, &before.fit, &wave, &bursts),
-                    growth::compare(axis, models, &wave),
-                )
-            },
+        let (mut spectrum, velocity_error) = rayon::join(
+            || spectrum::Pooled::new(axis, &before.fit, &wave, &bursts),
+            || growth::compare(axis, models, &wave),
         );
         let amplitudes = Amplitudes {
             before: before.amplitudes,
@@ -121,6 +116,11 @@ impl Views {
     }
 }
 
+/// The Allan deviation of an axis, measured and as two models expect it in this very record.
+pub fn allan(axis: &AxisState, models: Models<'_>, findings: &[Finding]) -> Vec<AllanPoint> {
+    allan::points(axis, models, &deterministic(axis), &bursts(axis, findings))
+}
+
 /// The deterministic part of the model in this record, samples that were no measurement included: the
 /// measured record holds them too. Missing samples are NaN; empty where there is none.
 fn deterministic(axis: &AxisState) -> Vec<f64> {
@@ -134,7 +134,8 @@ fn deterministic(axis: &AxisState) -> Vec<f64> {
     wave
 }
 
-fn bursts(findings: &[Finding], record_s: f64) -> Vec<Burst> {
+fn bursts(axis: &AxisState, findings: &[Finding]) -> Vec<Burst> {
+    let record_s = axis.residual.len() as f64 / axis.rate_hz;
     let burst = |finding: &Finding| {
         let burst = burst::Burst::of(&finding.estimate.plain());
         let duration_s = burst.to_s - burst.from_s;

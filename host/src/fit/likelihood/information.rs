@@ -5,7 +5,7 @@
 //! covariance `C` of the bins it is `J`, and the squares have the covariance `I^-1 J I^-1`
 //! (Godambe 1960).
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, SVD};
 
 use super::data::Data;
 
@@ -61,9 +61,22 @@ pub fn inverse(information: &DMatrix<f64>) -> DMatrix<f64> {
         .clone()
         .cholesky()
         .map(|factor| factor.inverse())
-        .or_else(|| scaled.pseudo_inverse(1e-14).ok())
+        .or_else(|| pseudo_inverse(scaled))
         .unwrap_or_else(|| DMatrix::zeros(size, size));
     DMatrix::from_fn(size, size, |i, j| inverse[(i, j)] * unit[i] * unit[j])
+}
+
+/// Rotations that a decomposition of a handful of rows takes: some tens. Without a bound it never ends
+/// where a number is none.
+const ROTATIONS: usize = 10_000;
+
+/// Of a matrix that is not positive definite; `None` where it holds what is no number.
+fn pseudo_inverse(matrix: DMatrix<f64>) -> Option<DMatrix<f64>> {
+    if !matrix.iter().all(|one| one.is_finite()) {
+        return None;
+    }
+    let parts = SVD::try_new(matrix, true, true, f64::EPSILON, ROTATIONS)?;
+    parts.pseudo_inverse(1e-14).ok()
 }
 
 /// `E_ib / E_b`.
@@ -72,4 +85,22 @@ fn shares(components: &[Vec<f64>], expected: &[f64]) -> Vec<Vec<f64>> {
         .iter()
         .map(|component| component.iter().zip(expected).map(|(u, e)| u / e).collect())
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A decomposition of what is no number would turn for ever.
+    #[test]
+    fn what_is_no_number_has_no_inverse_and_ends() {
+        for bad in [f64::NAN, f64::INFINITY] {
+            let information = DMatrix::from_row_slice(2, 2, &[1.0, bad, bad, 1.0]);
+            assert_eq!(inverse(&information), DMatrix::zeros(2, 2), "{bad}");
+        }
+        let twins = DMatrix::from_element(2, 2, 4.0);
+        // Of two that cannot be told apart each gets half: the pseudo-inverse.
+        let shared = DMatrix::from_element(2, 2, 1.0 / 16.0);
+        assert!((inverse(&twins) - shared).amax() < 1e-12);
+    }
 }

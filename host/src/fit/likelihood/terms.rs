@@ -10,9 +10,10 @@ use super::ramp::Ramp;
 use super::scoring::Fit;
 use super::slope::{Slope, blocks};
 use super::{information, longer};
+use crate::chain::Chain;
 use crate::fit::design::Design;
 use crate::model::{Coefficient, PerCoefficient};
-use crate::spectrum::{Cascade, Estimate};
+use crate::spectrum::{Cascade, Estimate, Plan, Settings};
 
 /// Correlation of two squares from which they are named as tied.
 pub const TIED: f64 = 0.9;
@@ -146,6 +147,16 @@ pub fn fit(
         parts: std::array::from_fn(|i| units[i].iter().map(|one| squared[i] * one).collect()),
         left_out_hz: tolerant.left_out_hz.clone(),
     })
+}
+
+/// Fits the five terms to values in memory, NaN where missing, in their own unit, as `inm analyze` fits them.
+///
+/// `None` where they are too few or do not move.
+pub fn fit_values(values: &[f64], rate_hz: f64, chain: Option<&Chain>) -> Option<LikelihoodFit> {
+    let mut cascade = Cascade::new(&Plan::new());
+    cascade.push_values(0, values).ok()?;
+    let estimate = Estimate::new(&cascade, rate_hz, &Settings::default());
+    fit(&cascade, &estimate, 1.0, &Design::new(rate_hz, chain))
 }
 
 fn of_ramp(ramp: Option<Ramp>, fit: &Fit, duration_s: f64) -> LikelihoodValue {

@@ -11,6 +11,7 @@ pub mod page;
 mod places;
 pub mod sheet;
 mod spectrum;
+mod summary;
 pub mod text;
 
 use super::plot::Stroke;

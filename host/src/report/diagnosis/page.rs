@@ -6,6 +6,7 @@ use super::super::number::significant;
 use super::super::page;
 use super::super::plot::frame::WIDTH;
 use super::super::svg::{PAGE, escape, typeset};
+use super::summary::summary;
 use super::text::MOST_TOLD;
 use super::{HEIGHT, cards, pictures};
 use crate::diagnosis::result::finding::{AxisDiagnosis, Diagnosis};
@@ -37,11 +38,19 @@ fn write_page(page: &mut String, diagnosis: &Diagnosis) -> Result {
 }
 
 fn axis(page: &mut String, diagnosis: &Diagnosis, index: usize, axis: &AxisDiagnosis) -> Result {
+    if let Some(refused) = &axis.refused {
+        return write!(
+            page,
+            "<section class=\"wide\"><h2>Axis {}</h2><p class=\"lead\">Not diagnosed: {}.</p></section>",
+            escape(&axis.name),
+            escape(refused)
+        );
+    }
     write!(
         page,
         "<section class=\"wide\"><h2>Axis {}</h2><p class=\"lead\">{}</p><div class=\"pictures\">",
         escape(&axis.name),
-        escape(&verdict(axis, diagnosis.family_level))
+        escape(&lead(axis, diagnosis.family_level))
     )?;
     for (label, picture) in pictures(axis, &format!("a{index}"), &PAGE) {
         write!(page, "<figure>")?;
@@ -75,8 +84,8 @@ fn axis(page: &mut String, diagnosis: &Diagnosis, index: usize, axis: &AxisDiagn
     write!(page, "</section>")
 }
 
-/// What came out, in a sentence.
-fn verdict(axis: &AxisDiagnosis, level: f64) -> String {
+/// What came out, in a few sentences: first whether one may simulate with the model.
+fn lead(axis: &AxisDiagnosis, level: f64) -> String {
     let names: Vec<&str> = axis.findings.iter().map(|one| one.effect.name()).collect();
     let found = match names.len() {
         0 => format!(
@@ -85,11 +94,12 @@ fn verdict(axis: &AxisDiagnosis, level: f64) -> String {
         ),
         _ => format!("Beyond the five terms: {}", names.join(", ")),
     };
-    match axis.unexplained.len() {
-        0 => format!("{found}. Nothing is left unexplained."),
-        1 => format!("{found}. Something is left unexplained."),
-        count => format!("{found}. {count} things are left unexplained."),
-    }
+    let left = match axis.unexplained.len() {
+        0 => "Nothing is left unexplained.".to_owned(),
+        1 => "Something is left unexplained.".to_owned(),
+        count => format!("{count} things are left unexplained."),
+    };
+    format!("{} {found}. {left}", summary(axis).join(" "))
 }
 
 fn coefficients(page: &mut String, axis: &AxisDiagnosis) -> Result {

@@ -16,7 +16,8 @@ const PER_ROW: usize = 2;
 pub fn render(diagnosis: &Diagnosis) -> Result<Vec<u8>, PngError> {
     let mut drawing = String::new();
     let mut count = 0;
-    for (number, axis) in diagnosis.axes.iter().enumerate() {
+    let axes = diagnosis.axes.iter().enumerate();
+    for (number, axis) in axes.filter(|(_, axis)| axis.refused.is_none()) {
         for (_, picture) in pictures(axis, &format!("p{number}"), &LIGHT) {
             let x = (count % PER_ROW) as f64 * WIDTH;
             let y = (count / PER_ROW) as f64 * HEIGHT;

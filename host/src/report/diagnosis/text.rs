@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use super::super::number::{estimated, probability, significant};
 use super::super::text::head;
+use super::summary::summary;
 use crate::diagnosis::result::finding::{AxisDiagnosis, Diagnosis, Finding, Remark, SMALL_PERCENT};
 use crate::diagnosis::result::value::Value;
 use crate::model::Coefficient;
@@ -29,7 +30,13 @@ pub fn render(diagnosis: &Diagnosis) -> String {
 
 fn axis(text: &mut String, axis: &AxisDiagnosis, level: f64) -> std::fmt::Result {
     writeln!(text, "\nAxis {}", axis.name)?;
-    if axis.findings.is_empty() && axis.unexplained.is_empty() {
+    if let Some(refused) = &axis.refused {
+        return writeln!(text, "  Not diagnosed: {refused}.");
+    }
+    for sentence in summary(axis) {
+        writeln!(text, "  {sentence}")?;
+    }
+    if axis.findings.is_empty() && axis.unexplained.is_empty() && axis.unnamed.is_none() {
         writeln!(
             text,
             "  Nothing beyond the five terms (any finding in clean data: {} %).",

@@ -10,11 +10,19 @@ struct Burst {
     factor: f64,
 }
 
-/// 1 s to a tenth of the record long, away from its ends.
+/// Samples of the shortest in a record of any kind.
+const SHORTEST: f64 = 64.0;
+
+/// 1 s to a tenth of the record long, away from its ends; in a record of any kind from 64 samples on, and
+/// one of four touches an end.
 pub fn draw(scene: &Scene, draw: &mut Draw) -> Box<dyn Effect> {
     let duration_s = scene.duration_s();
-    let length_s = draw.log_uniform(1.0, 0.1 * duration_s);
-    let from_s = draw.uniform(0.05 * duration_s, 0.95 * duration_s - length_s);
+    let (shortest_s, longest_s) = scene.times_s((1.0, 0.1 * duration_s), SHORTEST, 10.0);
+    let length_s = draw.log_uniform(shortest_s, longest_s);
+    let mut from_s = draw.uniform(0.05 * duration_s, 0.95 * duration_s - length_s);
+    if scene.relative && draw.chance(0.25) {
+        from_s = draw.pick(&[0.0, duration_s - length_s]);
+    }
     Box::new(Burst {
         from_s,
         to_s: from_s + length_s,
@@ -49,7 +57,8 @@ impl Effect for Burst {
         let inside = ((share * f64::from(points)).round() as usize).max(1);
         let mut factors = vec![1.0; points as usize];
         factors[..inside].fill(self.factor);
-        let trials = 16.0 * 2.0 * scene.duration_s() / 0.1;
+        let (least_s, _) = scene.times_s((0.1, 0.0), SHORTEST, 1.0);
+        let trials = 16.0 * 2.0 * scene.duration_s() / least_s;
         Evidence::power(contrast(&factors, scene, scene.target).power(1.0, trials))
     }
 

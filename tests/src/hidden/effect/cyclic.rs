@@ -16,9 +16,10 @@ struct Cyclic {
 /// Periods from half a second to a twentieth of the record: longer ones are a slow change. Phases keep off half a
 /// turn, or an answer just across it would be a whole turn off.
 pub fn draw(scene: &Scene, draw: &mut Draw) -> Box<dyn Effect> {
+    let (from_s, to_s) = scene.times_s((0.5, scene.duration_s() / 20.0), 1000.0, 20.0);
     Box::new(Cyclic {
         depth: 0.1,
-        period_s: draw.log_uniform(0.5, scene.duration_s() / 20.0),
+        period_s: draw.log_uniform(from_s, to_s),
         phase_rad: draw.uniform(-3.0, 3.0),
     })
 }
@@ -55,7 +56,8 @@ impl Effect for Cyclic {
         let factors: Vec<f64> = (0..100)
             .map(|i| self.factor(f64::from(i) / 100.0))
             .collect();
-        let trials = 4.0 * scene.duration_s();
+        let (shortest_s, _) = scene.times_s((0.5, 0.0), 1000.0, 1.0);
+        let trials = 2.0 * scene.duration_s() / shortest_s;
         Evidence::power(contrast(&factors, scene, scene.target).power(2.0, trials))
     }
 

@@ -12,10 +12,11 @@ struct Markov {
     time_s: f64,
 }
 
-pub fn draw(_scene: &Scene, draw: &mut Draw) -> Box<dyn Effect> {
+pub fn draw(scene: &Scene, draw: &mut Draw) -> Box<dyn Effect> {
+    let (from_s, to_s) = scene.times_s((0.003, 5.0), 6.0, 100.0);
     Box::new(Markov {
         amplitude: 1e-3,
-        time_s: draw.log_uniform(0.003, 5.0),
+        time_s: draw.log_uniform(from_s, to_s),
     })
 }
 

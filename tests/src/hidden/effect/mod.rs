@@ -14,6 +14,7 @@ mod powerlaw;
 mod quantisation;
 mod resonance;
 mod rolloff;
+mod shock;
 mod sinusoid;
 mod stale;
 mod steps;
@@ -21,6 +22,7 @@ mod telegraph;
 mod thermal;
 mod timebase;
 pub mod tone;
+mod wandering_line;
 mod warmup;
 
 use super::draw::Draw;
@@ -144,6 +146,11 @@ pub static KINDS: &[Kind] = &[
         draw: hum::draw,
     },
     Kind {
+        name: "wandering_line",
+        axes: 1,
+        draw: wandering_line::draw,
+    },
+    Kind {
         name: "markov",
         axes: 1,
         draw: markov::draw,
@@ -167,6 +174,11 @@ pub static KINDS: &[Kind] = &[
         name: "steps",
         axes: 1,
         draw: steps::draw,
+    },
+    Kind {
+        name: "shock",
+        axes: 1,
+        draw: shock::draw,
     },
     Kind {
         name: "outliers",

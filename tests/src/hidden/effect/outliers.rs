@@ -11,10 +11,14 @@ struct Outliers {
     size: f64,
 }
 
-/// 50 to 2000 of them in a record.
+/// 50 to 2000 of them in a record, of a short one no more than a hundredth.
 pub fn draw(scene: &Scene, draw: &mut Draw) -> Box<dyn Effect> {
+    let (least, most) = match scene.relative {
+        true => (20.0, (0.01 * scene.samples as f64).min(2000.0)),
+        false => (50.0, 2000.0),
+    };
     Box::new(Outliers {
-        rate_hz: draw.log_uniform(50.0, 2000.0) / scene.duration_s(),
+        rate_hz: draw.log_uniform(least, most) / scene.duration_s(),
         size: 1e-2,
     })
 }

@@ -23,6 +23,15 @@ pub fn draw(_scene: &Scene, draw: &mut Draw) -> Box<dyn Effect> {
 /// Correlation times of the Markov noise that stands for a wide crossover, seconds.
 const TIMES_S: [f64; 8] = [0.001, 0.005, 0.02, 0.1, 0.5, 2.0, 8.0, 30.0];
 
+/// The same from two samples to a seventeenth of a record of any kind.
+fn times_s(scene: &Scene) -> [f64; 8] {
+    if !scene.relative {
+        return TIMES_S;
+    }
+    let (from_s, to_s) = scene.times_s((0.0, 0.0), 2.0, 17.0);
+    std::array::from_fn(|i| from_s * (to_s / from_s).powf(i as f64 / 7.0))
+}
+
 impl Effect for Powerlaw {
     fn truths(&self) -> Vec<Truth> {
         vec![Truth::new(
@@ -54,11 +63,11 @@ impl Effect for Powerlaw {
         if !seen.suffices() {
             return seen;
         }
-        let markov = TIMES_S.iter().map(|time_s| {
+        let markov = times_s(scene).into_iter().map(|time_s| {
             let mut parts = base.clone();
             parts.push(grid.at(|f_hz| {
                 let passed = scene.chain.power(f_hz, scene.rate_hz);
-                lorentzian(f_hz, 0.0, width_of(*time_s), scene) * passed
+                lorentzian(f_hz, 0.0, width_of(time_s), scene) * passed
             }));
             parts
         });

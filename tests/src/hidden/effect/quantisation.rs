@@ -17,6 +17,11 @@ pub fn draw(scene: &Scene, _draw: &mut Draw) -> Box<dyn Effect> {
         .sum::<f64>()
         * 2.0
         * spacing_hz;
+    // Walk and flicker alone have no short-term noise but their own differences.
+    let variance = match variance > 0.0 {
+        true => variance,
+        false => scene.interpolation_variance(scene.target),
+    };
     Box::new(Quantisation {
         step: variance.sqrt(),
         relative: 1.0,

@@ -14,7 +14,11 @@ struct Resonance {
 
 /// Between 2 Hz and 0.35 of the rate, quality 4 to 60, at least 100 times wider than a line.
 pub fn draw(scene: &Scene, draw: &mut Draw) -> Box<dyn Effect> {
-    let f_hz = draw.log_uniform(2.0, 0.35 * scene.rate_hz);
+    let lowest_hz = match scene.relative {
+        true => 400.0 / scene.duration_s(),
+        false => 2.0,
+    };
+    let f_hz = draw.log_uniform(lowest_hz, 0.35 * scene.rate_hz);
     let width_hz = (f_hz / draw.log_uniform(4.0, 60.0)).max(100.0 / scene.duration_s());
     Box::new(Resonance {
         f_hz,

@@ -11,8 +11,9 @@ struct Rolloff {
     corner_hz: f64,
 }
 
-pub fn draw(_scene: &Scene, _draw: &mut Draw) -> Box<dyn Effect> {
-    Box::new(Rolloff { corner_hz: 1000.0 })
+pub fn draw(scene: &Scene, _draw: &mut Draw) -> Box<dyn Effect> {
+    let corner_hz = 0.5 * scene.rate_hz;
+    Box::new(Rolloff { corner_hz })
 }
 
 /// Correlation times of the rival, in those of the pole.

@@ -16,9 +16,10 @@ struct Telegraph {
 /// Dwell times from a tenth of a second to a fortieth of the record: with fewer switches the
 /// same record is one of steps.
 pub fn draw(scene: &Scene, draw: &mut Draw) -> Box<dyn Effect> {
+    let (from_s, to_s) = scene.times_s((0.1, scene.duration_s() / 40.0), 20.0, 40.0);
     Box::new(Telegraph {
         height: 1e-3,
-        dwell_s: draw.log_uniform(0.1, scene.duration_s() / 40.0),
+        dwell_s: draw.log_uniform(from_s, to_s),
     })
 }
 

@@ -30,7 +30,8 @@ pub fn draw(scene: &Scene, draw: &mut Draw) -> Box<dyn Effect> {
             )
         })
         .collect();
-    let lag_s = draw.log_uniform(1.0, 20.0);
+    let (from_s, to_s) = scene.times_s((1.0, 20.0), 4.0, 25.0);
+    let lag_s = draw.log_uniform(from_s, to_s);
     let smoothing = 1.0 - (-1.0 / (lag_s * scene.rate_hz)).exp();
     let mut reading = Draw::new(draw.index(usize::MAX) as u64, "thermometer");
     let mut temperature = Vec::with_capacity(scene.samples);

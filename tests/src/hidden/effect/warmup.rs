@@ -23,9 +23,10 @@ pub fn draw(scene: &Scene, draw: &mut Draw) -> Box<dyn Effect> {
     let waveform = settling(amplitude, time_s, scene);
     let energy = energy(&waveform, scene, scene.target);
     // The record thinned to its slow part is enough here: a settling has no fast one.
+    let thin = THIN.min(scene.samples / LEAST);
     let mut thinned = Scene {
-        samples: scene.samples / THIN,
-        rate_hz: scene.rate_hz / THIN as f64,
+        samples: scene.samples / thin,
+        rate_hz: scene.rate_hz / thin as f64,
         chain: Chain::None,
         ..scene.clone()
     };
@@ -54,6 +55,9 @@ pub fn draw(scene: &Scene, draw: &mut Draw) -> Box<dyn Effect> {
 
 /// Factor by which the rate is lowered to compare with steps.
 const THIN: usize = 1024;
+
+/// Samples that are left of a short record.
+const LEAST: usize = 64;
 
 fn settling(amplitude: f64, time_s: f64, scene: &Scene) -> Vec<f64> {
     (0..scene.samples)

@@ -23,7 +23,17 @@ const STRENGTH: Strength = Strength::Between(1.5, 10.0);
 const SHORT: [usize; 3] = [1 << 13, 10_007, 3 << 12];
 
 /// Records whose answer is not frozen yet, and why.
-pub const NOT_YET: [(&str, &str); 0] = [];
+pub const NOT_YET: [(&str, &str); 6] = [
+    ("garch-1", NEW),
+    ("garch-2", NEW),
+    ("chirp-1", NEW),
+    ("chirp-2", NEW),
+    ("drifting_corner-1", NEW),
+    ("drifting_corner-2", NEW),
+];
+
+/// It came with the wide draw, and no answer to it was looked at.
+const NEW: &str = "new";
 
 /// Whether the answer to this record is frozen.
 pub fn is_frozen(name: &str) -> bool {

@@ -21,6 +21,9 @@ pub struct Axis {
     /// The model after all findings.
     #[serde(rename = "final")]
     pub last: Option<Last>,
+    /// What the model holds without a name; none where it needs nothing.
+    #[serde(default)]
+    pub unnamed: Option<serde_json::Value>,
     /// What the pictures show.
     #[serde(default)]
     pub views: Views,

@@ -5,6 +5,7 @@ use super::answer::{Answer, Axis, Finding, Interval, Remark};
 use super::place;
 use crate::hidden::case::Case;
 use crate::hidden::truth::Truth;
+use crate::hidden::wide::counted;
 
 /// What an answer is worth.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -21,6 +22,10 @@ pub struct Score {
     pub coefficients: Vec<Parameter>,
     /// Whether a remark points to the right place, of what has no name.
     pub placed: Option<bool>,
+    /// Whether all that is named is there once, with the right parameters.
+    pub held: bool,
+    /// Whether what has no name changes the Allan deviation of no axis by more than 1 %.
+    pub unnamed_is_small: bool,
     /// Errors of the models' Allan deviations in the target, where everything is named and nothing
     /// else.
     pub allan: Vec<ModelError>,
@@ -51,7 +56,11 @@ impl Score {
 
 /// Compares. Effects in another axis than the target are extra, except those of all axes.
 pub fn score(case: &Case, answer: &Answer) -> Score {
-    let mut score = Score::default();
+    let mut score = Score {
+        held: true,
+        unnamed_is_small: answer.axes.iter().all(counted::is_small),
+        ..Score::default()
+    };
     let mut left: Vec<(usize, &Finding)> = answer
         .axes
         .iter()
@@ -67,10 +76,13 @@ pub fn score(case: &Case, answer: &Answer) -> Score {
     for truth in truths {
         let found = take(truth, case.scene.target, &mut left);
         score.named.push((truth.effect, !found.is_empty()));
+        score.held &= counted::is_held(truth, &found, &case.scene);
         if !found.is_empty() {
             score.parameters.extend(compare(truth, &found));
         }
     }
+    left.retain(|(_, finding)| !counted::is_of_the_form(finding, case));
+    counted::take_chain(&mut left, case, answer.axes.len());
     score.extra = left.iter().map(|(_, f)| f.effect.clone()).collect();
     let remarks: Vec<&Remark> = answer.axes.iter().flat_map(|a| &a.unexplained).collect();
     score.unexplained = remarks.len();

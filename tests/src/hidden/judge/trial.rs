@@ -8,6 +8,7 @@ use std::time::Duration;
 use super::program::{Diagnose, Failure};
 use super::score::{Score, score};
 use crate::hidden::case::{Case, Plan};
+use crate::hidden::wide::tally::facts;
 
 /// A case to be run.
 #[derive(Clone)]
@@ -25,6 +26,10 @@ pub struct Trial {
     pub row: String,
     /// Its seed.
     pub seed: u64,
+    /// What its record is like: headings, and where under each it stands.
+    pub facts: Vec<(&'static str, String)>,
+    /// Scenes that were drawn in vain.
+    pub redrawn: usize,
     /// Strength of the first kind.
     pub strength: Option<f64>,
     /// Probability that an ideal detector sees the first kind.
@@ -39,6 +44,8 @@ pub fn run_one(task: &Task, program: &dyn Diagnose) -> Trial {
     Trial {
         row: task.plan.name(),
         seed: task.seed,
+        facts: facts(&case),
+        redrawn: case.redrawn,
         strength: case.strength,
         ideal_power: case.ideal.map(|evidence| evidence.power),
         result: judge(&case, program),

@@ -1,12 +1,14 @@
 //! What no catalogue holds: found, but not to be named.
 
+mod beating_tone;
+mod chirp;
+mod garch;
 mod lopsided;
 mod moving_corner;
 mod multiplicative;
 mod ringing;
 mod switched;
 mod tone_bursts;
-mod wandering_tone;
 
 use super::effect::Kind;
 
@@ -24,9 +26,9 @@ pub enum Place {
 /// Every kind.
 pub static KINDS: &[Kind] = &[
     Kind {
-        name: "wandering_tone",
+        name: "beating_tone",
         axes: 1,
-        draw: wandering_tone::draw,
+        draw: beating_tone::draw,
     },
     Kind {
         name: "switched",
@@ -57,6 +59,21 @@ pub static KINDS: &[Kind] = &[
         name: "ringing",
         axes: 1,
         draw: ringing::draw,
+    },
+    Kind {
+        name: "garch",
+        axes: 1,
+        draw: garch::draw,
+    },
+    Kind {
+        name: "chirp",
+        axes: 1,
+        draw: chirp::draw,
+    },
+    Kind {
+        name: "drifting_corner",
+        axes: 1,
+        draw: moving_corner::drifting,
     },
 ];
 

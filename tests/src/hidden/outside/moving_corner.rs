@@ -28,6 +28,17 @@ pub fn draw(_scene: &Scene, draw: &mut Draw) -> Box<dyn Effect> {
     })
 }
 
+/// The same once from one end to the other: half a swing takes the record.
+pub fn drifting(scene: &Scene, draw: &mut Draw) -> Box<dyn Effect> {
+    let low_hz = draw.log_uniform(0.01, 0.03) * scene.rate_hz;
+    Box::new(MovingCorner {
+        low_hz,
+        high_hz: low_hz * draw.uniform(4.0, 8.0),
+        period_s: 2.0 * scene.duration_s(),
+        amplitude: 1e-3,
+    })
+}
+
 impl MovingCorner {
     fn corner(&self, t_s: f64) -> f64 {
         let share = 0.5 - 0.5 * (TAU * t_s / self.period_s).cos();

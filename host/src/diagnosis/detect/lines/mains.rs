@@ -1,4 +1,4 @@
-//! Lines at multiples of a mains frequency: one cause.
+//! Lines at multiples of one frequency, the mains' or a machine's: one cause.
 
 use super::measure::Measured;
 use crate::spectrum::Line;
@@ -66,7 +66,7 @@ pub fn wandering(f_hz: f64) -> String {
     }
 }
 
-/// Gathers what fits one mains frequency; a mains line may be alone.
+/// Gathers what fits one mains frequency, where a line may be alone, and one machine after another.
 pub fn with_hum(singles: Vec<Measured>) -> Vec<Group> {
     // The base frequency that most lines are multiples of, by the strongest line that is one.
     let mut best: Option<(f64, f64, Vec<usize>)> = None;
@@ -97,7 +97,7 @@ pub fn with_hum(singles: Vec<Measured>) -> Vec<Group> {
         }
     }
     let Some((rough_hz, _, members)) = best else {
-        return singles.into_iter().map(Group::Single).collect();
+        return with_machines(singles);
     };
     let (mut lines, mut others) = (Vec::new(), Vec::new());
     for (index, one) in singles.into_iter().enumerate() {
@@ -105,9 +105,53 @@ pub fn with_hum(singles: Vec<Measured>) -> Vec<Group> {
             let number = (one.line.frequency_hz / rough_hz).round() as u32;
             lines.push((number, one));
         } else {
-            others.push(Group::Single(one));
+            others.push(one);
         }
     }
+    let mut groups = with_machines(others);
+    groups.push(of_base(lines));
+    groups
+}
+
+/// Gathers what stands at whole multiples of the lowest line that has any, whatever its frequency.
+fn with_machines(mut singles: Vec<Measured>) -> Vec<Group> {
+    /// Highest multiple.
+    const HIGHEST: f64 = 20.0;
+    /// Probability that a line stands so near to a multiple by chance: a choice, for each pair of lines.
+    const BY_CHANCE: f64 = 1e-4;
+    singles.sort_by(|a, b| a.line.frequency_hz.total_cmp(&b.line.frequency_hz));
+    let mut groups = Vec::new();
+    while !singles.is_empty() {
+        let base = singles.remove(0);
+        let (base_hz, base_sd_hz) = (base.line.frequency_hz, base.line.frequency_sd_hz);
+        let number = |one: &Measured| {
+            let number = (one.line.frequency_hz / base_hz).round();
+            let sd_hz = (number * base_sd_hz).hypot(one.line.frequency_sd_hz);
+            let off_hz = (one.line.frequency_hz - number * base_hz).abs();
+            let is_multiple = (2.0..=HIGHEST).contains(&number)
+                && off_hz < 4.0 * sd_hz
+                && 8.0 * sd_hz < BY_CHANCE * base_hz;
+            is_multiple.then_some(number as u32)
+        };
+        let (multiples, others): (Vec<_>, Vec<_>) =
+            singles.into_iter().partition(|one| number(one).is_some());
+        singles = others;
+        if multiples.is_empty() {
+            groups.push(Group::Single(base));
+            continue;
+        }
+        let numbered = multiples
+            .into_iter()
+            .filter_map(|one| Some((number(&one)?, one)));
+        let mut lines: Vec<(u32, Measured)> = numbered.collect();
+        lines.insert(0, (1, base));
+        groups.push(of_base(lines));
+    }
+    groups
+}
+
+/// Lines of one base, each by its own certainty.
+fn of_base(lines: Vec<(u32, Measured)>) -> Group {
     // One base through all of them, each by its own certainty.
     let (mut sum, mut weight) = (0.0, 0.0);
     for (number, one) in &lines {
@@ -115,10 +159,9 @@ pub fn with_hum(singles: Vec<Measured>) -> Vec<Group> {
         sum += one.line.frequency_hz / f64::from(*number) / (sd * sd);
         weight += 1.0 / (sd * sd);
     }
-    others.push(Group::Hum {
+    Group::Hum {
         base_hz: sum / weight,
         base_sd_hz: weight.sqrt().recip(),
         lines,
-    });
-    others
+    }
 }

@@ -65,8 +65,12 @@ pub fn measure(axis: &AxisState, line: &Line) -> Measured {
     let cycles = line.frequency_hz / axis.rate_hz;
     let end = ((TAPER * length as f64) as usize).max(1);
     let (mut sum, mut weights) = (Complex64::ZERO, 0.0);
+    let measured = axis.residual.measured();
     let values = axis.filled.iter().enumerate();
     Phasor::new(-cycles).zip(0, values, 2.0.into(), |(index, value), phasor| {
+        if !measured[index].is_finite() {
+            return;
+        }
         let edge = index.min(length - 1 - index);
         let weight = if edge < end {
             (0.5 * PI * (edge as f64 + 0.5) / end as f64).sin().powi(2)

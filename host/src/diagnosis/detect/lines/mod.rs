@@ -10,7 +10,7 @@ use std::ops::Range;
 use super::Detector;
 use crate::diagnosis::axis::{AxisState, Excluded, NoFit};
 use crate::diagnosis::detect::look::{Look, Proposal};
-use crate::diagnosis::explanation::{Candidate, Change};
+use crate::diagnosis::explanation::{Candidate, Change, Explanation};
 use crate::diagnosis::record::wave::Wave;
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::finding::Remark;
@@ -33,7 +33,17 @@ pub static WANDERING: Detector = Detector {
 };
 
 fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
-    let groups = lines(look.axis, look.level());
+    let mut groups = lines(look.axis, look.level());
+    let known = look.axis.excluded_hz();
+    let is_known = |f_hz: f64| known.iter().any(|band| band.contains(&f_hz));
+    groups.retain_mut(|group| match group {
+        Group::Single(one) => !is_known(one.line.frequency_hz),
+        Group::Hum { lines, .. } => {
+            lines.retain(|(_, one)| !is_known(one.line.frequency_hz));
+            !lines.is_empty()
+        }
+        Group::Cluster { f_hz, .. } => !is_known(*f_hz),
+    });
     Ok(proposals(look, groups, |one| wanders(look, one)))
 }
 
@@ -89,10 +99,33 @@ pub fn proposals(
                 let base = Value::normal(base_hz, base_sd_hz);
                 proposals.push(hum(look, base, lines));
             }
-            Group::Cluster { .. } => {}
+            Group::Cluster { lines, .. } => {
+                // Gaps give a line others beside it.
+                let strongest = strongest(look.axis, &lines);
+                let is_line = has_gaps(look.axis) && !wanders(look, &strongest);
+                proposals.extend(
+                    is_line
+                        .then(|| single(look, &mut known_hz, strongest))
+                        .flatten(),
+                );
+            }
         }
     }
     proposals
+}
+
+/// The strongest of some lines that stand close, measured where it is largest.
+fn strongest(axis: &AxisState, lines: &[Line]) -> Measured {
+    let largest = lines.iter().max_by(|a, b| a.ratio.total_cmp(&b.ratio));
+    let (f_hz, false_alarm) = largest.map_or((0.0, 1.0), |one| (one.frequency_hz, one.false_alarm));
+    measure_near(axis, f_hz, false_alarm)
+}
+
+/// Whether so much of the record is missing that a line has others beside it.
+fn has_gaps(axis: &AxisState) -> bool {
+    /// Share that counts: a line's neighbours then have a thousandth of its power.
+    const MOST: f64 = 0.97;
+    axis.measured_share() < MOST
 }
 
 /// A resonance too narrow for the record to resolve: a line.
@@ -115,7 +148,7 @@ pub fn resonances_hz(axis: &AxisState) -> Vec<Range<f64>> {
 }
 
 /// Frequencies of the lines that are taken out of an axis, hertz.
-fn taken_out_hz(axis: &AxisState) -> Vec<f64> {
+pub fn taken_out_hz(axis: &AxisState) -> Vec<f64> {
     let frequency_hz = |wave: &Wave| match wave {
         Wave::Line { cycles, .. } => Some(cycles * axis.rate_hz),
         _ => None,
@@ -158,8 +191,8 @@ fn hum(look: &Look<'_>, base: Value, lines: Vec<(u32, Measured)>) -> Proposal {
     let p_values = lines.iter().map(|(_, one)| one.line.false_alarm);
     let p_value = p_values.fold(1.0, f64::min);
     let mut freedom = 1.0 + 2.0 * lines.len() as f64;
-    let (mut values, mut waves) = (vec![Some(base)], Vec::new());
-    let amends = look.place_of(hum::KIND);
+    let (mut values, mut waves) = (vec![Some(base), None, None], Vec::new());
+    let amends = of_base(look, base.value);
     if let Some(place) = amends {
         let old = &look.axis.explanations()[place];
         values.clone_from(&old.effect.values);
@@ -168,8 +201,9 @@ fn hum(look: &Look<'_>, base: Value, lines: Vec<(u32, Measured)>) -> Proposal {
     }
     for (number, one) in lines {
         let number = number as usize;
-        values.resize(values.len().max(number + 1), None);
-        values[number].get_or_insert(ahead_of_chain(look.axis, &one));
+        let place = hum::FIRST_AMPLITUDE + number - 1;
+        values.resize(values.len().max(place + 1), None);
+        values[place].get_or_insert(ahead_of_chain(look.axis, &one));
         waves.push(one.wave);
     }
     let effect = Estimate {
@@ -182,6 +216,20 @@ fn hum(look: &Look<'_>, base: Value, lines: Vec<(u32, Measured)>) -> Proposal {
     }))
 }
 
+/// Number of the explanation that holds the lines of a base already.
+fn of_base(look: &Look<'_>, base_hz: f64) -> Option<usize> {
+    /// How near two bases are one, as a share: that of the mains about their nominal frequency.
+    const SAME: f64 = 0.005;
+    let is_it = |one: &Explanation| {
+        let known_hz = one.effect.values.first().copied().flatten();
+        let is_near = |known_hz: f64| (known_hz / base_hz - 1.0).abs() < SAME;
+        one.kind() == hum::KIND
+            && !one.waves().is_empty()
+            && known_hz.is_some_and(|one| is_near(one.value))
+    };
+    look.axis.explanations().iter().position(is_it)
+}
+
 /// Amplitude of a line as it was ahead of the declared chain, like that of all other effects.
 fn ahead_of_chain(axis: &AxisState, one: &Measured) -> Value {
     let passed = axis.bins.chain_power(one.line.frequency_hz).sqrt();
@@ -189,7 +237,7 @@ fn ahead_of_chain(axis: &AxisState, one: &Measured) -> Value {
 }
 
 /// Whether a line does not keep its size and phase.
-fn wanders(look: &Look<'_>, one: &Measured) -> bool {
+pub fn wanders(look: &Look<'_>, one: &Measured) -> bool {
     let cycles = one.line.frequency_hz / look.axis.rate_hz;
     steady::line::p_steady(look.axis, cycles) < look.level()
 }

@@ -124,7 +124,7 @@ fn what_is_left_of_a_cluster_is_no_line() {
 }
 
 #[test]
-fn a_line_by_itself_is_mains_only_where_its_base_or_twice_that_is() {
+fn lines_of_one_base_are_one_and_a_line_by_itself_is_mains_only_where_its_base_or_twice_that_is() {
     let is_hum = |all: &[f64]| {
         let groups = with_hum(all.iter().map(|f_hz| measured(*f_hz)).collect());
         groups
@@ -137,6 +137,9 @@ fn a_line_by_itself_is_mains_only_where_its_base_or_twice_that_is() {
         (&[150.06], false),
         (&[150.06, 250.1], true),
         (&[150.06, 251.1], false),
+        // A machine's harmonics, and lines that are none.
+        (&[2340.0, 7020.0], true),
+        (&[2340.0, 7020.1], false),
     ] {
         assert_eq!(is_hum(all), expected, "{all:?}");
     }
@@ -146,7 +149,7 @@ fn a_line_by_itself_is_mains_only_where_its_base_or_twice_that_is() {
 fn a_harmonic_is_added_to_the_mains_that_are_there() {
     let mut trial = Trial::new(noise(4));
     let known = Change::Waves(vec![trial::line(49.0, 0.0)]);
-    trial.know(hum::KIND, [50.0, 2.0], known);
+    trial.know(hum::KIND, [50.0, 0.0, 0.0, 2.0], known);
     let lines = vec![(1, measured(50.0)), (3, measured(150.0))];
     let group = Group::Hum {
         base_hz: 50.1,
@@ -162,9 +165,10 @@ fn a_harmonic_is_added_to_the_mains_that_are_there() {
         .iter()
         .map(|one| one.map(|one| one.value))
         .collect();
-    assert_eq!(values[..3], [Some(50.0), Some(2.0), None], "seed 4");
+    let known = [Some(50.0), Some(0.0), Some(0.0), Some(2.0), None];
+    assert_eq!(values[..5], known, "seed 4");
     assert!(
-        values.len() == 4 && values[3].is_some(),
+        values.len() == 6 && values[5].is_some(),
         "seed 4: {values:?}"
     );
     assert!(

@@ -1,5 +1,5 @@
-//! A tone whose frequency sways over some hertz: not a line, and not the Gaussian noise of a
-//! resonance either.
+//! A tone whose frequency sways over some hertz and whose size beats, through zero: not a wandering line, whose
+//! size is steady, and not the Gaussian noise of a resonance either.
 
 use std::f64::consts::TAU;
 
@@ -12,30 +12,33 @@ use crate::hidden::ideal::spectral::contrast;
 use crate::hidden::scene::Scene;
 use crate::hidden::truth::Truth;
 
-struct WanderingTone {
+struct BeatingTone {
     f_hz: f64,
     swing_hz: f64,
     amplitude: f64,
     /// Swings a record, and phase, of three waves of the frequency.
     waves: [(f64, f64); 3],
+    /// Beats a record.
+    beats: f64,
 }
 
 pub fn draw(_scene: &Scene, draw: &mut Draw) -> Box<dyn Effect> {
     let f_hz = draw.log_uniform(65.0, 500.0);
     let mut wave = || (draw.uniform(3.0, 20.0), draw.uniform(0.0, TAU));
     let waves = [wave(), wave(), wave()];
-    Box::new(WanderingTone {
+    Box::new(BeatingTone {
         f_hz,
         swing_hz: f_hz * draw.uniform(0.02, 0.1),
         amplitude: 1e-3,
         waves,
+        beats: draw.uniform(40.0, 120.0),
     })
 }
 
-impl Effect for WanderingTone {
+impl Effect for BeatingTone {
     fn truths(&self) -> Vec<Truth> {
         vec![Truth::new(
-            "wandering_tone",
+            "beating_tone",
             &[
                 ("f_hz", self.f_hz),
                 ("swing_hz", self.swing_hz),
@@ -79,7 +82,8 @@ impl Effect for WanderingTone {
                 .map(|(cycles, start)| (TAU * cycles * at + start).sin() / 3.0)
                 .sum();
             phase += TAU * (self.f_hz + self.swing_hz * sway) / scene.rate_hz;
-            self.amplitude * phase.cos()
+            let size = std::f64::consts::SQRT_2 * (0.5 * TAU * self.beats * at).sin();
+            size * self.amplitude * phase.cos()
         });
         Some(samples.collect())
     }

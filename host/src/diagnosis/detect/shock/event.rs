@@ -1,0 +1,293 @@
+//! What it is that stands out in a stretch of a record.
+//!
+//! A shock has a duration. What is gone where the record is cut at one moment is a jump, or a loss of samples;
+//! what is gone without one sample is an outlier; what is as strong from its beginning to its end is a burst.
+
+use std::ops::Range;
+
+use super::about::{About, Beside};
+use super::course::{self, Course};
+use super::fit::{self, Fitted};
+use super::scan::{Scan, Stretch};
+use crate::diagnosis::statistic::p_value;
+
+/// Height below which a window beside a cut, or without one sample, shows nothing: a choice, beyond which one of
+/// some 10 000 windows stands.
+const NOTHING: f64 = 4.0;
+
+/// Samples up to which a stretch may be one moment: two of the shortest windows, and what joins them.
+const MOMENT: usize = 64;
+
+/// Samples that are whitened, at most: a choice between time and place.
+const WHITENED: usize = 1 << 20;
+
+/// Means that a course is fitted to, at most: a choice. What lasts for more of them is no single transient.
+const FITTED: usize = 1 << 13;
+
+/// Probability of strengths that differ as much, above which a stretch is as strong from its beginning to its
+/// end: a choice. It decides about a name, not about a finding.
+const EVEN: f64 = 1e-5;
+
+/// Samples of a stretch whose evenness can be seen, at least.
+const LONG: usize = 128;
+
+/// What stands out in a stretch.
+pub enum What {
+    /// A shock.
+    Shock(Course),
+    /// A jump of the level, or whatever else changes at one moment.
+    Jump,
+    /// Something else.
+    Other,
+}
+
+/// The record about a stretch.
+pub struct Event<'a> {
+    scan: &'a Scan<'a>,
+    /// The stretch.
+    pub stretch: &'a Stretch,
+    /// The run of samples that it lies in.
+    run: Range<usize>,
+    /// That run without the other stretches beside this one.
+    own: Range<usize>,
+    /// Runs in which nothing happens.
+    quiet: &'a [Range<usize>],
+}
+
+impl<'a> Event<'a> {
+    /// Of a stretch, of those in which something happens; `quiet` are the runs without them.
+    pub fn new(scan: &'a Scan<'a>, stretch: &'a Stretch, quiet: &'a [Range<usize>]) -> Self {
+        let samples = &stretch.samples;
+        let place = scan.runs().partition_point(|run| run.end <= samples.start);
+        let run = scan.runs().get(place).cloned().unwrap_or(samples.clone());
+        let before = quiet.iter().rev().find(|one| one.end == samples.start);
+        let after = quiet.iter().find(|one| one.start == samples.end);
+        Self {
+            own: before.map_or(samples.start, |one| one.start)
+                ..after.map_or(samples.end, |one| one.end),
+            scan,
+            stretch,
+            run,
+            quiet,
+        }
+    }
+
+    const fn samples(&self) -> &'a Range<usize> {
+        &self.stretch.samples
+    }
+
+    fn values(&self) -> &'a [f64] {
+        self.scan.values()
+    }
+
+    /// The stretch with up to `more` samples of its own on either side.
+    fn with(&self, more: usize) -> Range<usize> {
+        let samples = self.samples();
+        let from = samples.start.saturating_sub(more).max(self.own.start);
+        from..(samples.end + more).min(self.own.end)
+    }
+
+    /// What it is.
+    pub fn what(&self) -> What {
+        if self.is_one_sample() {
+            return What::Other;
+        }
+        if self.is_cut() || course::is_between_levels(self.values(), self.samples(), &self.own) {
+            return What::Jump;
+        }
+        let is_whole = self.run.start <= self.samples().start && self.samples().end <= self.run.end;
+        if !is_whole {
+            return What::Shock(self.told(None));
+        }
+        let close = self.about(1, self.samples().len() / 2);
+        let even = close.as_ref().and_then(|about| self.even(about));
+        drop(close);
+        let about = self.about(self.factor(), self.margin());
+        let fitted = about.as_ref().and_then(|about| {
+            let short = about.errors().len() <= FITTED;
+            let fitted = short.then(|| fit::fit(about)).flatten();
+            fitted.map(|fitted| (about, fitted))
+        });
+        let score = fitted
+            .as_ref()
+            .map_or(self.stretch.z.powi(2), |(_, fitted)| fitted.score);
+        if even.is_some_and(|nats| nats > 0.5 * score) || score < self.needed() {
+            return What::Other;
+        }
+        let Some((about, fitted)) = fitted else {
+            return What::Shock(self.told(None));
+        };
+        if let Some(other) = Self::other(about, &fitted) {
+            return other;
+        }
+        // What settles from the start on has a name of its own.
+        if self.samples().start == 0 && fitted.shock.f_hz == 0.0 {
+            return What::Other;
+        }
+        let course = course::of_fit(about, &fitted, self.samples());
+        What::Shock(course.unwrap_or_else(|| self.told(Some(about))))
+    }
+
+    /// What can be told of a shock of no simple form.
+    fn told(&self, about: Option<&About>) -> Course {
+        course::told(self.values(), self.samples(), &self.own, about)
+    }
+
+    /// Whether it is noise as strong from its beginning to its end that explains more than so many `nats`.
+    pub fn is_even(&self, nats: f64) -> bool {
+        let about = Some(self.samples()).filter(|samples| self.run.end >= samples.end);
+        let about = about.and_then(|_| self.about(1, 0));
+        about
+            .and_then(|about| self.even(&about))
+            .is_some_and(|gain| gain > nats)
+    }
+
+    /// The score from which it stands out of the noise right beside it, which may be louder for a while.
+    fn needed(&self) -> f64 {
+        let len = self.samples().len().max(self.stretch.window);
+        let Some(about) = self.about(1, 4 * len) else {
+            return 0.0;
+        };
+        let inside = about.means_of(self.samples());
+        // Of what goes before, and of what comes after, the one that is quieter.
+        let near = self.stretch.window / 2;
+        let before = &about.errors()[..inside.start.saturating_sub(near)];
+        let after = &about.errors()[(inside.end + near).min(about.errors().len())..];
+        let strength = |errors: &[f64]| {
+            let square = errors.iter().map(|error| error * error).sum::<f64>();
+            square / errors.len() as f64
+        };
+        let sides = [before, after]
+            .into_iter()
+            .filter(|errors| errors.len() >= LONG);
+        let quieter = sides.map(strength).fold(f64::INFINITY, f64::min);
+        if quieter.is_finite() {
+            quieter * self.scan.threshold().powi(2)
+        } else {
+            0.0
+        }
+    }
+
+    /// Samples on either side that a fit looks at.
+    fn margin(&self) -> usize {
+        let len = self.samples().len();
+        (len / 2).max(self.stretch.window / 2).max(32)
+    }
+
+    /// Samples of a mean: enough to see its frequency, and not many more than a hundred in all.
+    fn factor(&self) -> usize {
+        let by_length = self.samples().len() / 128;
+        let by_frequency = (0.12 / self.stretch.frequency) as usize;
+        by_length.min(by_frequency).max(1)
+    }
+
+    fn about(&self, factor: usize, margin: usize) -> Option<About> {
+        let range = self.with(margin);
+        if range.len() > WHITENED * factor {
+            return None;
+        }
+        let beside = Beside {
+            values: self.values(),
+            quiet: self.quiet,
+            faint: self.scan.faint(),
+        };
+        About::new(&beside, self.samples(), &range, factor)
+    }
+
+    /// Values about a stretch that may be one moment, and its place among them.
+    fn moment(&self) -> Option<(&'a [f64], Range<usize>)> {
+        let samples = self.samples();
+        let near = self.with(MOMENT);
+        let place = samples.start - near.start..samples.end - near.start;
+        (samples.len() <= MOMENT).then(|| (&self.values()[near], place))
+    }
+
+    /// Whether nothing stands out in a run of some values about the place of the stretch.
+    fn is_nothing(&self, run: Range<usize>, place: &Range<usize>, values: &[f64]) -> bool {
+        self.scan.highest(&run, place, values, MOMENT) < NOTHING
+    }
+
+    /// Whether nothing is left where the record is cut at one moment of it.
+    fn is_cut(&self) -> bool {
+        let Some((values, place)) = self.moment() else {
+            return false;
+        };
+        let len = values.len();
+        // Where nothing is before or after it, that is no cut.
+        let (first, last) = (place.start.max(8), place.end.min(len.saturating_sub(8)));
+        (first..=last).any(|n| {
+            self.is_nothing(0..n, &place, values) && self.is_nothing(n..len, &place, values)
+        })
+    }
+
+    /// Whether nothing is left without one sample of it.
+    fn is_one_sample(&self) -> bool {
+        let Some((values, place)) = self.moment() else {
+            return false;
+        };
+        let mut without = values.to_vec();
+        let Some(largest) = course::largest(values, &place) else {
+            return false;
+        };
+        let before = largest.checked_sub(1).map(|before| values[before]);
+        let after = values.get(largest + 1).copied();
+        let Some(level) = before.or(after) else {
+            return false;
+        };
+        without[largest] = 0.5 * (before.unwrap_or(level) + after.unwrap_or(level));
+        self.is_nothing(0..without.len(), &place, &without)
+    }
+
+    /// Gain in log-likelihood of noise as strong from its beginning to its end, in nats; `None` where it is not.
+    fn even(&self, about: &About) -> Option<f64> {
+        let inside = about.means_of(self.samples());
+        if inside.len() < LONG {
+            return None;
+        }
+        // Its ends are not known to the sample.
+        let edge = inside.len() / 10;
+        let errors = &about.errors()[inside.start + edge..inside.end - edge];
+        let count = errors.len() as f64;
+        let mean = errors.iter().map(|error| error * error).sum::<f64>() / count;
+        let correlation = |lag: usize| {
+            let pairs = errors.iter().zip(&errors[lag..]);
+            pairs.map(|(a, b)| a * b).sum::<f64>() / count / mean
+        };
+        // Of another colour than the record's noise, it has fewer numbers of its own.
+        let squares: f64 = (1..=32).map(|lag| correlation(lag).powi(2)).sum();
+        let own = 1.0 / (1.0 + 2.0 * squares);
+        let gain = 0.5 * count * own * (mean - 1.0 - mean.ln());
+        let parts = (errors.len() / 32).clamp(4, 32);
+        let length = errors.len() / parts;
+        let logs: Vec<f64> = errors
+            .chunks_exact(length)
+            .map(|part| (part.iter().map(|error| error * error).sum::<f64>() / length as f64).ln())
+            .collect();
+        let middle = logs.iter().sum::<f64>() / logs.len() as f64;
+        let scatter: f64 = logs.iter().map(|log| (log - middle).powi(2)).sum();
+        let even =
+            p_value::chi_squared(scatter * 0.5 * length as f64 * own, logs.len() as f64 - 1.0);
+        (mean > 1.0 && even > EVEN).then_some(gain)
+    }
+
+    /// A jump, or single samples, where these explain it as well as a shock.
+    fn other(about: &About, fitted: &Fitted) -> Option<What> {
+        /// What the numbers of a shock beyond those of a jump or of one sample are worth, and each further sample:
+        /// as by the information criterion of G. Schwarz, Ann. Stat. 6 (1978), for some thousand samples.
+        const MORE_NUMBERS: f64 = 14.0;
+        const ONE_SAMPLE: f64 = 9.0;
+        /// Samples that come together by chance, at most, and the error that is none.
+        const TOGETHER: usize = 4;
+        const NO_ERROR: f64 = 5.0;
+        let worth = fitted.score - MORE_NUMBERS;
+        if about.errors().len() <= 1 << 12 && about.jump() > worth {
+            return Some(What::Jump);
+        }
+        let is_samples = about.factor() == 1
+            && (1..=TOGETHER).any(|count| {
+                let (score, largest) = about.single_samples(count);
+                largest < NO_ERROR && score - ONE_SAMPLE * (count - 1) as f64 > worth
+            });
+        is_samples.then_some(What::Other)
+    }
+}

@@ -1,0 +1,255 @@
+//! Where in a record something stands out, from short windows to long ones.
+//!
+//! What stands out in short windows is kept out of the longer ones, as if it were missing: so an event has the
+//! length that it shows at, and a knock of a thousand deviations does not fill a window of a minute.
+
+use std::ops::Range;
+
+use statrs::distribution::{ContinuousCDF, Normal};
+
+use super::runs::{middle, runs_of, without};
+use super::tails::normal_of_log;
+use super::usual::{Height, Usual};
+use super::windows::Windows;
+use crate::diagnosis::statistic::p_value;
+use crate::numeric::order::median;
+
+/// Samples of the shortest window, and the factor between lengths: choices. An event between two lengths keeps
+/// some nine tenths of its height.
+const SHORTEST: usize = 16;
+const FACTOR: usize = 4;
+
+/// The longest window: seconds, but at least as many samples, and at most as large a part of the record:
+/// choices. What rings for longer is a line, what bulges for longer is drift.
+const LONGEST_S: f64 = 8.0;
+const LONGEST_LEAST: usize = 256;
+const LONGEST_PART: usize = 24;
+
+/// Share of the samples that must stand in runs of a few of the shortest windows; else gaps are everywhere, and
+/// are looked across.
+const IN_RUNS: f64 = 0.5;
+
+/// A record that is looked through.
+pub struct Scan<'a> {
+    values: &'a [f64],
+    /// Runs of samples that are there.
+    runs: Vec<Range<usize>>,
+    unit: f64,
+    /// Power of one sample that rounding makes at least, in squared units.
+    least: f64,
+    usual: Vec<Usual>,
+    /// Height from which a window stands out.
+    threshold: f64,
+    /// Windows' tests, all together.
+    trials: f64,
+}
+
+/// A stretch that stands out.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stretch {
+    /// Its samples.
+    pub samples: Range<usize>,
+    /// How far its highest window does.
+    pub z: f64,
+    /// The frequency at which it does, cycles a sample.
+    pub frequency: f64,
+    /// Samples of that window.
+    pub window: usize,
+    /// Samples of the longest stretch that it is made of.
+    pub longest: usize,
+}
+
+impl<'a> Scan<'a> {
+    /// Of a record with gaps that are `bridged`; NaN in `values` where samples are missing. `None` where it is
+    /// too short, or does not change.
+    pub fn new(values: &'a [f64], bridged: &'a [f64]) -> Option<Self> {
+        let runs = runs_of(values.len(), |n| values[n].is_finite());
+        let long = runs
+            .iter()
+            .map(Range::len)
+            .filter(|len| *len >= 4 * SHORTEST);
+        let there: usize = runs.iter().map(Range::len).sum();
+        let (values, runs) = if (long.sum::<usize>() as f64) < IN_RUNS * there as f64 {
+            (bridged, std::iter::once(0..values.len()).collect())
+        } else {
+            (values, runs)
+        };
+        let (unit, least) = unit(values)?;
+        Some(Self {
+            values,
+            runs,
+            unit,
+            least,
+            usual: Vec::new(),
+            threshold: f64::INFINITY,
+            trials: 0.0,
+        })
+    }
+
+    /// The samples.
+    pub const fn values(&self) -> &'a [f64] {
+        self.values
+    }
+
+    /// Runs of samples that are there.
+    pub fn runs(&self) -> &[Range<usize>] {
+        &self.runs
+    }
+
+    /// Variance of white noise that hardly counts beside that of the record.
+    pub fn faint(&self) -> f64 {
+        self.usual.first().map_or(0.0, Usual::faint)
+    }
+
+    /// Height from which a window stands out.
+    pub const fn threshold(&self) -> f64 {
+        self.threshold
+    }
+
+    /// Stretches that stand out at a `level`, ascending.
+    pub fn stretches(&mut self, level: f64, rate_hz: f64) -> Vec<Stretch> {
+        let longest = ((LONGEST_S * rate_hz) as usize).max(LONGEST_LEAST);
+        let longest = longest.min(self.values.len() / LONGEST_PART);
+        let lengths = std::iter::successors(Some(SHORTEST), |len| Some(len * FACTOR));
+        let lengths: Vec<usize> = lengths.take_while(|len| *len <= longest).collect();
+        // All windows of all lengths: one test a sample and length, and a few for the sums.
+        self.trials = 2.5 * (lengths.len() * self.values.len()) as f64;
+        self.threshold = normal_of_log((level / self.trials).ln());
+        let mut found: Vec<Stretch> = Vec::new();
+        for len in lengths {
+            let holes: Vec<Range<usize>> = found.iter().map(|one| one.samples.clone()).collect();
+            let runs = without(&self.runs, &holes);
+            let windows = Windows::new(len);
+            let starts: Vec<usize> = runs.iter().flat_map(|run| windows.starts(run)).collect();
+            let usual = Usual::new(windows, self.values, self.unit, &starts, self.least);
+            let Some(usual) = usual else {
+                continue;
+            };
+            let high = usual.heights(self.values, &starts, self.threshold);
+            found.extend(high.into_iter().map(|(start, height)| Stretch {
+                samples: middle(start, len, &runs),
+                z: height.z,
+                frequency: usual.frequency(height),
+                window: len,
+                longest: 0,
+            }));
+            found = joined(found, |_, _| 0);
+            found
+                .iter_mut()
+                .for_each(|one| one.longest = one.samples.len());
+            self.usual.push(usual);
+        }
+        found
+    }
+
+    /// Probability that anything in steady noise stands out as far.
+    pub fn p_value(&self, z: f64) -> f64 {
+        p_value::searched(Normal::standard().sf(z), self.trials).max(f64::MIN_POSITIVE)
+    }
+
+    /// The highest window of `longest` samples at most that lies in a `run` of some values of this record and comes
+    /// within its own length of `about`.
+    pub fn highest(
+        &self,
+        run: &Range<usize>,
+        about: &Range<usize>,
+        values: &[f64],
+        longest: usize,
+    ) -> f64 {
+        let short = self
+            .usual
+            .iter()
+            .filter(|usual| usual.windows.len() <= longest);
+        let heights = short.map(|usual| {
+            let windows = &usual.windows;
+            let len = windows.len();
+            let from = run.start.max(about.start.saturating_sub(len));
+            let to = run.end.min(about.end + len);
+            if to < from + len {
+                return 0.0;
+            }
+            let (mut scratch, mut seen) = (windows.scratch(), Vec::new());
+            let mut height =
+                |start| -> Height { usual.height(values, start, 0.0, &mut scratch, &mut seen) };
+            let starts = windows.starts(&(from..to));
+            starts.map(|start| height(start).z).fold(0.0, f64::max)
+        });
+        heights.fold(0.0, f64::max)
+    }
+}
+
+/// What a record is measured in: the middle of its increments, or their root mean square where most are zero;
+/// and the power of one sample that rounding to the least of them makes, in that unit squared.
+fn unit(values: &[f64]) -> Option<(f64, f64)> {
+    /// Increments that are looked at, at most: a choice.
+    const INCREMENTS: usize = 1 << 18;
+    let stride = values.len().div_ceil(INCREMENTS).max(1);
+    let pairs = values.windows(2).step_by(stride);
+    let steps = pairs.map(|pair| (pair[1] - pair[0]).abs());
+    let mut steps: Vec<f64> = steps.filter(|step| step.is_finite()).collect();
+    let largest = steps.iter().copied().fold(0.0, f64::max);
+    let least = steps.iter().copied().filter(|step| *step > 0.0);
+    let least = least.fold(f64::INFINITY, f64::min);
+    if !least.is_finite() {
+        return None;
+    }
+    let count = steps.len() as f64;
+    let mut unit = median(&mut steps).unwrap_or(0.0);
+    if unit == 0.0 {
+        let squares: f64 = steps.iter().map(|step| (step / largest).powi(2)).sum();
+        unit = largest * (squares / count).sqrt();
+    }
+    Some((unit, (least / unit).powi(2) / 12.0))
+}
+
+/// Stretches that touch, or lie no further apart than `reach` says of two, as one.
+pub fn joined(
+    mut stretches: Vec<Stretch>,
+    reach: impl Fn(&Stretch, &Stretch) -> usize,
+) -> Vec<Stretch> {
+    stretches.sort_by_key(|one| one.samples.start);
+    let mut all: Vec<Stretch> = Vec::new();
+    for mut next in stretches {
+        while let Some(last) =
+            all.pop_if(|last| next.samples.start <= last.samples.end + reach(last, &next))
+        {
+            let samples =
+                last.samples.start.min(next.samples.start)..last.samples.end.max(next.samples.end);
+            let longest = last.longest.max(next.longest);
+            let plainer = if last.z >= next.z { last } else { next };
+            next = Stretch {
+                samples,
+                longest,
+                ..plainer
+            };
+        }
+        all.push(next);
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn stretch(samples: Range<usize>, z: f64) -> Stretch {
+        Stretch {
+            samples,
+            z,
+            frequency: 0.1,
+            window: 16,
+            longest: 28,
+        }
+    }
+
+    #[test]
+    fn stretches_are_joined_with_the_plainest_of_them() {
+        let all = vec![
+            stretch(0..10, 7.0),
+            stretch(30..40, 9.0),
+            stretch(12..20, 8.0),
+        ];
+        let by_length = joined(all, |a, b| a.samples.len().max(b.samples.len()));
+        assert_eq!(by_length, [stretch(0..40, 9.0)]);
+    }
+}

@@ -1,0 +1,141 @@
+//! A shock is found for what it is, once, and nothing else is.
+
+use std::f64::consts::PI;
+
+use super::DETECTOR;
+use crate::diagnosis::detect::trial::{self, RATE_HZ, Trial, noise};
+use crate::diagnosis::record::wave::Wave;
+use crate::model::shock::{KIND, Shock};
+
+/// Adds shocks to a record.
+fn add(values: &mut [f64], shocks: &[Shock]) {
+    for shock in shocks {
+        shock.add_to(0, values, RATE_HZ);
+    }
+}
+
+fn ringing(time_s: f64, peak: f64) -> Shock {
+    Shock {
+        time_s,
+        peak,
+        duration_s: f64::INFINITY,
+        f_hz: 7.3,
+        decay_s: 0.4,
+    }
+}
+
+/// Rows of the shocks that are told of a record.
+fn told(values: Vec<f64>) -> Vec<Shock> {
+    let found = trial::candidate(Trial::new(values).ask(&DETECTOR));
+    found.map_or_else(Vec::new, |one| {
+        assert_eq!(one.effect.kind, KIND);
+        one.effect.plain().chunks(5).map(Shock::of).collect()
+    })
+}
+
+#[test]
+fn ringing_is_told_with_its_numbers_whatever_its_size() {
+    for (seed, peak) in (0..).zip([6.0, -20.0, 100.0, -1e4]) {
+        let mut values = noise(seed);
+        add(&mut values, &[ringing(100.123, peak)]);
+        let found = trial::candidate(Trial::new(values).ask(&DETECTOR));
+        let found = found.unwrap_or_else(|| panic!("seed {seed}, {peak}: nothing"));
+        let row = found.effect.plain();
+        assert_eq!(row.len(), 5, "seed {seed}, {peak}: {row:?}");
+        let shock = Shock::of(&row);
+        // An amplitude over noise of deviation 1, whose peak is some 0.95 of it, rings for n = 40 samples a decay:
+        // its logarithm, the decay's and the phase are known to about 1 / (peak sqrt(n / 4)), or 5 % at 6.
+        let sd = 0.32 / peak.abs();
+        let phase = 2.0 * PI * 7.3 * (shock.time_s - 100.123);
+        for (name, off) in [
+            ("time", phase / 2.0),
+            ("peak", shock.peak / peak - 1.0),
+            ("frequency", (shock.f_hz / 7.3 - 1.0) * 2.0 * PI * 7.3 * 0.4),
+            ("decay", (shock.decay_s / 0.4 - 1.0) / 2.0),
+        ] {
+            assert!(
+                off.abs() < 5.0 * sd + 1e-3,
+                "seed {seed}, {peak}: {name} {off} of {sd}: {shock:?}"
+            );
+        }
+        assert!(
+            found.held_out_nats.is_some_and(|nats| nats > 0.0),
+            "seed {seed}, {peak}"
+        );
+    }
+}
+
+#[test]
+fn a_shock_is_seen_at_both_ends_and_beside_a_gap() {
+    for (seed, place) in (10..).zip(["begin", "end", "gap"]) {
+        let mut values = noise(seed);
+        let length_s = values.len() as f64 / RATE_HZ;
+        let time_s = match place {
+            "begin" => 0.02,
+            "end" => length_s - 0.3,
+            _ => 80.01,
+        };
+        add(&mut values, &[ringing(time_s, 30.0)]);
+        if place == "gap" {
+            values[7000..8000].fill(f64::NAN);
+        }
+        let found = told(values);
+        assert_eq!(found.len(), 1, "seed {seed}, {place}: {found:?}");
+        assert!(
+            (found[0].time_s - time_s).abs() < 0.1,
+            "seed {seed}, {place}: {found:?}"
+        );
+    }
+}
+
+#[test]
+fn bumps_do_not_ring() {
+    for (seed, length_s) in (20..).zip([0.3, 1.0]) {
+        let mut values = noise(seed);
+        let bump = Shock {
+            duration_s: length_s,
+            f_hz: 0.0,
+            decay_s: 0.0,
+            ..ringing(100.0, 40.0)
+        };
+        add(&mut values, &[bump]);
+        let found = told(values);
+        assert_eq!(found.len(), 1, "seed {seed}: {found:?}");
+        assert_eq!(found[0].f_hz, 0.0, "seed {seed}: {found:?}");
+        let off = (found[0].duration_s / length_s - 1.0).abs();
+        assert!(off < 0.05, "seed {seed}: {found:?}");
+    }
+}
+
+#[test]
+fn what_has_another_name_is_left_to_it() {
+    for size in [12.0, 1e3, 1e5] {
+        let mut outlier = noise(30);
+        outlier[9000] += size;
+        outlier[9500] -= size;
+        assert!(told(outlier).is_empty(), "seed 30: outliers of {size}");
+        let mut step = noise(31);
+        trial::add(&mut step, &Wave::Steps(vec![trial::jump(9000, size)]));
+        assert!(told(step).is_empty(), "seed 31: a step of {size}");
+        let mut louder = noise(32);
+        louder[9000..10_000]
+            .iter_mut()
+            .for_each(|value| *value *= size / 4.0);
+        assert!(
+            told(louder).is_empty(),
+            "seed 32: a burst of {}",
+            size / 4.0
+        );
+    }
+    let (switching, _) = trial::switching(33, 4.0);
+    assert!(told(switching).is_empty(), "seed 33: two levels");
+}
+
+#[test]
+fn clean_records_hold_none() {
+    // At a level of 2e-4 each, one of 60 has a probability of 1.2 %.
+    let seen: Vec<u64> = (100..160)
+        .filter(|&seed| !told(noise(seed)).is_empty())
+        .collect();
+    assert!(seen.is_empty(), "seeds {seen:?}");
+}

@@ -1,0 +1,182 @@
+//! Multiples of a tone that wanders, which wander with it: one cause.
+
+use std::ops::Range;
+
+use super::Tone;
+use super::band::Band;
+use super::track::power;
+use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::detect::lines::mains_base;
+use crate::diagnosis::result::value::Value;
+use crate::diagnosis::statistic::p_value;
+
+/// Multiples of the base that are asked for: a choice.
+const MOST: u32 = 12;
+
+/// Numbers that the tone itself may have among the multiples of its base: a choice. The lowest of a family is seldom
+/// much weaker than the rest.
+const OWN: u32 = 4;
+
+/// Highest number that a tone at a mains frequency's multiple may have where it is alone: a bridge rectifier doubles.
+const ALONE: u32 = 2;
+
+/// Share of the rate up to which multiples are asked for: above, what folds back lies next to them.
+const HIGHEST: f64 = 0.48;
+
+/// Power over the floor by which a multiple must stand out, besides its probability: several times the error of the
+/// floor.
+const STANDS_OUT: f64 = 1.25;
+
+/// One line of a family.
+pub struct Line {
+    /// Multiple of the base.
+    pub number: u32,
+    /// Half of peak to peak, ahead of the chain.
+    pub amplitude: Value,
+    /// The frequencies that it fills, hertz.
+    pub band_hz: Range<f64>,
+}
+
+/// A tone with all that keeps step with it.
+pub struct Family {
+    /// Number of the tone itself.
+    pub number: u32,
+    /// Lines by ascending number.
+    pub lines: Vec<Line>,
+    /// Whether the base is a mains frequency.
+    pub is_mains: bool,
+}
+
+/// The family of a tone.
+pub fn family(axis: &AxisState, tone: &Tone<'_>, level: f64) -> Family {
+    let middle = 0.5 * (tone.own.start + tone.own.end) as f64;
+    let f_hz = tone.band.frequency_hz(middle);
+    let level = level / f64::from(MOST + OWN);
+    let is_there = |ratio: f64| stands_out(axis, tone, ratio, level);
+    let members = |number: u32| -> Vec<u32> {
+        let base_hz = f_hz / f64::from(number);
+        let is_member = |k: u32| {
+            let f_hz = f64::from(k) * base_hz;
+            f_hz < HIGHEST * axis.rate_hz && is_there(f64::from(k) / f64::from(number))
+        };
+        (1..=MOST)
+            .filter(|&k| k == number || is_member(k))
+            .collect()
+    };
+    let of = |number: u32, numbers: &[u32], is_mains| Family {
+        number,
+        lines: numbers
+            .iter()
+            .filter_map(|&k| line(axis, tone, k, number))
+            .collect(),
+        is_mains,
+    };
+    if let Some((_, number)) = mains_base(f_hz) {
+        let numbers = members(number);
+        if number <= ALONE || numbers.len() > 1 {
+            return of(number, &numbers, true);
+        }
+    }
+    let lower = (2..=OWN).rev().find(|&k| is_there(f64::from(k).recip()));
+    let number = lower.unwrap_or(1);
+    of(number, &members(number), false)
+}
+
+/// Whether there is power at `ratio` times the tone's frequency, window by window.
+fn stands_out(axis: &AxisState, tone: &Tone<'_>, ratio: f64, level: f64) -> bool {
+    let own_hz = filled_hz(tone, ratio);
+    let mut excluded_hz = axis.excluded_hz().into_iter();
+    if excluded_hz.any(|one| one.start < own_hz.end && own_hz.start < one.end) {
+        return false;
+    }
+    let Some(other) = at_ratio(axis, tone, ratio) else {
+        return false;
+    };
+    let band = tone.band;
+    let len = other.values.len() as f64;
+    // A multiple turns as many times as far within a window.
+    let parts = (ratio.ceil() as usize).next_power_of_two();
+    let windows = tone.track.places.len();
+    let length = tone.track.length as f64 / band.values.len() as f64 * len / parts as f64;
+    if length < 4.0 {
+        return false;
+    }
+    let powers = (0..windows * parts).filter_map(|part| {
+        let window = part / parts;
+        let own = (part as f64 * length) as usize..((part + 1) as f64 * length) as usize;
+        let samples = other.values.get(own)?;
+        let f_hz = ratio * band.frequency_hz(tone.track.places[window]);
+        let cycles = (f_hz / other.step_hz - other.first as f64) / len;
+        tone.track.counts[window].then(|| power(samples, cycles))
+    });
+    // Bounded: what is loud for a while is no tone. Under the exponential law the mean is a half, the variance 1/12.
+    let (mut sum, mut count) = (0.0, 0.0);
+    for power in powers {
+        sum += (-power).exp();
+        count += 1.0;
+    }
+    let mean = sum / f64::max(count, 1.0);
+    let z = (0.5 - mean) * f64::sqrt(12.0 * count);
+    mean < (1.0 + STANDS_OUT).recip() && z > 0.0 && p_value::two_sided(z) < 2.0 * level
+}
+
+/// The band at `ratio` times the frequencies that the tone fills.
+fn at_ratio(axis: &AxisState, tone: &Tone<'_>, ratio: f64) -> Option<Band> {
+    let own_hz = filled_hz(tone, ratio);
+    Band::about(axis, tone.seen, &own_hz, super::ROOM)
+}
+
+/// The frequencies that `ratio` times the tone fills, no narrower than one window tells.
+fn filled_hz(tone: &Tone<'_>, ratio: f64) -> Range<f64> {
+    let of = |place: usize| ratio * tone.band.frequency_hz(place as f64);
+    of(tone.own.start)..of(tone.own.end)
+}
+
+/// A line of the family with its size: the power of its band over the floor.
+fn line(axis: &AxisState, tone: &Tone<'_>, number: u32, own: u32) -> Option<Line> {
+    /// Relative error of the floor's ends together, times the root of their ordinates: that of two medians.
+    const FLOOR_ERROR: f64 = 1.02;
+    let ratio = f64::from(number) / f64::from(own);
+    let within_hz = filled_hz(tone, ratio);
+    let other;
+    let band = if number == own {
+        tone.band
+    } else {
+        other = at_ratio(axis, tone, ratio)?;
+        &other
+    };
+    let place = |f_hz: f64| {
+        let place = f_hz / band.step_hz - band.first as f64;
+        (place.max(0.0) as usize).min(band.ordinates.len())
+    };
+    let inside = place(within_hz.start)..place(within_hz.end) + 1;
+    let inside = if number == own {
+        tone.own.clone()
+    } else {
+        band.grown(inside.start..inside.end.min(band.ordinates.len()))
+    };
+    let (mut sum, mut variance, mut floor) = (0.0, 0.0, 0.0);
+    for k in inside.clone() {
+        // Over the share of the record in which there is any of it.
+        let more = band.ordinates[k].norm_sqr() / band.share - 1.0;
+        let unit = band.floor(k);
+        sum += unit * more;
+        variance += unit * unit * (1.0 + 2.0 * more.max(0.0));
+        floor += unit;
+    }
+    variance += (FLOOR_ERROR * floor).powi(2) / band.ordinates.len() as f64;
+    // The square of an amplitude is four times the power on one side of zero.
+    let square = 4.0 * band.step_hz * sum;
+    let f_hz = band.frequency_hz(0.5 * (inside.start + inside.end) as f64);
+    let passed = axis.bins.chain_power(f_hz).sqrt();
+    let amplitude = square.max(0.0).sqrt();
+    if amplitude <= 0.0 {
+        return None;
+    }
+    let sd = 2.0 * band.step_hz * variance.sqrt() / amplitude;
+    Some(Line {
+        number,
+        amplitude: Value::normal(amplitude / passed, sd / passed),
+        band_hz: band.frequency_hz(inside.start as f64)..band.frequency_hz(inside.end as f64),
+    })
+}

@@ -1,0 +1,273 @@
+//! Tones of steady size whose frequency moves: `wandering_line`, and mains as they are, `hum`.
+//!
+//! A band is suspected where lines do not keep their phase or stand too close to be separate, or where noise is not as
+//! steady as noise is. There the strongest tone is [followed](track) through windows of many lengths. It is named if
+//! its power, where other windows foretold it, is steadier than noise, grows with the length of the windows as that of
+//! a tone does, and if its frequency [moves](course). A resonance has a power that fluctuates as noise does, however
+//! narrow it is; a tone that comes and goes fluctuates by more.
+//!
+//! No fit and no test looks at the bands that it fills: a density would say that all of its spectrum is random. It is
+//! in the model as it was measured.
+
+mod band;
+mod course;
+mod harmonics;
+#[cfg(test)]
+mod tests;
+mod track;
+
+use std::ops::Range;
+
+use self::band::Band;
+use self::course::{Course, course};
+use self::harmonics::{Line, family};
+use self::track::{Steadiness, Track};
+use super::Detector;
+use super::lines::{self, Group, Measured};
+use crate::diagnosis::axis::{AxisState, NoFit, Whitened};
+use crate::diagnosis::detect::look::{Look, Proposal};
+use crate::diagnosis::explanation::{Candidate, Change, Explanation};
+use crate::diagnosis::result::estimate::Estimate;
+use crate::diagnosis::result::finding::Rival;
+use crate::diagnosis::result::value::Value;
+use crate::model::{hum, resonance, sinusoid, wandering_line};
+
+/// Shortest windows, samples of the band; those of half the length show how its energy grows.
+const SHORTEST: usize = 8;
+
+/// Windows at least.
+const LEAST_WINDOWS: usize = 32;
+
+/// How steady a tone must be: 0 as noise is, 1 as a tone without any change of its size. A choice; resonances of any
+/// width and strength stay below a half.
+const STEADY: f64 = 0.7;
+
+/// By how much its energy must grow with windows of twice the length; that of a tone doubles, of noise stays.
+const GROWTH: f64 = 1.5;
+
+/// Width of the band that is looked at over that which is suspected.
+const ROOM: f64 = 4.0;
+
+/// Share of the band up to half the rate that it may fill: wider, it is no line.
+const NARROW: f64 = 0.25;
+
+/// Suspects that are looked at, the strongest ones: a choice.
+const MOST: usize = 6;
+
+/// Looks for tones that wander among lines that are no single ones. The tests are those of the lines: what is asked
+/// here decides about a name.
+pub static DETECTOR: Detector = Detector { tests: 0, look };
+
+fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
+    let mut suspects = suspects(look);
+    suspects.sort_by(|a, b| b.ratio.total_cmp(&a.ratio));
+    let found = suspects
+        .iter()
+        .take(MOST)
+        .find_map(|one| named(look, &one.band_hz, one.p_value));
+    Ok(found.into_iter().collect())
+}
+
+/// Where a tone may wander.
+struct Suspect {
+    band_hz: Range<f64>,
+    /// Power of its strongest line over the floor.
+    ratio: f64,
+    p_value: f64,
+}
+
+/// Lines that are not steady, or stand too close to be separate.
+fn suspects(look: &Look<'_>) -> Vec<Suspect> {
+    /// Reach of a single line, 1/T.
+    const REACH: f64 = 10.0;
+    let mut known = look.axis.excluded_hz();
+    known.extend(lines::resonances_hz(look.axis));
+    let reach_hz = REACH / look.duration_s();
+    let of_line = |one: &Measured| Suspect {
+        band_hz: one.line.frequency_hz - reach_hz..one.line.frequency_hz + reach_hz,
+        ratio: one.line.ratio,
+        p_value: one.line.false_alarm,
+    };
+    let of_group = |group: Group| match group {
+        Group::Single(one) => lines::wanders(look, &one).then(|| of_line(&one)),
+        Group::Hum { lines, .. } => {
+            let mut unsteady = lines.iter().filter(|(_, one)| lines::wanders(look, one));
+            unsteady.next()?;
+            let strongest = lines
+                .iter()
+                .max_by(|(_, a), (_, b)| a.line.ratio.total_cmp(&b.line.ratio));
+            strongest.map(|(_, one)| of_line(one))
+        }
+        Group::Cluster { lines, .. } => {
+            let strongest = lines.iter().max_by(|a, b| a.ratio.total_cmp(&b.ratio))?;
+            Some(Suspect {
+                band_hz: lines[0].frequency_hz - reach_hz
+                    ..lines[lines.len() - 1].frequency_hz + reach_hz,
+                ratio: strongest.ratio,
+                p_value: strongest.false_alarm,
+            })
+        }
+    };
+    let all = lines::lines(look.axis, look.level()).into_iter();
+    let is_known = |one: &Suspect| {
+        let middle = 0.5 * (one.band_hz.start + one.band_hz.end);
+        known.iter().any(|band| band.contains(&middle))
+    };
+    all.filter_map(of_group)
+        .filter(|one| !is_known(one))
+        .collect()
+}
+
+/// Share of what a tone is worth that its wandering has to be: a tone that stands still is not quite what is followed,
+/// and a strong one shows that. A hundredth is a choice.
+const IMPERFECT: f64 = 0.01;
+
+/// A tone that wanders within or about a band, found there otherwise with the probability `p_value` by chance.
+pub fn named(look: &Look<'_>, within_hz: &Range<f64>, p_value: f64) -> Option<Proposal> {
+    let axis = look.axis;
+    let seen = axis.whitened();
+    let band = Band::about(axis, &seen, within_hz, ROOM)?;
+    let (track, steadiness) = steadiest(axis, &band, look.level())?;
+    let course = course(&band, &track)?;
+    // A tone that stands still is no business of this one.
+    let nats = track.nats(steadiness.energy);
+    if course.nats < IMPERFECT * nats - look.level().ln() {
+        return None;
+    }
+    let own = filled(&band, &track);
+    let width_hz = (own.end - own.start) as f64 * band.step_hz;
+    if width_hz > NARROW * 0.5 * axis.rate_hz {
+        return None;
+    }
+    let tone = Tone {
+        seen: &seen,
+        band: &band,
+        track: &track,
+        own,
+    };
+    let family = family(axis, &tone, look.level());
+    family
+        .lines
+        .iter()
+        .find(|line| line.number == family.number)?;
+    let kind = if family.is_mains {
+        hum::KIND
+    } else {
+        wandering_line::KIND
+    };
+    if !look.is_open(kind) {
+        return None;
+    }
+    let effect = Estimate {
+        kind,
+        values: values(&course, &family.lines, family.number),
+    };
+    let bands = family
+        .lines
+        .iter()
+        .map(|line| line.band_hz.clone())
+        .collect();
+    let freedom = 4.0 + family.lines.len() as f64;
+    let mut supersedes = made_for_it(axis, &family.lines);
+    supersedes.extend(
+        axis.has(kind)
+            .then_some(kind)
+            .filter(|kind| *kind == hum::KIND),
+    );
+    Some(Proposal::Explain(Box::new(Candidate {
+        held_out_nats: Some(nats),
+        supersedes,
+        rivals: vec![Rival {
+            effect: resonance::KIND,
+            log_odds: -steadiness.p_value.max(f64::MIN_POSITIVE).ln(),
+        }],
+        ..Candidate::new(effect, p_value, freedom, Change::Tone(bands))
+    })))
+}
+
+/// A tone that was followed.
+pub struct Tone<'a> {
+    seen: &'a Whitened,
+    band: &'a Band,
+    track: &'a Track,
+    /// Ordinates of the band that it fills.
+    own: Range<usize>,
+}
+
+/// The windows through which a tone of a band is plainest, if there is one.
+fn steadiest(axis: &AxisState, band: &Band, level: f64) -> Option<(Track, Steadiness)> {
+    /// Energy in a window from which the frequency is known well enough to turn phases into frequencies.
+    const ENOUGH: f64 = 6.0;
+    let lengths = std::iter::successors(Some(SHORTEST / 2), |length| Some(2 * length));
+    let lengths: Vec<usize> = lengths
+        .take_while(|length| band.values.len() / length >= LEAST_WINDOWS)
+        .collect();
+    let level = level / lengths.len() as f64;
+    let mut before = f64::INFINITY;
+    let mut best: Option<(Track, Steadiness)> = None;
+    for length in lengths {
+        let track = Track::new(band, length, band.counting(axis, length));
+        let Some(one) = track.steadiness() else {
+            before = f64::INFINITY;
+            continue;
+        };
+        let grows = one.energy > GROWTH * before;
+        before = one.energy;
+        if length < SHORTEST || !grows || one.share < STEADY || one.p_value > level {
+            continue;
+        }
+        // The first that is strong enough has the most windows; below, the surest.
+        let is_better = best.as_ref().is_none_or(|(_, best)| {
+            best.energy < ENOUGH && (one.energy >= ENOUGH || one.p_value < best.p_value)
+        });
+        if is_better {
+            best = Some((track, one));
+        }
+    }
+    best
+}
+
+/// Ordinates of the band that the tone fills: where it was followed to, but for a few windows, and from there on as
+/// long as there is more power than noise has.
+fn filled(band: &Band, track: &Track) -> Range<usize> {
+    /// Share of the windows on either side that may have gone astray.
+    const ASTRAY: f64 = 0.01;
+    let pairs = track.places.iter().zip(&track.counts);
+    let counted = pairs.filter(|(_, counts)| **counts);
+    let mut places: Vec<f64> = counted.map(|(place, _)| *place).collect();
+    places.sort_by(f64::total_cmp);
+    let few = (ASTRAY * places.len() as f64) as usize;
+    let width = band.values.len() as f64 / track.length as f64;
+    let start = (places[few] - width).max(0.0) as usize;
+    let end = (places[places.len() - 1 - few] + width) as usize + 1;
+    band.grown(start..end)
+}
+
+/// Parameters in the catalogue's order, of a tone that is number `number` of its family.
+fn values(course: &Course, lines: &[Line], number: u32) -> Vec<Option<Value>> {
+    let base = |value: Value| value.map(|one| one / f64::from(number));
+    let mut values = vec![
+        Some(base(course.f_hz)),
+        Some(base(course.wander_hz)),
+        Some(course.wander_s),
+    ];
+    for line in lines {
+        let place = wandering_line::FIRST_AMPLITUDE + line.number as usize - 1;
+        values.resize(values.len().max(place + 1), None);
+        values[place] = Some(line.amplitude);
+    }
+    values
+}
+
+/// Kinds that are taken back: laws that were fitted to the tone with the rest of the spectrum, and lines that stand in
+/// its bands.
+fn made_for_it(axis: &AxisState, bands: &[Line]) -> Vec<crate::model::kind::Kind> {
+    let laws = axis.explanations().iter().filter(|one| one.law().is_some());
+    let mut kinds: Vec<_> = laws.map(Explanation::kind).collect();
+    let mut lines_hz = lines::taken_out_hz(axis).into_iter();
+    let is_inside = |f_hz: f64| bands.iter().any(|line| line.band_hz.contains(&f_hz));
+    if lines_hz.any(is_inside) {
+        kinds.push(sinusoid::KIND);
+    }
+    kinds
+}

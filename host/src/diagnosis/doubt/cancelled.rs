@@ -1,0 +1,107 @@
+//! Courses that what is left of the record cancels.
+//!
+//! A course that is there adds its Allan variance to that of the rest, but for what chance makes of their product. One
+//! that was fitted to slow noise leaves its opposite behind: the rest and the course together have more than the
+//! record. Data simulated from both would be louder than what was measured.
+
+use super::{Doubt, Hearing};
+use crate::bins::point::Point;
+use crate::diagnosis::axis::{AxisState, NoFit};
+use crate::diagnosis::record::wave::Wave;
+use crate::diagnosis::result::verdict::{GOOD_PERCENT, LEAST_INTERVALS};
+use crate::diagnosis::statistic::allan_curve;
+use crate::model::kind::Kind;
+
+/// Standard deviations of the record's own variance by which the sum may be larger: the product of
+/// two independent series strays by one.
+const SIGMAS: f64 = 3.0;
+
+/// Takes such courses back, the largest first. What they were named for is noise, with or without a name. No test:
+/// every course was significant as what it is.
+pub static DOUBT: Doubt = Doubt { tests: 0, hear };
+
+fn hear(hearing: &mut Hearing<'_>) -> Result<(), NoFit> {
+    while let Some(kind) = most_cancelled(hearing.axis) {
+        hearing.axis.withdraw(kind);
+        hearing.axis.refresh()?;
+    }
+    Ok(())
+}
+
+/// The kind whose courses are largest where the rest cancels most of them, if it does so anywhere.
+fn most_cancelled(axis: &AxisState) -> Option<Kind> {
+    let has_waves = |one: &&crate::diagnosis::explanation::Explanation| !one.waves().is_empty();
+    axis.explanations().iter().find(has_waves)?;
+    let left = axis.residual.values();
+    let curve = |values: &mut [f64]| {
+        // Only where all are there.
+        for (value, left) in values.iter_mut().zip(left.iter()) {
+            *value += 0.0 * left;
+        }
+        allan_curve::allan(values, axis.rate_hz)
+    };
+    let measured = curve(&mut axis.residual.measured().to_vec());
+    let rest = allan_curve::allan(&left, axis.rate_hz);
+    let course = |waves: &mut dyn Iterator<Item = &Wave>| {
+        let mut values = vec![0.0; left.len()];
+        waves.for_each(|wave| wave.take_out(&mut values));
+        curve(&mut values)
+    };
+    let all = course(&mut axis.residual.waves().iter());
+    let most = (left.len() as u64) / LEAST_INTERVALS;
+    let beyond = measured
+        .iter()
+        .filter(|point| point.m <= most)
+        .map(|point| {
+            let sum = at(&rest, point.m) + at(&all, point.m);
+            let allowed = (1.0 + GOOD_PERCENT / 100.0).powi(2) + SIGMAS * (2.0 / point.edf).sqrt();
+            (point.m, sum / (allowed * point.variance))
+        });
+    let (m, worst) = beyond.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    if worst <= 1.0 {
+        return None;
+    }
+    let sizes = axis.explanations().iter().filter(has_waves).map(|one| {
+        let own = course(&mut one.waves().iter());
+        (one.kind(), at(&own, m))
+    });
+    let largest = sizes.max_by(|a, b| a.1.total_cmp(&b.1));
+    largest.map(|(kind, _)| kind)
+}
+
+/// Variance of a curve at `m` samples; zero where it has no such point.
+fn at(curve: &[Point], m: u64) -> f64 {
+    let found = curve.iter().find(|point| point.m == m);
+    found.map_or(0.0, |point| point.variance)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::trial::{axis, heard, jump, short, take_in};
+    use crate::model::steps;
+
+    /// Noise about a level that rises by 3 in the middle, with a step of this height taken out there.
+    fn stepped(seed: u64, taken: f64) -> AxisState {
+        let middle = short(seed) / 2;
+        let mut axis = axis(seed, short(seed), |n, noise| {
+            noise + if n < middle { 0.0 } else { 3.0 }
+        });
+        take_in(&mut axis, steps::KIND, jump(middle, taken).into());
+        axis
+    }
+
+    #[test]
+    fn a_step_that_is_there_stays() {
+        let mut axis = stepped(1, 3.0);
+        heard(&DOUBT, &mut axis, false);
+        assert!(axis.has(steps::KIND), "seed 1");
+    }
+
+    #[test]
+    fn a_step_that_the_rest_takes_back_goes() {
+        let mut axis = stepped(1, 6.0);
+        heard(&DOUBT, &mut axis, false);
+        assert!(!axis.has(steps::KIND), "seed 1");
+    }
+}

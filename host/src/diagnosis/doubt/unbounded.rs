@@ -1,0 +1,172 @@
+//! Effects of which the record says too little: an interval that spans more than a factor of ten, or holds none of the
+//! effect, is no finding.
+//!
+//! A peak whose width lies between a thousandth and five hertz may be a line, a top of something else, or half of the
+//! band. What was significant about it stays so, without the name.
+
+use super::{Doubt, Hearing};
+use crate::diagnosis::axis::{AxisState, NoFit};
+use crate::diagnosis::detect::spectral;
+use crate::diagnosis::explanation::Explanation;
+use crate::diagnosis::laws::spread::Spread;
+use crate::diagnosis::result::finding::Remark;
+use crate::diagnosis::result::value::Value;
+use crate::model::effect::{Part, Quantity};
+use crate::model::kind::Kind;
+
+/// Upper over lower end of a 95 % interval from which it says too little: an order of magnitude.
+const WIDEST: f64 = 10.0;
+
+/// Takes such names back, the least sure first: what two of them share, the other may then have for itself. No test.
+pub static DOUBT: Doubt = Doubt { tests: 0, hear };
+
+fn hear(hearing: &mut Hearing<'_>) -> Result<(), NoFit> {
+    while let Some((place, factor)) = least_sure(hearing.axis) {
+        let one = &hearing.axis.explanations()[place];
+        if let Some(which) = hearing.axis.law_number(one) {
+            hearing
+                .remarks
+                .push(remark(hearing.axis, one, which, factor));
+            hearing.axis.withdraw_laws(&[which]);
+        } else {
+            let kind = one.kind();
+            hearing.axis.withdraw(kind);
+        }
+        hearing.axis.refresh()?;
+    }
+    Ok(())
+}
+
+/// The explanation whose worst interval is the widest, if it says too little, and how wide that is.
+fn least_sure(axis: &AxisState) -> Option<(usize, f64)> {
+    let spread = Spread::new(&axis.bins, &axis.data, &axis.laws, &axis.fit);
+    let explanations = axis.explanations().iter().enumerate();
+    let factors = explanations.map(|(place, one)| {
+        let values = match axis.law_number(one) {
+            Some(which) => spread.values(which).into_iter().map(Some).collect(),
+            None => one.effect.values.clone(),
+        };
+        (place, unsureness(one.kind(), &values))
+    });
+    let worst = factors.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (worst.1 > WIDEST).then_some(worst)
+}
+
+/// By which factor the least certain of an effect's widths spans, or the surest of its sizes; 1 where it has neither.
+fn unsureness(kind: Kind, values: &[Option<Value>]) -> f64 {
+    let plain: Vec<f64> = values
+        .iter()
+        .map(|one| one.map_or(0.0, |one| one.value))
+        .collect();
+    // A limit or a grid is a place among the values, not a size.
+    let acts = matches!(kind.part(&plain), Part::Distortion(_));
+    let parameters = kind.parameters(&plain);
+    let known = || {
+        let pairs = parameters.iter().zip(values);
+        pairs.filter_map(|(parameter, value)| Some((parameter.quantity, (*value)?)))
+    };
+    let widths = known().filter(|(quantity, _)| *quantity == Quantity::Hertz);
+    let widest = widths.map(|(_, value)| factor(value)).fold(1.0, f64::max);
+    let is_size = |quantity: Quantity| {
+        matches!(
+            quantity,
+            Quantity::Signal | Quantity::Density | Quantity::SignalPerKelvin
+        )
+    };
+    let sizes = known().filter(|(quantity, _)| is_size(*quantity) && !acts);
+    let surest = sizes.map(|(_, value)| factor(value)).reduce(f64::min);
+    widest.max(surest.unwrap_or(1.0))
+}
+
+/// Upper over lower end of an interval; infinite where it has no end or holds zero.
+fn factor(value: Value) -> f64 {
+    let (Some(lo), Some(hi)) = (value.lo, value.hi) else {
+        return f64::INFINITY;
+    };
+    let (least, most) = (lo.abs().min(hi.abs()), lo.abs().max(hi.abs()));
+    if lo * hi <= 0.0 {
+        f64::INFINITY
+    } else {
+        most / least
+    }
+}
+
+fn remark(axis: &AxisState, one: &Explanation, which: usize, factor: f64) -> Remark {
+    /// Shares of the density from which it is the law's, the largest that it reaches: choices.
+    const SEEN: [f64; 3] = [0.25, 0.05, 0.01];
+    let bands = SEEN.map(|share| spectral::band_of(axis, which, share));
+    let band = bands.into_iter().find(|band| band.end > 0.0);
+    let how = if factor.is_finite() {
+        format!("by a factor of {factor:.0} between its ends")
+    } else {
+        "without an end".into()
+    };
+    Remark {
+        test: "spectrum".into(),
+        place: band.unwrap_or(0.0..0.5 * axis.rate_hz).into(),
+        p_value: one.p_value,
+        description: format!(
+            "power that a {} explains, of which the record says too little for a name: a 95 % interval {how}",
+            one.kind()
+        ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::trial::{axis, heard, kinds, law, ringing, short, take_in};
+    use crate::model::{markov, resonance, sinusoid, steps};
+
+    #[test]
+    fn a_width_that_is_known_to_a_factor_of_ten_is_no_finding() {
+        let interval = |lo: f64, hi: f64| {
+            let value = Value {
+                value: (lo * hi).abs().sqrt(),
+                lo: Some(lo),
+                hi: Some(hi),
+            };
+            Some(value)
+        };
+        let (sure, wide, none) = (
+            interval(1.0, 2.0),
+            interval(0.014, 5.5),
+            interval(-1.0, 2.0),
+        );
+        let spans = |kind, values: &[Option<Value>]| unsureness(kind, values) > WIDEST;
+        assert!(!spans(resonance::KIND, &[sure, sure, sure]));
+        assert!(spans(resonance::KIND, &[sure, wide, sure]));
+        assert!(spans(resonance::KIND, &[sure, sure, wide]));
+        assert!(spans(sinusoid::KIND, &[sure, none]));
+        // How long it takes is no width, and one step that is sure is enough.
+        assert!(!spans(markov::KIND, &[sure, wide]));
+        assert!(!spans(steps::KIND, &[sure, none, sure, sure]));
+        let no_end = Some(Value {
+            value: 1.0,
+            lo: Some(1.0),
+            hi: None,
+        });
+        assert!(spans(resonance::KIND, &[sure, no_end, sure]));
+    }
+
+    #[test]
+    fn a_resonance_that_is_there_stays_and_one_that_is_not_goes() {
+        let mut rings = ringing(1, 100.0, 10.0);
+        let mut there = axis(1, short(1), |_, noise| noise + rings());
+        take_in(
+            &mut there,
+            resonance::KIND,
+            law(resonance::KIND, &[100.0, 10.0, 1.0]),
+        );
+        assert_eq!(heard(&DOUBT, &mut there, false), [], "seed 1");
+        assert_eq!(kinds(&there), [resonance::KIND], "seed 1");
+        let mut nothing = axis(2, short(2), |_, noise| noise);
+        take_in(
+            &mut nothing,
+            resonance::KIND,
+            law(resonance::KIND, &[100.0, 10.0, 1.0]),
+        );
+        assert_eq!(heard(&DOUBT, &mut nothing, false).len(), 1, "seed 2");
+        assert_eq!(kinds(&nothing), [], "seed 2");
+    }
+}

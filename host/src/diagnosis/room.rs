@@ -1,0 +1,100 @@
+//! What a record can hold: a candidate whose parameters leave it is refused, whatever its p-value.
+//!
+//! A waveform may fit where it is not the truth, as an exponential of a few samples that starts a
+//! thousand times higher than any value. Laws are kept inside where they are fitted
+//! ([`Law::is_sound`](crate::diagnosis::laws::Law::is_sound)).
+
+use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::explanation::{Candidate, Change};
+use crate::model::effect::{Part, Quantity};
+
+/// Share by which a size may be beyond the range of the values: a choice. An estimate of what fills all
+/// of it has its own error.
+const BEYOND: f64 = 0.05;
+
+/// Whether a record like that of `axis` has room for a candidate: instants within it, waves no larger
+/// than the range of its values, factors above zero.
+pub fn holds(axis: &AxisState, candidate: &Candidate) -> bool {
+    let values = candidate.effect.plain();
+    let parameters = candidate.effect.kind.parameters(&values);
+    let duration_s = axis.residual.len() as f64 / axis.rate_hz;
+    let is_wave = matches!(candidate.change, Change::Waves(_));
+    // A limit or a grid is a place among the values, not a size; ahead of a chain a wave may be larger than what comes
+    // through.
+    let acts = || matches!(candidate.effect.kind.part(&values), Part::Distortion(_));
+    let range = match is_wave && axis.chain.is_none() && !acts() {
+        true => range(axis.residual.measured()),
+        false => f64::INFINITY,
+    };
+    parameters
+        .iter()
+        .zip(&values)
+        .all(|(parameter, value)| match parameter.quantity {
+            Quantity::Instant => (0.0..=duration_s).contains(value),
+            Quantity::Signal => value.abs() <= range * (1.0 + BEYOND),
+            Quantity::Factor => *value > 0.0,
+            _ => value.is_finite(),
+        })
+}
+
+/// Largest less smallest of the values that are there.
+fn range(values: &[f64]) -> f64 {
+    let finite = values.iter().filter(|value| value.is_finite());
+    let ends = finite.fold(
+        (f64::INFINITY, f64::NEG_INFINITY),
+        |(least, most), value| (least.min(*value), most.max(*value)),
+    );
+    ends.1 - ends.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::result::estimate::Estimate;
+    use crate::diagnosis::result::value::Value;
+    use crate::diagnosis::trial::{RATE_HZ, axis, jump, short};
+    use crate::model::kind::Kind;
+    use crate::model::{burst, clipping, steps};
+
+    fn is_held(kind: Kind, values: [f64; 2], change: Change) -> bool {
+        let axis = axis(1, short(1), |_, noise| noise);
+        let effect = Estimate::new(kind, values.map(Value::exact));
+        holds(&axis, &Candidate::new(effect, 1e-9, 1.0, change))
+    }
+
+    #[test]
+    fn a_step_is_no_higher_than_the_values_and_within_the_record() {
+        let end_s = short(1) as f64 / RATE_HZ;
+        let step = |time_s, height| {
+            let wave: Change = jump(5000, height).into();
+            is_held(steps::KIND, [time_s, height], wave)
+        };
+        assert!(step(0.5 * end_s, 1.0));
+        assert!(step(0.5 * end_s, -1.0));
+        assert!(!step(0.5 * end_s, 1e3));
+        assert!(!step(0.5 * end_s, -1e3));
+        assert!(!step(1.01 * end_s, 1.0));
+        assert!(!step(0.5 * end_s, f64::NAN));
+    }
+
+    #[test]
+    fn a_limit_may_be_far_above_the_range_of_the_values() {
+        let waves = jump(5000, 0.1).into();
+        assert!(is_held(clipping::KIND, [98.0, 1.0], waves));
+    }
+
+    #[test]
+    fn no_noise_at_all_is_no_burst() {
+        let axis = axis(1, short(1), |_, noise| noise);
+        let burst = |factor| {
+            let values = [0.1, 0.2, factor].map(Value::exact);
+            let effect = Estimate::new(burst::KIND, values);
+            holds(
+                &axis,
+                &Candidate::new(effect, 1e-9, 1.0, Change::Mask(Vec::new())),
+            )
+        };
+        assert!(burst(0.1));
+        assert!(!burst(0.0));
+    }
+}

@@ -1,0 +1,168 @@
+//! How a frequency wanders: the shape of a line whose frequency follows a slow random process.
+//!
+//! The frequency is `f0 + u(t)` with `u` Gaussian of covariance `rms^2 e^(-|t| / T)`. The phase is its integral, so
+//! that a tone of power 1 has the covariance `cos(2 pi f0 t) e^(-b^2 (s - 1 + e^-s))` with `s = |t| / T` and
+//! `b = 2 pi rms T` (R. Kubo in *Fluctuation, Relaxation and Resonance in Magnetic Systems*, 1962, eq. 5.8). Slow
+//! wandering (`b` far above 1) makes a Gaussian line of the deviation `rms`, fast wandering a Lorentzian one of the
+//! width `4 pi rms^2 T`.
+
+use std::f64::consts::TAU;
+
+use realfft::num_complex::Complex64;
+
+use super::random::Gaussian;
+
+/// Levels of the continued fraction: with the last one closed as below its error is below 1e-4 at any `b`, against a
+/// numerical transform of the covariance.
+const LEVELS: u32 = 48;
+
+/// Deviations beyond which a simulated frequency does not go: 6e-5 of the time.
+const FURTHEST: f64 = 4.0;
+
+/// How far and how fast a frequency wanders.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wander {
+    /// Root mean square about its mean, hertz.
+    pub rms_hz: f64,
+    /// Correlation time, seconds.
+    pub time_s: f64,
+}
+
+impl Wander {
+    /// The same of a multiple of the tone.
+    pub fn times(self, number: u32) -> Self {
+        Self {
+            rms_hz: f64::from(number) * self.rms_hz,
+            ..self
+        }
+    }
+
+    /// Density per hertz of a tone of power 1 at `offset_hz` from its mean frequency, its integral over all offsets
+    /// being 1: the transform of the covariance as a continued fraction (H. Mori, Prog. Theor. Phys. 34 (1965) 399),
+    /// `J = 1 / (z + D^2 / (z + g + 2 D^2 / (z + 2 g + ...)))` with `D = 2 pi rms`, `g = 1 / T`. The last level is the
+    /// root of its own equation with the level below it a little larger.
+    pub fn shape(self, offset_hz: f64) -> f64 {
+        let square = (TAU * self.rms_hz).powi(2);
+        let rate = self.time_s.recip();
+        let z = Complex64::new(0.0, -TAU * offset_hz);
+        let root = |level: f64, beyond: Complex64| {
+            let own = z + level * rate + beyond;
+            0.5 * ((own * own + 4.0 * level * square).sqrt() - own)
+        };
+        let last = f64::from(LEVELS);
+        let beyond = root(last + 1.0, Complex64::ZERO) - root(last, Complex64::ZERO);
+        let inner = (1..LEVELS).rev().map(f64::from);
+        let fraction = inner.fold(root(last, beyond), |below, level| {
+            level * square / (z + level * rate + below)
+        });
+        2.0 * (z + fraction).inv().re
+    }
+
+    /// Half of the width at half the height, about: of the narrower of the two limits.
+    pub fn half_width_hz(self) -> f64 {
+        self.rms_hz.min(TAU * self.rms_hz.powi(2) * self.time_s)
+    }
+
+    /// Distance from the mean frequency beyond which no more than some percent of the power lie.
+    pub fn reach_hz(self) -> f64 {
+        /// Half widths at which a Gaussian has 0.3 % of its power, a Lorentzian a fifth.
+        const WIDTHS: f64 = 3.0;
+        WIDTHS * self.half_width_hz()
+    }
+}
+
+/// The phase of a tone whose frequency wanders, sample by sample.
+pub(super) struct Phase {
+    noise: Gaussian,
+    /// Deviation of the frequency over its root mean square.
+    state: f64,
+    keep: f64,
+    innovation: f64,
+    turns: f64,
+    step: f64,
+    swing: f64,
+}
+
+impl Phase {
+    /// Of a tone of mean frequency `f_hz`.
+    pub fn new(f_hz: f64, wander: Wander, rate_hz: f64, mut noise: Gaussian) -> Self {
+        let decay = (wander.time_s * rate_hz).recip();
+        Self {
+            state: noise.draw(),
+            noise,
+            keep: (-decay).exp(),
+            innovation: (-(-2.0 * decay).exp_m1()).sqrt(),
+            turns: 0.0,
+            step: f_hz / rate_hz,
+            swing: wander.rms_hz / rate_hz,
+        }
+    }
+
+    /// The phase at the next sample, turns.
+    pub fn next(&mut self) -> f64 {
+        let now = self.turns;
+        let before = self.state;
+        self.state = self.keep * before + self.innovation * self.noise.draw();
+        let mean = 0.5 * (before + self.state);
+        let frequency = self.step + self.swing * mean.clamp(-FURTHEST, FURTHEST);
+        self.turns = (self.turns + frequency).fract();
+        now
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use super::*;
+
+    fn wander(rms_hz: f64, time_s: f64) -> Wander {
+        Wander { rms_hz, time_s }
+    }
+
+    #[test]
+    fn slow_wandering_is_gaussian_and_fast_wandering_lorentzian() {
+        // b = 6283: the first correction is 1 / b.
+        let slow = wander(1.0, 1e3);
+        for offset in [0.0, 0.5, 1.0, 2.0, 3.0] {
+            let gauss = (-0.5_f64 * offset * offset).exp() / TAU.sqrt();
+            let ratio = slow.shape(offset) / gauss;
+            assert!((ratio - 1.0).abs() < 2e-3, "{offset} Hz: {ratio}");
+        }
+        // b = 0.0063: the first correction is b^2.
+        let fast = wander(1.0, 1e-3);
+        let half = fast.half_width_hz();
+        for offset in [0.0, 0.5, 1.0, 3.0] {
+            let lorentz = 1.0 / (PI * half * (1.0 + offset * offset));
+            let ratio = fast.shape(offset * half) / lorentz;
+            assert!((ratio - 1.0).abs() < 2e-4, "{offset} widths: {ratio}");
+        }
+    }
+
+    #[test]
+    fn is_the_transform_of_the_covariance() {
+        for time_s in [0.03, 0.3, 3.0, 30.0] {
+            let one = wander(1.0, time_s);
+            let b = TAU * time_s;
+            let covariance = |t: f64| {
+                let s = t / time_s;
+                (-b * b * (s + (-s).exp_m1())).exp()
+            };
+            for offset in [0.0, 0.5, 1.0, 2.0, 3.0] {
+                // The trapezium rule, to where nothing is left: errors of a step squared over 24 of the curvature.
+                let step = 0.002_f64.min(0.01 * time_s);
+                let end = (20.0 * time_s + 20.0 / one.half_width_hz()).min(40.0);
+                let sum: f64 = (1..(end / step) as u32)
+                    .map(|n| f64::from(n) * step)
+                    .map(|t| covariance(t) * (TAU * offset * t).cos())
+                    .sum();
+                let exact = 2.0 * step * (0.5 + sum);
+                let found = one.shape(offset);
+                assert!(
+                    (found - exact).abs() < 2e-4 * exact + 1e-6,
+                    "{time_s} s, {offset} Hz: {found} for {exact}"
+                );
+            }
+        }
+    }
+}

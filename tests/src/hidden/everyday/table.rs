@@ -1,0 +1,117 @@
+//! Which names are accepted for each disturbance, and which may stand beside them.
+//!
+//! Written before any detector for them: what an engineer who saw the record would sign. `shock`, `unnamed`,
+//! `wandering_line`, `drift`, `stuck`, `averaging` are names that a catalogue may have.
+
+use super::record::{Disturbance, Room};
+use super::{logger, machine, motion, warmth};
+use crate::hidden::draw::Draw;
+
+/// A disturbance and what may be said of it.
+pub struct Everyday {
+    /// What it is.
+    pub name: &'static str,
+    /// Names of findings any of which is right.
+    pub names: &'static [&'static str],
+    /// Names of findings that may stand beside one of them, and say nothing wrong.
+    pub beside: &'static [&'static str],
+    /// Samples a second that it needs.
+    pub rate_hz: f64,
+    /// Draws one.
+    pub draw: fn(&Room, &mut Draw) -> Disturbance,
+}
+
+/// Allowance for the time of an event, seconds, where the event is not longer itself.
+pub const TOLERANCE_S: f64 = 1.0;
+
+/// Every disturbance.
+pub static EVERYDAY: &[Everyday] = &[
+    // One blow that rings: a transient; a short stretch of larger noise is the same said less well.
+    Everyday {
+        name: "knock",
+        names: &["shock", "burst"],
+        beside: &[],
+        rate_hz: 100.0,
+        draw: motion::knock,
+    },
+    Everyday {
+        name: "door",
+        names: &["shock", "burst"],
+        beside: &[],
+        rate_hz: 100.0,
+        draw: motion::door,
+    },
+    // Some dozens of small blows: each by itself or the stretch.
+    Everyday {
+        name: "footsteps",
+        names: &["shock", "burst"],
+        beside: &[],
+        rate_hz: 100.0,
+        draw: motion::footsteps,
+    },
+    // Coloured noise that swells and fades.
+    Everyday {
+        name: "lorry",
+        names: &["burst", "shock"],
+        beside: &[],
+        rate_hz: 100.0,
+        draw: motion::lorry,
+    },
+    // The sensor lies otherwise afterwards: a step at the same time is no invention.
+    Everyday {
+        name: "handling",
+        names: &["shock", "burst"],
+        beside: &["steps"],
+        rate_hz: 100.0,
+        draw: motion::handling,
+    },
+    Everyday {
+        name: "fan",
+        names: &["wandering_line"],
+        beside: &["wandering_line"],
+        rate_hz: 100.0,
+        draw: machine::fan,
+    },
+    // However it wanders, it is the mains.
+    Everyday {
+        name: "mains",
+        names: &["hum"],
+        beside: &[],
+        rate_hz: 500.0,
+        draw: machine::mains,
+    },
+    // Up and down with the thermostat: slow, periodic, no noise. Lines at its period are right too.
+    Everyday {
+        name: "heater",
+        names: &["drift", "sinusoid", "steps"],
+        beside: &["drift", "sinusoid", "steps"],
+        rate_hz: 10.0,
+        draw: warmth::heater,
+    },
+    Everyday {
+        name: "two_warmups",
+        names: &["warmup", "drift"],
+        beside: &["warmup", "drift"],
+        rate_hz: 10.0,
+        draw: warmth::two_warmups,
+    },
+    Everyday {
+        name: "held",
+        names: &["stale"],
+        beside: &[],
+        rate_hz: 10.0,
+        draw: logger::held,
+    },
+    Everyday {
+        name: "averaged",
+        names: &["averaging", "rolloff"],
+        beside: &[],
+        rate_hz: 10.0,
+        draw: logger::averaged,
+    },
+];
+
+/// The disturbance of this name.
+pub fn find(name: &str) -> Option<&'static Everyday> {
+    EVERYDAY.iter().find(|one| one.name == name)
+}

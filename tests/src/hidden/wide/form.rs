@@ -1,0 +1,132 @@
+//! How a record is written: doubles, codes, with samples missing.
+
+use crate::hidden::case::Plan;
+use crate::hidden::draw::Draw;
+
+/// What the numbers are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Numbers {
+    /// Doubles of any value.
+    #[default]
+    Doubles,
+    /// Doubles that are multiples of a code.
+    Codes,
+    /// Integers, with the size of a code declared.
+    Integers,
+}
+
+/// What is missing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Missing {
+    /// Nothing.
+    #[default]
+    Nothing,
+    /// One sample of a thousand.
+    Single,
+    /// Some stretches of up to a fiftieth.
+    Stretches,
+    /// Three samples of ten, at random.
+    Third,
+}
+
+/// How a record is written.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Form {
+    /// What the numbers are.
+    pub numbers: Numbers,
+    /// What is missing.
+    pub missing: Missing,
+    /// Size of a code over the typical difference between neighbours.
+    pub code: f64,
+}
+
+impl Form {
+    /// That of a seed. Codes of a hundredth to a third of the differences: coarser ones are an effect. None
+    /// where the grid itself is hidden, or repeats and equal extremes, of which a grid has some by chance;
+    /// nothing is missing where a record is compared with another or lacks samples without a trace.
+    pub fn draw(plan: &Plan, seed: u64) -> Self {
+        let mut draw = Draw::new(seed, &format!("{} form", plan.name()));
+        let hides = |names: &[&str]| plan.kinds.iter().any(|kind| names.contains(&kind.name));
+        let (numbers, missing) = (draw.index(4), draw.index(8));
+        let code = draw.log_uniform(0.01, 0.3);
+        Self {
+            numbers: match numbers {
+                _ if hides(&["quantisation", "stale", "clipping"]) => Numbers::Doubles,
+                0 => Numbers::Codes,
+                1 => Numbers::Integers,
+                _ => Numbers::Doubles,
+            },
+            missing: match missing {
+                _ if hides(&["dropped", "timebase"]) => Missing::Nothing,
+                0 => Missing::Single,
+                1 => Missing::Stretches,
+                2 => Missing::Third,
+                _ => Missing::Nothing,
+            },
+            code,
+        }
+    }
+
+    /// Whether it is written as integers: they know no gaps.
+    pub fn is_integer(&self) -> bool {
+        self.numbers == Numbers::Integers && self.missing == Missing::Nothing
+    }
+
+    /// Rounds and loses samples; the size of a code, where there are any.
+    pub fn settle(&self, columns: &mut [Vec<f64>], seed: u64) -> Option<f64> {
+        let step = match self.numbers {
+            Numbers::Doubles => None,
+            _ => columns
+                .first()
+                .map(|column| self.code * differences(column)),
+        };
+        // Integers of 32 bits end somewhere.
+        let most = columns
+            .iter()
+            .flatten()
+            .fold(0.0, |most: f64, one| most.max(one.abs()));
+        let step = step.map(|step| step.max(most / f64::from(i32::MAX / 2)));
+        let mut draw = Draw::new(seed, "form");
+        for column in columns {
+            if let Some(step) = step {
+                column
+                    .iter_mut()
+                    .for_each(|value| *value = (*value / step).round() * step);
+            }
+            self.lose(column, &mut draw);
+        }
+        step
+    }
+
+    fn lose(&self, column: &mut [f64], draw: &mut Draw) {
+        let share = match self.missing {
+            Missing::Nothing => return,
+            Missing::Single => 1e-3,
+            Missing::Third => 0.3,
+            Missing::Stretches => {
+                for _ in 0..=draw.index(4) {
+                    let length = 1 + draw.index(column.len() / 50);
+                    let from = draw.index(column.len() - length);
+                    column[from..from + length].fill(f64::NAN);
+                }
+                return;
+            }
+        };
+        for value in column {
+            if draw.chance(share) {
+                *value = f64::NAN;
+            }
+        }
+    }
+}
+
+/// Typical difference between neighbouring samples, whatever a few are: the median of its size.
+fn differences(samples: &[f64]) -> f64 {
+    let sizes = samples.windows(2).map(|pair| (pair[1] - pair[0]).abs());
+    let mut sizes: Vec<f64> = sizes.filter(|size| *size > 0.0).collect();
+    let middle = sizes.len() / 2;
+    match sizes.is_empty() {
+        true => 1.0,
+        false => *sizes.select_nth_unstable_by(middle, f64::total_cmp).1,
+    }
+}
