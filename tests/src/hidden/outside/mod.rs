@@ -6,7 +6,6 @@ mod garch;
 mod lopsided;
 mod moving_corner;
 mod multiplicative;
-mod ringing;
 mod switched;
 mod tone_bursts;
 
@@ -54,11 +53,6 @@ pub static KINDS: &[Kind] = &[
         name: "lopsided",
         axes: 1,
         draw: lopsided::draw,
-    },
-    Kind {
-        name: "ringing",
-        axes: 1,
-        draw: ringing::draw,
     },
     Kind {
         name: "garch",

@@ -166,38 +166,20 @@ impl About {
     /// How well single samples explain them, `count` of them, the largest first; and the largest error that is
     /// left.
     pub fn single_samples(&self, count: usize) -> (f64, f64) {
+        let answers = Answers::new(self);
         let mut left = self.errors.clone();
         let mut score = 0.0;
-        let reach = 64.min(left.len());
-        let mut one = vec![0.0; 2 * reach];
-        one[reach] = 1.0;
-        let answer = self.prediction.errors(&one)[reach..].to_vec();
-        let square = dot(&answer, &answer);
         for _ in 0..count {
-            let product = |n: usize| -> f64 {
-                left[n..]
-                    .iter()
-                    .zip(&answer)
-                    .map(|(error, answer)| error * answer)
-                    .sum()
-            };
-            let best =
-                (0..left.len()).max_by(|&a, &b| product(a).abs().total_cmp(&product(b).abs()));
+            let best = (0..left.len()).max_by(|&a, &b| {
+                let [a, b] = [a, b].map(|n| answers.explained(n, &left).score);
+                a.total_cmp(&b)
+            });
             let Some(best) = best else {
                 break;
             };
-            // Near the end of what is there only a part of the answer is.
-            let there: f64 = answer
-                .iter()
-                .take(left.len() - best)
-                .map(|one| one * one)
-                .sum();
-            let size = product(best) / there.min(square);
-            score += size * size * there;
-            left[best..]
-                .iter_mut()
-                .zip(&answer)
-                .for_each(|(error, answer)| *error -= size * answer);
+            let explained = answers.explained(best, &left);
+            score += explained.score;
+            answers.take(best, explained.size, &mut left);
         }
         let largest = left
             .iter()
@@ -217,6 +199,63 @@ impl About {
             self.explained(&self.beside_level(here)).score
         });
         scores.fold(0.0, f64::max)
+    }
+}
+
+/// What single samples become when they are whitened, less what a constant level makes of them: on the same scale as
+/// any other course.
+struct Answers<'a> {
+    /// Of a sample with many before it.
+    answer: Vec<f64>,
+    level: &'a [f64],
+    /// Square of the level's errors.
+    level_square: f64,
+}
+
+impl<'a> Answers<'a> {
+    fn new(about: &'a About) -> Self {
+        /// Samples after which an answer is over, at most: a choice.
+        const LONGEST: usize = 64;
+        let reach = LONGEST.min(about.errors.len());
+        let mut one = vec![0.0; 2 * reach];
+        one[reach] = 1.0;
+        Self {
+            answer: about.prediction.errors(&one)[reach..].to_vec(),
+            level: &about.level,
+            level_square: dot(&about.level, &about.level),
+        }
+    }
+
+    /// How much of the level is in the answer of the sample `n`.
+    fn of_level(&self, n: usize) -> f64 {
+        dot(&self.level[n..], &self.answer) / self.level_square
+    }
+
+    /// How well the sample `n` explains some errors that hold no level.
+    fn explained(&self, n: usize, errors: &[f64]) -> Explained {
+        let product = dot(&errors[n..], &self.answer);
+        // Near the end of what is there only a part of the answer is.
+        let there = &self.answer[..self.answer.len().min(errors.len() - n)];
+        let square = dot(there, there) - self.of_level(n).powi(2) * self.level_square;
+        if square <= 0.0 {
+            return Explained {
+                size: 0.0,
+                score: 0.0,
+            };
+        }
+        Explained {
+            size: product / square,
+            score: product * product / square,
+        }
+    }
+
+    /// Takes a sample of a `size` out of some errors.
+    fn take(&self, n: usize, size: f64, errors: &mut [f64]) {
+        let of_level = size * self.of_level(n);
+        let answers = errors[n..].iter_mut().zip(&self.answer);
+        answers.for_each(|(error, answer)| *error -= size * answer);
+        let levels = errors.iter_mut().zip(self.level);
+        levels.for_each(|(error, level)| *error += of_level * level);
     }
 }
 

@@ -122,10 +122,11 @@ impl<'a> Scan<'a> {
             let windows = Windows::new(len);
             let starts: Vec<usize> = runs.iter().flat_map(|run| windows.starts(run)).collect();
             let usual = Usual::new(windows, self.values, self.unit, &starts, self.least);
-            let Some(usual) = usual else {
+            let Some(mut usual) = usual else {
                 continue;
             };
-            let high = usual.heights(self.values, &starts, self.threshold);
+            let shorter = self.usual.last().and_then(Usual::rare);
+            let high = usual.heights(self.values, &starts, self.threshold, shorter);
             found.extend(high.into_iter().map(|(start, height)| Stretch {
                 samples: middle(start, len, &runs),
                 z: height.z,

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::tails::{narrow, normal_of_log, normal_of_mean, tail};
+use super::tails::{Rare, narrow, normal_of_log, normal_of_mean, tail};
 use super::windows::{Scratch, Windows};
 use crate::numeric::order::median;
 
@@ -38,6 +38,7 @@ pub struct Usual {
     inverse: Vec<f64>,
     rests_on: Vec<f64>,
     groups: Vec<Group>,
+    rare: Option<Rare>,
 }
 
 /// Frequencies an octave apart that are judged alike.
@@ -88,6 +89,7 @@ impl Usual {
             inverse: Vec::new(),
             rests_on: Vec::new(),
             groups: Vec::new(),
+            rare: None,
         };
         usual.settle_powers(&seen, chosen.len(), step, least);
         usual.settle_tails(&seen, chosen.len());
@@ -241,17 +243,40 @@ impl Usual {
                 highest = Height { z, cycles: bin + 1 };
             }
         }
+        highest.z = self.rare.map_or(highest.z, |rare| rare.normal(highest.z));
         highest
     }
 
-    /// Heights of the windows at `starts`, of those that are `from` or higher.
-    pub fn heights(&self, values: &[f64], starts: &[usize], from: f64) -> Vec<(usize, Height)> {
+    /// Heights of the windows at `starts`, of those that are `from` or higher. How rare a height is, the heights
+    /// below it say; where there are too few, it is as `elsewhere`.
+    pub fn heights(
+        &mut self,
+        values: &[f64],
+        starts: &[usize],
+        from: f64,
+        elsewhere: Option<Rare>,
+    ) -> Vec<(usize, Height)> {
+        /// Below it no height is rare.
+        const LOW: f64 = 2.5;
         let memory = || (self.windows.scratch(), Vec::new());
         let all = starts.par_iter().with_min_len(64);
         let all = all.map_init(memory, |(scratch, seen), &start| {
-            (start, self.height(values, start, from, scratch, seen))
+            (start, self.height(values, start, LOW, scratch, seen))
         });
-        all.filter(|(_, height)| height.z >= from).collect()
+        let mut high: Vec<(usize, Height)> = all.filter(|(_, height)| height.z >= LOW).collect();
+        let places = high.chunk_by(|one, next| next.0 - one.0 <= self.windows.len());
+        let highest = places.map(|place| place.iter().map(|(_, one)| one.z).fold(LOW, f64::max));
+        let rare = Rare::of(highest.collect()).or(elsewhere);
+        self.rare = rare;
+        high.iter_mut()
+            .for_each(|(_, one)| one.z = rare.map_or(one.z, |rare| rare.normal(one.z)));
+        high.retain(|(_, height)| height.z >= from);
+        high
+    }
+
+    /// How slowly heights become rarer.
+    pub const fn rare(&self) -> Option<Rare> {
+        self.rare
     }
 
     /// The frequency of a height, cycles a sample.
