@@ -113,15 +113,18 @@ pub fn explain(
         };
         attempt(axis, &context)
     });
-    let (mut axis, unexplained, held_out_nats) = explained?;
-    let unnamed = unnamed::complete(&mut axis, level);
+    let (mut axis, unexplained, mut held_out_nats) = explained?;
+    let completed = unnamed::complete(&mut axis, level);
+    for number in completed.withdrawn {
+        held_out_nats.remove(number);
+    }
     let squares_sd = with_intervals(&mut axis);
     Ok(Explained {
         axis,
         mean: own_mean,
         base,
         unexplained,
-        unnamed,
+        unnamed: completed.p_value,
         squares_sd,
         held_out_nats,
     })

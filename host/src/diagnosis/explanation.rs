@@ -133,12 +133,14 @@ impl Explanation {
         }
     }
 
-    /// What stands in the model for stretches that no fit looks at.
-    pub fn in_place_of_stretches(&self) -> &[Wave] {
-        match &self.change {
-            Change::Happened { waves, .. } => waves,
-            _ => &[],
-        }
+    /// Whether it happened once, in stretches that no fit looks at.
+    pub const fn happened(&self) -> bool {
+        matches!(self.change, Change::Happened { .. })
+    }
+
+    /// Whether it is a tone that no fit looks at.
+    pub const fn is_tone(&self) -> bool {
+        matches!(self.change, Change::Tone(_))
     }
 
     /// The bands that it fills, hertz, where it is a tone that no fit looks at.
@@ -189,7 +191,7 @@ impl Snapshot {
                 .collect(),
             tones: explanations
                 .iter()
-                .filter(|one| matches!(one.change, Change::Tone(_)))
+                .filter(|one| one.is_tone())
                 .map(|one| one.effect.clone())
                 .collect(),
         }
@@ -198,6 +200,12 @@ impl Snapshot {
     /// The waveforms, of all kinds.
     pub fn waves(&self) -> impl Iterator<Item = &Wave> {
         self.waves.iter().map(|(_, wave)| wave)
+    }
+
+    /// Puts a tone in place of another.
+    pub fn replace_tone(&mut self, before: &Estimate, after: &Estimate) {
+        let old = self.tones.iter_mut().filter(|one| *one == before);
+        old.for_each(|one| one.clone_from(after));
     }
 
     /// Takes the waveforms and the tones of a kind out of it.

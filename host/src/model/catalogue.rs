@@ -2,9 +2,9 @@
 
 use super::kind::Kind;
 use super::{
-    burst, clipping, common_mode, cyclic, dropped, hum, markov, outliers, powerlaw, resonance,
-    rolloff, rounding, shock, sinusoid, stale, steps, telegraph, thermal, timebase, unnamed,
-    wandering_line, warmup,
+    burst, clipping, common_mode, cyclic, dropped, hum, markov, motion, outliers, powerlaw,
+    resonance, rolloff, rounding, shock, sinusoid, stale, steps, telegraph, thermal, timebase,
+    unnamed, wandering_line, warmup,
 };
 
 /// All effects of the catalogue.
@@ -19,6 +19,7 @@ pub static CATALOGUE: &[Kind] = &[
     telegraph::KIND,
     steps::KIND,
     shock::KIND,
+    motion::KIND,
     warmup::KIND,
     thermal::KIND,
     outliers::KIND,

@@ -197,10 +197,13 @@ impl Law {
             .sum();
         let mut broad: Vec<&dyn Term> = Vec::new();
         for term in &self.terms {
-            match term.narrow_hz() {
-                _ if term.is_drift() => variance += direct(&**term),
-                Some(f_hz) => variance += direct(&**term) * self.power(f_hz / self.clock),
-                None => broad.push(&**term),
+            if term.is_drift() {
+                variance += direct(&**term);
+            } else if let Some(peaks) = term.narrow_peaks(m, self.true_rate_hz()) {
+                let passed = |(f_hz, own): (f64, f64)| own * self.power(f_hz / self.clock);
+                variance += peaks.into_iter().map(passed).sum::<f64>();
+            } else {
+                broad.push(&**term);
             }
         }
         let density = |f_hz: f64| {

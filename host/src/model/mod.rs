@@ -27,6 +27,8 @@ pub mod kind;
 pub mod law;
 pub mod markov;
 pub mod marks;
+pub mod motion;
+pub mod once;
 pub mod outliers;
 pub mod powerlaw;
 pub mod published;
@@ -78,15 +80,26 @@ pub trait Term: Send + Sync {
         Vec::new()
     }
 
-    /// The frequency of its peak, hertz, where it has nothing but one so narrow that a filter acts on all of
-    /// it as on its middle.
-    fn narrow_hz(&self) -> Option<f64> {
+    /// Its peaks, where it has nothing but peaks so narrow that a filter acts on all of each as on its middle: the
+    /// frequency of each, hertz, and its Allan variance at `m` data periods.
+    fn narrow_peaks(&self, _m: u64, _rate_hz: f64) -> Option<Vec<(f64, f64)>> {
         None
     }
 
     /// Whether it is a slow course without a spectrum, that any chain lets through as it is.
     fn is_drift(&self) -> bool {
         false
+    }
+
+    /// What it adds to the Allan variance over `m` samples of a record of `samples`, in the mean, where it is random
+    /// and passes: its law is zero, as no other record has it.
+    fn passing(&self, _m: u64, _samples: u64, _rate_hz: f64) -> f64 {
+        0.0
+    }
+
+    /// What it adds to the two-sided density at `f_hz` of a record of `record_s` seconds, likewise.
+    fn passing_density(&self, _f_hz: f64, _record_s: f64, _rate_hz: f64) -> f64 {
+        0.0
     }
 
     /// Makes data that follow the law; the same `seed` gives the same data.

@@ -30,8 +30,9 @@ impl Term for Resonance {
         self.amplitude.powi(2) * markov::unit_allan_variance(decay, m).re
     }
 
-    fn narrow_hz(&self) -> Option<f64> {
-        (self.width_hz < NARROW * self.f_hz).then_some(self.f_hz)
+    fn narrow_peaks(&self, m: u64, rate_hz: f64) -> Option<Vec<(f64, f64)>> {
+        let is_narrow = self.width_hz < NARROW * self.f_hz;
+        is_narrow.then(|| vec![(self.f_hz, self.allan_variance(m, rate_hz))])
     }
 
     fn allan_asymptote(&self, tau_s: f64) -> f64 {

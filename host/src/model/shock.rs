@@ -2,11 +2,12 @@
 
 use std::f64::consts::{PI, TAU};
 
+use super::Seed;
 use super::effect::{Effect, Parameter, Part, Quantity};
 use super::kind::Kind;
 use super::marks::Mark;
+use super::once::Once;
 use super::random::Generator;
-use super::{Seed, Term};
 
 /// Numbers that describe one shock.
 const ROW: usize = 5;
@@ -106,24 +107,8 @@ pub struct Shocks(
     pub Vec<Shock>,
 );
 
-impl Term for Shocks {
-    fn allan_variance(&self, _m: u64, _rate_hz: f64) -> f64 {
-        0.0
-    }
-
-    fn allan_asymptote(&self, _tau_s: f64) -> f64 {
-        0.0
-    }
-
-    fn spectrum(&self, _f_hz: f64, _rate_hz: f64) -> f64 {
-        0.0
-    }
-
-    fn spectrum_ahead(&self, _f_hz: f64, _rate_hz: f64) -> f64 {
-        0.0
-    }
-
-    fn generator(&self, rate_hz: f64, _seed: Seed) -> Box<dyn Generator> {
+impl Once for Shocks {
+    fn course(&self, rate_hz: f64, _seed: Seed) -> Box<dyn Generator> {
         Box::new(Transients {
             shocks: self.0.clone(),
             rate_hz,
@@ -225,7 +210,7 @@ mod tests {
     fn made(shock: Shock, rate_hz: f64, count: usize) -> Vec<f64> {
         let mut samples = vec![0.0; count];
         let seed = Seed { seed: 1, stream: 0 };
-        let mut generator = Shocks(vec![shock]).generator(rate_hz, seed);
+        let mut generator = Shocks(vec![shock]).course(rate_hz, seed);
         for block in samples.chunks_mut(97) {
             generator.add_to(block);
         }

@@ -1,10 +1,11 @@
 //! Steps: the level jumps and stays.
 
+use super::Seed;
 use super::effect::{Effect, Parameter, Part, Quantity};
 use super::kind::Kind;
 use super::marks::Mark;
+use super::once::Once;
 use super::random::Generator;
-use super::{Seed, Term};
 
 /// Jumps of the level at given times. Not random, and no two records have them alike: what they
 /// add to an Allan variance depends on where in the record they are, so the law says zero. Whoever
@@ -15,29 +16,13 @@ pub struct Steps(
     pub Vec<(f64, f64)>,
 );
 
-impl Term for Steps {
-    fn allan_variance(&self, _m: u64, _rate_hz: f64) -> f64 {
-        0.0
-    }
-
-    fn allan_asymptote(&self, _tau_s: f64) -> f64 {
-        0.0
-    }
-
-    fn spectrum(&self, _f_hz: f64, _rate_hz: f64) -> f64 {
-        0.0
-    }
-
-    fn spectrum_ahead(&self, _f_hz: f64, _rate_hz: f64) -> f64 {
-        0.0
-    }
-
+impl Once for Steps {
     /// A chain would round the edges off over a few samples; they stay sharp.
-    fn is_drift(&self) -> bool {
+    fn drifts(&self) -> bool {
         true
     }
 
-    fn generator(&self, rate_hz: f64, _seed: Seed) -> Box<dyn Generator> {
+    fn course(&self, rate_hz: f64, _seed: Seed) -> Box<dyn Generator> {
         /// Samples by which a time may be late for rounding.
         const LATE: f64 = 1e-3;
         // The first sample at or after the time is the first at the new level.
@@ -148,7 +133,7 @@ mod tests {
         let steps = Steps(vec![(0.3, 2.0), (0.1, -1.0), (0.3, 0.5), (7.0, 9.0)]);
         let mut samples = vec![1.0; 1000];
         let seed = Seed { seed: 1, stream: 0 };
-        steps.generator(2000.0, seed).add_to(&mut samples);
+        steps.course(2000.0, seed).add_to(&mut samples);
         let levels: Vec<(usize, f64)> = samples
             .chunk_by(|a, b| a == b)
             .map(|run| (run.len(), run[0]))
@@ -165,7 +150,7 @@ mod tests {
                 let steps = Steps(vec![(time_s, 1.0)]);
                 let mut samples = vec![0.0; 3001];
                 let seed = Seed { seed: 1, stream: 0 };
-                steps.generator(1999.7, seed).add_to(&mut samples);
+                steps.course(1999.7, seed).add_to(&mut samples);
                 let before = samples.iter().take_while(|sample| **sample == 0.0);
                 assert_eq!(before.count(), first as usize, "{late} of a sample");
             }

@@ -112,6 +112,10 @@ const EFFECTS: &[(&str, &str)] = &[
         "shock",
         r#""time_s_1": 0.3, "peak_1": 2, "duration_s_1": 0.4, "f_hz_1": 40, "decay_s_1": 0.1"#,
     ),
+    (
+        "motion",
+        r#""time_s_1": 0.6, "duration_s_1": 0.4, "step_1": -2, "f_hz_1": 40, "width_hz_1": 10, "amplitude_1": 1"#,
+    ),
     ("warmup", r#""amplitude": 2, "time_s": 0.3"#),
     ("thermal", r#""gain": 0.001, "lag_s": 10"#),
     ("outliers", r#""rate_hz": 50, "size": 10"#),

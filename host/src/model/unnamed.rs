@@ -48,6 +48,13 @@ impl Band {
         }
     }
 
+    /// Its covariance at a distance of `lag_s` seconds.
+    pub fn covariance(&self, lag_s: f64) -> f64 {
+        let decayed = self.decay_per_s() * lag_s.abs();
+        let turned = (TAU * self.f_hz * lag_s).cos();
+        self.amplitude.powi(2) * (1.0 + decayed) * (-decayed).exp() * turned
+    }
+
     /// Its decay, 1/s.
     fn decay_per_s(&self) -> f64 {
         PI * self.width_hz / HALF_WIDTH
@@ -98,8 +105,9 @@ impl Term for Band {
         self.both_sides(f_hz, side)
     }
 
-    fn narrow_hz(&self) -> Option<f64> {
-        (self.width_hz < NARROW * self.f_hz).then_some(self.f_hz)
+    fn narrow_peaks(&self, m: u64, rate_hz: f64) -> Option<Vec<(f64, f64)>> {
+        let is_narrow = self.width_hz < NARROW * self.f_hz;
+        is_narrow.then(|| vec![(self.f_hz, self.allan_variance(m, rate_hz))])
     }
 
     fn generator(&self, rate_hz: f64, seed: Seed) -> Box<dyn Generator> {

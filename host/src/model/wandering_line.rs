@@ -24,6 +24,9 @@ pub struct WanderingLine {
     pub amplitudes: Vec<f64>,
 }
 
+/// Width over frequency below which a filter acts on a line as on its middle, as for a resonance.
+const NARROW: f64 = 0.05;
+
 /// One of its lines.
 struct Tone {
     f_hz: f64,
@@ -101,6 +104,14 @@ impl Term for WanderingLine {
         self.tones()
             .map(|tone| tone.allan_variance(m, rate_hz))
             .sum()
+    }
+
+    fn narrow_peaks(&self, m: u64, rate_hz: f64) -> Option<Vec<(f64, f64)>> {
+        let is_narrow = |tone: Tone| 2.0 * tone.wander.half_width_hz() < NARROW * tone.f_hz;
+        let peak = |tone: Tone| (tone.f_hz, tone.allan_variance(m, rate_hz));
+        self.tones()
+            .all(is_narrow)
+            .then(|| self.tones().map(peak).collect())
     }
 
     fn allan_asymptote(&self, tau_s: f64) -> f64 {

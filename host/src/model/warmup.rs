@@ -1,10 +1,11 @@
 //! Warm-up: the level settles exponentially from the start of the record.
 
+use super::Seed;
 use super::effect::{Effect, Parameter, Part, Quantity};
 use super::kind::Kind;
 use super::marks::Mark;
+use super::once::Once;
 use super::random::Generator;
-use super::{Seed, Term};
 
 /// The course `amplitude exp(-t / time_s)`. Not random: as for [`Steps`](super::steps::Steps),
 /// the law says zero, and whoever knows the record takes out the course that the generator makes.
@@ -16,28 +17,12 @@ pub struct WarmUp {
     pub time_s: f64,
 }
 
-impl Term for WarmUp {
-    fn allan_variance(&self, _m: u64, _rate_hz: f64) -> f64 {
-        0.0
-    }
-
-    fn allan_asymptote(&self, _tau_s: f64) -> f64 {
-        0.0
-    }
-
-    fn spectrum(&self, _f_hz: f64, _rate_hz: f64) -> f64 {
-        0.0
-    }
-
-    fn spectrum_ahead(&self, _f_hz: f64, _rate_hz: f64) -> f64 {
-        0.0
-    }
-
-    fn is_drift(&self) -> bool {
+impl Once for WarmUp {
+    fn drifts(&self) -> bool {
         true
     }
 
-    fn generator(&self, rate_hz: f64, _seed: Seed) -> Box<dyn Generator> {
+    fn course(&self, rate_hz: f64, _seed: Seed) -> Box<dyn Generator> {
         Box::new(Settling::new(self.amplitude, self.time_s * rate_hz))
     }
 }
@@ -136,7 +121,7 @@ mod tests {
         };
         let mut samples = vec![1.0; 2001];
         let seed = Seed { seed: 1, stream: 0 };
-        warm_up.generator(1000.0, seed).add_to(&mut samples);
+        warm_up.course(1000.0, seed).add_to(&mut samples);
         for (index, expected) in [(0, -3.0), (500, -1.0), (1000, 0.0), (2000, 0.75)] {
             assert!((samples[index] - expected).abs() < 1e-12, "{index}");
         }

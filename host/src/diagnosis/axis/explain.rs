@@ -42,8 +42,7 @@ impl AxisState {
     /// Number of an explanation among the effects of the noise's model: laws, then tones. `None` for one that is
     /// neither.
     pub fn effect_number(&self, explanation: &Explanation) -> Option<usize> {
-        let is_tone = |one: &&Explanation| matches!(one.change, Change::Tone(_));
-        let mut tones = self.explanations.iter().filter(is_tone);
+        let mut tones = self.explanations.iter().filter(|one| one.is_tone());
         let mut tone = || tones.position(|one| std::ptr::eq(one, explanation));
         self.law_number(explanation)
             .or_else(|| Some(self.laws.len() + tone()?))
@@ -172,6 +171,36 @@ impl AxisState {
                 one.effect = estimates(number, one);
                 number += 1;
             }
+        }
+    }
+
+    /// Numbers of the explanations that are tones which no fit looks at.
+    fn tones(&self) -> Vec<usize> {
+        let places = self.explanations.iter().enumerate();
+        let tones = places.filter(|(_, one)| one.is_tone());
+        tones.map(|(place, _)| place).collect()
+    }
+
+    /// Takes the tone of a number among the tones off the list; its number among the explanations.
+    pub fn withdraw_tone(&mut self, number: usize) -> Option<usize> {
+        let place = *self.tones().get(number)?;
+        self.explanations.remove(place);
+        Some(place)
+    }
+
+    /// Gives the tones that no fit looks at the power that they have beside all else, each over that with which it was
+    /// named.
+    pub fn resize_tones(&mut self, powers: &[f64]) {
+        for (place, power) in self.tones().into_iter().zip(powers) {
+            let before = self.explanations[place].effect.clone();
+            let mut after = before.clone();
+            after.resize(power.sqrt());
+            for one in &mut self.explanations {
+                for snapshot in [&mut one.with, &mut one.without] {
+                    snapshot.replace_tone(&before, &after);
+                }
+            }
+            self.explanations[place].effect = after;
         }
     }
 

@@ -41,6 +41,8 @@ fn hear(hearing: &mut Hearing<'_>) -> Result<(), NoFit> {
 fn least_sure(axis: &AxisState) -> Option<(usize, f64)> {
     let spread = Spread::new(&axis.bins, &axis.data, &axis.laws, &axis.fit);
     let explanations = axis.explanations().iter().enumerate();
+    // What happened is dated and kept out of the fits, whatever is known of its size.
+    let explanations = explanations.filter(|(_, one)| !one.happened());
     let factors = explanations.map(|(place, one)| {
         let values = match axis.law_number(one) {
             Some(which) => spread.values(which).into_iter().map(Some).collect(),

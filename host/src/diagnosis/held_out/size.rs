@@ -11,6 +11,7 @@ use crate::diagnosis::held_out::allan::{AtJumps, HeldCurve};
 use crate::diagnosis::record::wave::Wave;
 use crate::diagnosis::statistic::allan_curve;
 use crate::model::axis::ModelAxis;
+use crate::model::effect::Part;
 
 /// Degrees of freedom from which a point of the Allan curve counts: the deviation is then known to
 /// 22 %.
@@ -60,12 +61,11 @@ impl<'a> Sizes<'a> {
             }
             _ => own.retain(|wave| !one.without.waves().any(|other| other == wave)),
         }
+        if one.happened() {
+            return self.change_of_stretches(one);
+        }
         if self.axis.effect_number(one).is_none() && own.is_empty() {
             return None;
-        }
-        let apart = one.in_place_of_stretches();
-        if !apart.is_empty() {
-            return self.change_of_stretches(apart);
         }
         let rest = rest.law(self.axis.rate_hz);
         let own = self.held.waveform(self.axis, &own, AtJumps::Kept);
@@ -85,19 +85,27 @@ impl<'a> Sizes<'a> {
         changes.reduce_with(f64::max)
     }
 
-    /// The same for waveforms that stand for stretches which the held-out half leaves out: by what they add to
-    /// the whole record.
-    fn change_of_stretches(&self, waves: &[Wave]) -> Option<f64> {
-        let mut course = vec![0.0; self.axis.residual.len()];
-        waves.iter().for_each(|wave| wave.take_out(&mut course));
+    /// The same for what happened in stretches which the held-out half leaves out: by what it adds to the whole
+    /// record, as a course or in the mean.
+    fn change_of_stretches(&self, one: &Explanation) -> Option<f64> {
+        let samples = self.axis.residual.len();
+        let mut course = vec![0.0; samples];
+        one.waves()
+            .iter()
+            .for_each(|wave| wave.take_out(&mut course));
         let rate_hz = self.axis.rate_hz;
         let law = self.noise.law(rate_hz);
+        let term = match one.kind().part(&one.effect.plain()) {
+            Part::Term(term) => term,
+            Part::Distortion(_) | Part::Clock(_) | Part::Follows(_) => return None,
+        };
         let points = allan_curve::allan(&course, rate_hz).into_par_iter();
         let points = points.filter(|point| point.edf >= LEAST_EDF);
         let changes = points.map(|point| {
             let waves = self.waves.iter().find(|other| other.m == point.m);
             let without = law.allan_variance(point.m) + waves.map_or(0.0, |one| one.variance);
-            100.0 * ((1.0 + point.variance / without).sqrt() - 1.0)
+            let own = point.variance + term.passing(point.m, samples as u64, rate_hz);
+            100.0 * ((1.0 + own / without).sqrt() - 1.0)
         });
         let changes = changes.filter(|change| change.is_finite());
         changes.reduce_with(f64::max)

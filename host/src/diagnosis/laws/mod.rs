@@ -4,6 +4,7 @@
 //! exponents) are moved by turns in their logarithms until nothing gains.
 
 pub mod departure;
+pub mod gain;
 pub mod rise;
 pub mod search;
 pub mod spread;

@@ -7,8 +7,8 @@
 
 use rayon::prelude::*;
 
-use super::gain::Local;
 use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::laws::gain::Local;
 use crate::diagnosis::laws::rise::Rise;
 use crate::diagnosis::laws::{Law, components};
 use crate::fit::likelihood::scoring::{Range, greatest_beside, maximise_beside};
@@ -76,10 +76,20 @@ impl Band {
     }
 }
 
-/// The model of an axis with bands, and its fit to all of `data` beside a part `fixed` of the expectation, which is not in
-/// the fit's; `None` where no band is worth its cost.
-pub fn fitted(axis: &AxisState, data: &Data, fixed: &[f64]) -> Option<(Vec<Law>, Fit)> {
-    let mut search = Search::new(axis, data, fixed);
+/// A model that lacks nothing.
+pub struct Completed {
+    /// Its laws, those without a name behind those that have one.
+    pub laws: Vec<Law>,
+    /// Its fit to the whole spectrum; the tones are not in its expectation.
+    pub fit: Fit,
+    /// Power of each tone over that with which it was named.
+    pub tones: Vec<f64>,
+}
+
+/// The model of an axis with bands, and its fit to all of `data` together with the sizes of its `tones`; `None` where no
+/// band is worth its cost.
+pub fn fitted(axis: &AxisState, data: &Data, tones: &[Vec<f64>]) -> Option<Completed> {
+    let mut search = Search::new(axis, data, tones);
     let dictionary = search.dictionary();
     let cost_nats = (dictionary.len() as f64 / (OVERLAP * NEEDLESS)).ln();
     while search.bands.len() < MOST && search.add_best(&dictionary, cost_nats).is_some() {}
@@ -94,19 +104,21 @@ struct Longer {
     log_likelihood: f64,
 }
 
-/// The likeliest squares of `components` beside a `fixed` part of the expectation, from a start, and their log-likelihood. Scoring may fail to get anywhere
-/// from a start that is far off: then the sizes are first multiplied towards the data, which never loses (C. Fevotte,
+/// The likeliest squares of `components`, from a start, and their log-likelihood. Scoring may fail to get anywhere from a
+/// start that is far off: then the sizes are first multiplied towards the data, which never loses (C. Fevotte,
 /// N. Bertin and J.-L. Durrieu, Neural Computation 21, 2009, eq. 4.1 with the square root that makes it monotonic).
 fn likeliest(
-    (data, fixed): (&Data, &[f64]),
+    data: &Data,
     components: &[Vec<f64>],
     mut squared: Vec<f64>,
 ) -> Option<(Vec<f64>, f64)> {
-    let scored =
-        |start: &[f64]| greatest_beside(data, components, fixed, Some(start), Range::NonNegative);
+    let nothing = vec![0.0; data.len()];
+    let scored = |start: &[f64]| {
+        greatest_beside(data, components, &nothing, Some(start), Range::NonNegative)
+    };
     let first = scored(&squared);
     for _ in 0..MULTIPLIED {
-        let mut expected = fixed.to_vec();
+        let mut expected = nothing.clone();
         add_mixture(&mut expected, components, &squared);
         for (squared, component) in squared.iter_mut().zip(components) {
             let (mut up, mut down) = (0.0, 0.0);
@@ -119,7 +131,7 @@ fn likeliest(
         }
     }
     let second = scored(&squared);
-    let mut expected = fixed.to_vec();
+    let mut expected = nothing.clone();
     add_mixture(&mut expected, components, &squared);
     let multiplied = Some((squared, log_likelihood(data, &expected)));
     let fits = [first, second, multiplied].into_iter().flatten();
@@ -129,24 +141,27 @@ fn likeliest(
 struct Search<'a> {
     axis: &'a AxisState,
     data: &'a Data,
-    fixed: &'a [f64],
-    /// Number of components that are no bands.
+    /// Number of components that are no bands, and how many of them are tones, the last.
     named: usize,
+    tones: usize,
     components: Vec<Vec<f64>>,
     squared: Vec<f64>,
     bands: Vec<Band>,
 }
 
 impl<'a> Search<'a> {
-    fn new(axis: &'a AxisState, data: &'a Data, fixed: &'a [f64]) -> Self {
-        let components = components(&axis.bins, &axis.laws);
+    fn new(axis: &'a AxisState, data: &'a Data, tones: &[Vec<f64>]) -> Self {
+        let mut components = components(&axis.bins, &axis.laws);
+        let mut squared = axis.fit.squared.clone();
+        components.extend_from_slice(tones);
+        squared.extend(tones.iter().map(|_| 1.0));
         Self {
             axis,
             data,
-            fixed,
             named: components.len(),
+            tones: tones.len(),
             components,
-            squared: axis.fit.squared.clone(),
+            squared,
             bands: Vec::new(),
         }
     }
@@ -196,7 +211,7 @@ impl<'a> Search<'a> {
     }
 
     fn expected(&self) -> Vec<f64> {
-        let mut expected = self.fixed.to_vec();
+        let mut expected = vec![0.0; self.data.len()];
         add_mixture(&mut expected, &self.components, &self.squared);
         expected
     }
@@ -269,7 +284,7 @@ impl<'a> Search<'a> {
         let mut start = self.squared.clone();
         start.push(whole.best(self.data, expected).0);
         let components = [self.components.as_slice(), std::slice::from_ref(&component)].concat();
-        let (squared, log_likelihood) = likeliest((self.data, self.fixed), &components, start)?;
+        let (squared, log_likelihood) = likeliest(self.data, &components, start)?;
         Some(Longer {
             band,
             component,
@@ -280,7 +295,7 @@ impl<'a> Search<'a> {
 
     /// Where the band of a longer model gains most beside the rest of it: its middle and its width are moved by turns.
     fn moved(&self, longer: &Longer) -> Band {
-        let mut others = self.fixed.to_vec();
+        let mut others = vec![0.0; self.data.len()];
         add_mixture(&mut others, &self.components, &longer.squared);
         let gain = |band: Band| self.local(band).best(self.data, &others).1;
         let (least_hz, most_hz) = (self.data.f_hz[0], 0.5 * self.axis.rate_hz);
@@ -329,17 +344,26 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The laws with the bands behind them, and the fit of all.
-    fn finish(self) -> Option<(Vec<Law>, Fit)> {
+    /// The laws with the bands behind them, and the fit of all beside the tones at the sizes that they come to.
+    fn finish(mut self) -> Option<Completed> {
         if self.bands.is_empty() {
             return None;
         }
+        let places = self.named - self.tones..self.named;
+        let tones: Vec<f64> = self.squared.drain(places.clone()).collect();
+        let own: Vec<Vec<f64>> = self.components.drain(places).collect();
+        let mut fixed = vec![0.0; self.data.len()];
+        add_mixture(&mut fixed, &own, &tones);
         let start = Some(self.squared.as_slice());
-        let mut fit = maximise_beside(self.data, &self.components, self.fixed, start)?;
-        let pairs = fit.expected.iter_mut().zip(self.fixed);
+        let mut fit = maximise_beside(self.data, &self.components, &fixed, start)?;
+        let pairs = fit.expected.iter_mut().zip(&fixed);
         pairs.for_each(|(all, fixed)| *all -= fixed);
         let bands = self.bands.into_iter().map(Band::law);
         let named = self.axis.laws.iter().cloned();
-        Some((named.chain(bands).collect(), fit))
+        Some(Completed {
+            laws: named.chain(bands).collect(),
+            fit,
+            tones,
+        })
     }
 }

@@ -6,8 +6,8 @@ use crate::bins::point::Point;
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::result::views::AllanPoint;
 use crate::diagnosis::statistic::allan_curve;
-use crate::diagnosis::views::{Burst, Models};
-use crate::model::kernel::{self, Kernel};
+use crate::diagnosis::views::Models;
+use crate::diagnosis::views::passing::Passing;
 
 impl AllanPoint {
     /// Whether the five terms alone lie outside of the measured interval.
@@ -21,7 +21,7 @@ pub(crate) fn points(
     axis: &AxisState,
     models: Models<'_>,
     wave: &[f64],
-    bursts: &[Burst],
+    passing: &Passing,
 ) -> Vec<AllanPoint> {
     let (rate_hz, samples) = (axis.rate_hz, axis.residual.len() as u64);
     let (before, after) = (models.base.law(rate_hz), models.noise.law(rate_hz));
@@ -31,16 +31,9 @@ pub(crate) fn points(
     );
     let point = |one: Point| {
         let of_waves = waves.iter().find(|wave| wave.m == one.m);
-        let of_bursts: f64 = bursts
-            .iter()
-            .map(|burst| {
-                kernel::variance(Kernel::Allan, one.m, rate_hz, |f_hz| {
-                    burst.adds(f_hz, after.density(f_hz))
-                })
-            })
-            .sum();
+        let of_passing = passing.allan_variance(one.m, |f_hz| after.density(f_hz));
         let variance =
-            after.allan_variance(one.m) + of_waves.map_or(0.0, |wave| wave.variance) + of_bursts;
+            after.allan_variance(one.m) + of_waves.map_or(0.0, |wave| wave.variance) + of_passing;
         AllanPoint {
             tau_s: one.tau_s,
             m: one.m,

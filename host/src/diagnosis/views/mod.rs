@@ -8,6 +8,7 @@ pub mod allan;
 pub mod amplitudes;
 pub mod course;
 pub mod growth;
+mod passing;
 pub mod spectrum;
 
 use crate::diagnosis::axis::AxisState;
@@ -16,9 +17,9 @@ use crate::diagnosis::result::finding::Finding;
 use crate::diagnosis::result::views::{AllanPoint, Amplitudes, Counts, Course, Views};
 use crate::fit::likelihood::Fit;
 use crate::model::axis::ModelAxis;
-use crate::model::burst;
 use crate::model::whole::{Model, SCHEMA};
 use crate::simulate::source::Simulation;
+use passing::Passing;
 
 /// Seed of the simulated record.
 pub const SEED: u64 = 1;
@@ -54,27 +55,6 @@ pub struct Models<'a> {
     pub whole: &'a ModelAxis,
 }
 
-/// A stretch of another variance.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Burst {
-    /// Share of the record that the stretch takes.
-    share: f64,
-    /// Length of the stretch, seconds.
-    duration_s: f64,
-    /// Factor on the variance in the stretch.
-    factor: f64,
-}
-
-impl Burst {
-    /// What it adds to a density that is `density` elsewhere, as a mean over the record.
-    fn adds(&self, f_hz: f64, density: f64) -> f64 {
-        if f_hz * self.duration_s < 1.0 {
-            return 0.0;
-        }
-        self.share * (self.factor - 1.0) * density
-    }
-}
-
 impl Views {
     /// Of an axis that is done and the points of its [Allan deviation](allan), with a simulated record at the
     /// `temperature`, which costs as much as some of the tests. The held-out half is not among them yet.
@@ -88,10 +68,10 @@ impl Views {
         // One more record's worth of memory at a time.
         let course = Course::new(axis, findings, models.whole.mean);
         let after = Counts::new(axis);
-        let bursts = bursts(axis, findings);
+        let passing = Passing::new(axis, findings);
         let wave = deterministic(axis);
         let (mut spectrum, velocity_error) = rayon::join(
-            || spectrum::Pooled::new(axis, &before.fit, &wave, &bursts),
+            || spectrum::Pooled::new(axis, &before.fit, &wave, &passing),
             || growth::compare(axis, models, &wave),
         );
         let amplitudes = Amplitudes {
@@ -118,7 +98,12 @@ impl Views {
 
 /// The Allan deviation of an axis, measured and as two models expect it in this very record.
 pub fn allan(axis: &AxisState, models: Models<'_>, findings: &[Finding]) -> Vec<AllanPoint> {
-    allan::points(axis, models, &deterministic(axis), &bursts(axis, findings))
+    allan::points(
+        axis,
+        models,
+        &deterministic(axis),
+        &Passing::new(axis, findings),
+    )
 }
 
 /// The deterministic part of the model in this record, samples that were no measurement included: the
@@ -132,21 +117,6 @@ fn deterministic(axis: &AxisState) -> Vec<f64> {
         *value += 0.0 * measured;
     }
     wave
-}
-
-fn bursts(axis: &AxisState, findings: &[Finding]) -> Vec<Burst> {
-    let record_s = axis.residual.len() as f64 / axis.rate_hz;
-    let burst = |finding: &Finding| {
-        let burst = burst::Burst::of(&finding.estimate.plain());
-        let duration_s = burst.to_s - burst.from_s;
-        Burst {
-            share: duration_s / record_s,
-            duration_s,
-            factor: burst.factor.powi(2),
-        }
-    };
-    let bursts = findings.iter().filter(|one| one.effect == burst::KIND);
-    bursts.map(burst).collect()
 }
 
 /// A record of `model` as long as that of `axis`, with the same samples missing, about its mean, at

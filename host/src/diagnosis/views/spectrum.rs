@@ -7,7 +7,7 @@ use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::laws;
 use crate::diagnosis::record::bins::SpectralBins;
 use crate::diagnosis::result::views::SpectrumPoint;
-use crate::diagnosis::views::Burst;
+use crate::diagnosis::views::passing::Passing;
 use crate::fit::likelihood::Fit;
 use crate::numeric::mixture::add_mixture;
 use crate::spectrum::pool;
@@ -54,7 +54,7 @@ impl Held<'_> {
 impl<'a> Pooled<'a> {
     /// Of an axis whose five terms alone were fitted as `before`, with the deterministic part `wave`;
     /// the simulated densities are not yet among them.
-    pub fn new(axis: &'a AxisState, before: &Fit, wave: &[f64], bursts: &[Burst]) -> Self {
+    pub fn new(axis: &'a AxisState, before: &Fit, wave: &[f64], passing: &Passing) -> Self {
         let measured = axis.residual.measured();
         let whole = axis
             .residual
@@ -65,8 +65,7 @@ impl<'a> Pooled<'a> {
         let bins = held.get();
         let mut after = sum(&laws::components(bins, &axis.laws), &axis.fit.squared);
         for (after, bin) in after.iter_mut().zip(bins.all()) {
-            let adds = bursts.iter().map(|burst| burst.adds(bin.f_hz, *after));
-            *after += adds.sum::<f64>();
+            *after += passing.adds(bin.f_hz, *after);
         }
         if !wave.is_empty() {
             let waves = bins.measure(wave).psd;

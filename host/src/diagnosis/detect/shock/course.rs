@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::about::About;
+use super::about::{About, dot};
 use super::fit::Fitted;
 use crate::fft;
 use crate::model::shock::Shock;
@@ -73,8 +73,8 @@ pub fn of_fit(about: &About, fitted: &Fitted, samples: &Range<usize>) -> Option<
     })
 }
 
-/// What can be told of a stretch of no simple form: its ends, its highest point, the frequency that is
-/// strongest, and the decay with which the model's course has as much energy.
+/// What can be told of a short stretch of no simple form: its ends; the frequency that is strongest, its highest point
+/// and the decay with which the model's course has as much energy; or the bump that takes most out of it.
 pub fn told(
     values: &[f64],
     samples: &Range<usize>,
@@ -115,6 +115,19 @@ pub fn told(
             0.0
         };
     }
+    if shock.f_hz == 0.0 {
+        let unit = Shock {
+            peak: 1.0,
+            time_s: 0.0,
+            ..shock
+        };
+        let mut course = vec![0.0; samples.len()];
+        unit.add_to(0, &mut course, 1.0);
+        let square = dot(&course, &course);
+        if square > 0.0 {
+            shock.peak = dot(&course, &deflection) / square;
+        }
+    }
     Course {
         shock,
         sd: [None; 5],
@@ -125,7 +138,7 @@ pub fn told(
 
 /// What a stretch of values is over the line between the levels before and after it; nothing where samples are
 /// missing.
-fn deflection(values: &[f64], samples: &Range<usize>, own: &Range<usize>) -> Vec<f64> {
+pub fn deflection(values: &[f64], samples: &Range<usize>, own: &Range<usize>) -> Vec<f64> {
     let [before, after] = levels(values, samples, own);
     let (before, after) = (
         before.or(after).unwrap_or(0.0),
@@ -218,7 +231,7 @@ fn of_course(about: &About, course: &[f64]) -> f64 {
 }
 
 /// Gain of strengths that are fitted to every other error of a few neighbours, on the rest.
-fn of_strength(about: &About, samples: &Range<usize>) -> f64 {
+pub fn of_strength(about: &About, samples: &Range<usize>) -> f64 {
     /// Errors that have one strength: a choice.
     const NEIGHBOURS: usize = 16;
     let errors = &about.errors()[about.means_of(samples)];

@@ -8,6 +8,7 @@ use std::ops::Range;
 use super::about::{About, Beside};
 use super::course::{self, Course};
 use super::fit::{self, Fitted};
+use super::moved::{self, Moved};
 use super::scan::{Scan, Stretch};
 use crate::diagnosis::statistic::p_value;
 
@@ -35,6 +36,8 @@ const LONG: usize = 128;
 pub enum What {
     /// A shock.
     Shock(Course),
+    /// Something that moved the sensor for a while, in no simple form.
+    Motion(Moved),
     /// A jump of the level, or whatever else changes at one moment.
     Jump,
     /// Something else.
@@ -97,7 +100,7 @@ impl<'a> Event<'a> {
         }
         let is_whole = self.run.start <= self.samples().start && self.samples().end <= self.run.end;
         if !is_whole {
-            return What::Shock(self.told(None));
+            return self.told(None);
         }
         let close = self.about(1, self.samples().len() / 2);
         let even = close.as_ref().and_then(|about| self.even(about));
@@ -115,7 +118,7 @@ impl<'a> Event<'a> {
             return What::Other;
         }
         let Some((about, fitted)) = fitted else {
-            return What::Shock(self.told(None));
+            return self.told(None);
         };
         if let Some(other) = Self::other(about, &fitted) {
             return other;
@@ -125,12 +128,21 @@ impl<'a> Event<'a> {
             return What::Other;
         }
         let course = course::of_fit(about, &fitted, self.samples());
-        What::Shock(course.unwrap_or_else(|| self.told(Some(about))))
+        course.map_or_else(|| self.told(Some(about)), What::Shock)
     }
 
-    /// What can be told of a shock of no simple form.
-    fn told(&self, about: Option<&About>) -> Course {
-        course::told(self.values(), self.samples(), &self.own, about)
+    /// What can be told of an event of no simple form.
+    fn told(&self, about: Option<&About>) -> What {
+        let (values, samples, own) = (self.values(), self.samples(), &self.own);
+        let beside = moved::Beside {
+            values,
+            quiet: self.quiet,
+            own,
+        };
+        Moved::new(&beside, samples, about).map_or_else(
+            || What::Shock(course::told(values, samples, own, about)),
+            What::Motion,
+        )
     }
 
     /// Whether it is noise as strong from its beginning to its end that explains more than so many `nats`.

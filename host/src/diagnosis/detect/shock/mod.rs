@@ -1,12 +1,16 @@
-//! Shock: short transients, found before anything else, dated and kept out of the fits.
+//! Shock and motion: what happened once, found before anything else, dated and kept out of the fits.
 //!
 //! `usual` knows what powers short `windows` have where nothing happens, `scan` finds what stands out, from short windows to
-//! long ones, `event` what it is, `fit` its course in noise that `prediction` and `about` whiten.
+//! long ones, `event` what it is, `fit` its course in noise that `prediction` and `about` whiten, `moved` what it is about
+//! where it has no course that another would have.
 
 mod about;
+mod bands;
 mod course;
 mod event;
 mod fit;
+mod happened;
+mod moved;
 mod prediction;
 mod runs;
 mod scan;
@@ -20,20 +24,17 @@ mod windows;
 use std::ops::Range;
 
 use super::Detector;
-use crate::diagnosis::axis::{NoFit, SPREAD};
+use crate::diagnosis::axis::NoFit;
 use crate::diagnosis::detect::look::{Look, Proposal};
-use crate::diagnosis::explanation::{Candidate, Change};
-use crate::diagnosis::record::wave::Wave;
-use crate::diagnosis::result::estimate::Estimate;
-use crate::diagnosis::result::value::Value;
-use crate::model::shock::{KIND, Shock};
-use course::Course;
+use crate::diagnosis::explanation::Candidate;
+use crate::model::{motion, shock};
 use event::{Event, What};
+use happened::{Happened, Known};
 use runs::without;
 use scan::{Scan, Stretch, joined};
 
-/// Shocks of a record, at most: a choice. With more, they come all the time, and the noise is of another law.
-const MOST_SHOCKS: usize = 40;
+/// Events of a record, at most: a choice. With more, they come all the time, and the noise is of another law.
+const MOST_EVENTS: usize = 40;
 
 /// Stretches that are looked at one by one, at most: a choice.
 const MOST_STRETCHES: usize = 4000;
@@ -57,21 +58,22 @@ const FURTHER: [f64; 3] = [1.0, 3.0, 9.0];
 pub static DETECTOR: Detector = Detector { tests: 1, look };
 
 fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
-    if !look.is_open(KIND) || look.axis.has(KIND) {
+    let kinds = [shock::KIND, motion::KIND];
+    if kinds.iter().any(|kind| look.axis.has(*kind)) {
         return Ok(Vec::new());
     }
     let values = look.axis.residual.values();
     let scan = Scan::new(&values, &look.axis.filled);
-    let found = scan.and_then(|scan| found(scan, look));
-    Ok(found
+    let found = scan.map_or_else(Vec::new, |scan| found(scan, look));
+    let found = found
         .into_iter()
-        .map(|one| Proposal::Explain(Box::new(one)))
-        .collect())
+        .filter(|one| look.is_open(one.effect.kind));
+    Ok(found.map(|one| Proposal::Explain(Box::new(one))).collect())
 }
 
-/// Shocks of a record: at the level of one test, or, where something stands out all the time, what stands out of
+/// What happened in a record: at the level of one test, or, where something stands out all the time, what stands out of
 /// that.
-fn found(mut scan: Scan<'_>, look: &Look<'_>) -> Option<Candidate> {
+fn found(mut scan: Scan<'_>, look: &Look<'_>) -> Vec<Candidate> {
     let stretches = scan.stretches(look.level(), look.axis.rate_hz);
     // What pauses for a small part of what it lasts is one event.
     let pause = |a: &Stretch, b: &Stretch| {
@@ -79,23 +81,20 @@ fn found(mut scan: Scan<'_>, look: &Look<'_>) -> Option<Candidate> {
         shorter.max(a.longest.max(b.longest) / PAUSE)
     };
     let stretches = joined(stretches, pause);
-    let shocks = FURTHER.iter().find_map(|times| {
+    let all = FURTHER.iter().find_map(|times| {
         let least = times * scan.threshold();
         let plain: Vec<Stretch> = stretches
             .iter()
             .filter(|one| one.z >= least)
             .cloned()
             .collect();
-        shocks(&scan, &plain)
-    })?;
-    let plainest = shocks.iter().map(|(z, _)| *z).fold(0.0, f64::max);
-    let p_value = scan.p_value(plainest);
-    let shocks: Vec<Course> = shocks.into_iter().map(|(_, one)| one).collect();
-    (!shocks.is_empty()).then(|| candidate(look, &shocks, p_value))
+        events(&scan, &plain)
+    });
+    happened::candidates(look, &scan, all.unwrap_or_default())
 }
 
-/// The shocks among some stretches, with how far they stand out; `None` where they are no events.
-fn shocks(scan: &Scan<'_>, stretches: &[Stretch]) -> Option<Vec<(f64, Course)>> {
+/// What happened in some stretches; `None` where they are no events.
+fn events(scan: &Scan<'_>, stretches: &[Stretch]) -> Option<Vec<Happened>> {
     if stretches.len() > MOST_STRETCHES {
         return None;
     }
@@ -113,7 +112,7 @@ fn shocks(scan: &Scan<'_>, stretches: &[Stretch]) -> Option<Vec<(f64, Course)>> 
             parts.count() > 1 && Event::new(scan, wide, &quiet).is_even(nats)
         });
     let louder: Vec<Stretch> = wider.collect();
-    let mut shocks: Vec<(f64, Course)> = Vec::new();
+    let mut events: Vec<Happened> = Vec::new();
     let mut jumps: Vec<f64> = Vec::new();
     for stretch in stretches {
         if louder
@@ -123,44 +122,40 @@ fn shocks(scan: &Scan<'_>, stretches: &[Stretch]) -> Option<Vec<(f64, Course)>> 
             continue;
         }
         match Event::new(scan, stretch, &quiet).what() {
-            What::Shock(shock) => shocks.push((stretch.z, shock)),
+            What::Shock(course) => events.push(Happened::new(stretch, Known::Shock(course))),
+            What::Motion(moved) => events.push(Happened::new(stretch, Known::Motion(moved))),
             What::Jump => jumps.push(stretch.z),
             What::Other => {}
         }
-        if shocks.len() > MOST_SHOCKS {
+        if events.len() > MOST_EVENTS {
             return None;
         }
     }
-    without_two_jumps(&mut shocks, &jumps);
-    let mut shocks = without_echoes(shocks);
-    let taken: usize = shocks.iter().map(|(_, one)| one.samples.len()).sum();
+    without_two_jumps(&mut events, &jumps);
+    let mut events = without_echoes(events);
+    let taken: usize = events.iter().map(|one| one.samples().len()).sum();
     if taken as f64 > MOST_OF_RECORD * scan.values().len() as f64 {
         return None;
     }
-    let plainest = shocks.iter().map(|(z, _)| *z).fold(0.0, f64::max);
-    if shocks.len() > MANY {
-        shocks.retain(|(z, _)| *z >= plainest / BESIDE);
+    let plainest = events.iter().map(|one| one.z).fold(0.0, f64::max);
+    if events.len() > MANY {
+        events.retain(|one| one.z >= plainest / BESIDE);
     }
-    Some(shocks)
+    Some(events)
 }
 
-/// Takes what begins while another shock lasts for a part of it: the plainer of them, until both are over.
-fn without_echoes(mut shocks: Vec<(f64, Course)>) -> Vec<(f64, Course)> {
-    shocks.sort_by_key(|(_, one)| one.samples.start);
-    let mut all: Vec<(f64, Course)> = Vec::new();
-    for mut next in shocks {
-        while let Some(last) = all.pop_if(|(_, last)| next.1.samples.start < last.samples.end) {
-            let from = last.1.samples.start.min(next.1.samples.start);
-            let to = last.1.samples.end.max(next.1.samples.end);
-            if last.0 >= next.0 {
+/// Takes what begins while another event lasts for a part of it: the plainer of them, until both are over.
+fn without_echoes(mut events: Vec<Happened>) -> Vec<Happened> {
+    events.sort_by_key(|one| one.samples().start);
+    let mut all: Vec<Happened> = Vec::new();
+    for mut next in events {
+        while let Some(last) = all.pop_if(|last| next.samples().start < last.samples().end) {
+            let from = last.samples().start.min(next.samples().start);
+            let to = last.samples().end.max(next.samples().end);
+            if last.z >= next.z {
                 next = last;
             }
-            let course = &mut next.1;
-            course.samples = from..to;
-            if course.shock.f_hz > 0.0 {
-                let lasts = to as f64 - course.shock.time_s;
-                course.shock.duration_s = lasts.max(course.shock.duration_s);
-            }
+            next.last(from..to);
         }
         all.push(next);
     }
@@ -168,95 +163,13 @@ fn without_echoes(mut shocks: Vec<(f64, Course)>) -> Vec<(f64, Course)> {
 }
 
 /// Leaves out bumps where the level jumps far more often than it bulges: there a bump is a jump up and one back.
-fn without_two_jumps(shocks: &mut Vec<(f64, Course)>, jumps: &[f64]) {
+fn without_two_jumps(events: &mut Vec<Happened>, jumps: &[f64]) {
     /// Jumps a bump, at least, and how far a bump stands out beyond the plainest of them, at most: choices.
     const OFTEN: usize = 4;
     const BEYOND: f64 = 2.0;
-    let is_bump = |shock: &(f64, Course)| shock.1.shock.f_hz == 0.0;
-    let bumps = shocks.iter().filter(|shock| is_bump(shock)).count();
+    let bumps = events.iter().filter(|one| one.is_bump()).count();
     if jumps.len() >= OFTEN * bumps {
         let plainest = jumps.iter().copied().fold(0.0, f64::max);
-        shocks.retain(|shock| !is_bump(shock) || shock.0 > BEYOND * plainest);
-    }
-}
-
-fn candidate(look: &Look<'_>, shocks: &[Course], p_value: f64) -> Candidate {
-    let axis = look.axis;
-    let rate_hz = axis.rate_hz;
-    let values = shocks
-        .iter()
-        .flat_map(|one| row(one, axis.rate_hz, |f_hz| passed(look, f_hz)));
-    let effect = Estimate {
-        kind: KIND,
-        values: values.collect(),
-    };
-    let spread = if axis.is_filtered() { SPREAD } else { 0 };
-    let last = axis.residual.len();
-    let masked = shocks
-        .iter()
-        .map(|one| one.samples.start.saturating_sub(spread)..(one.samples.end + spread).min(last));
-    let waves = vec![Wave::Shocks {
-        shocks: shocks
-            .iter()
-            .map(|one| in_seconds(&one.shock, rate_hz))
-            .collect(),
-        rate_hz,
-    }];
-    let change = Change::Happened {
-        masked: masked.collect(),
-        waves,
-    };
-    let freedom = effect.values.iter().flatten().count() as f64;
-    Candidate {
-        held_out_nats: Some(shocks.iter().map(|one| one.nats).sum()),
-        ..Candidate::new(effect, p_value, freedom, change)
-    }
-}
-
-/// Amplitude that the chain lets through.
-fn passed(look: &Look<'_>, f_hz: f64) -> f64 {
-    /// What is let through of a shock that is seen, at least: a choice.
-    const LEAST: f64 = 0.1;
-    look.axis.bins.chain_power(f_hz).sqrt().max(LEAST)
-}
-
-fn in_seconds(shock: &Shock, rate_hz: f64) -> Shock {
-    Shock {
-        time_s: shock.time_s / rate_hz,
-        peak: shock.peak,
-        duration_s: shock.duration_s / rate_hz,
-        f_hz: shock.f_hz * rate_hz,
-        decay_s: shock.decay_s / rate_hz,
-    }
-}
-
-/// The parameters of one shock, ahead of the chain; `None` for what it has not.
-fn row(course: &Course, rate_hz: f64, passed: impl Fn(f64) -> f64) -> [Option<Value>; 5] {
-    let shock = in_seconds(&course.shock, rate_hz);
-    let gain = if shock.f_hz > 0.0 {
-        passed(shock.f_hz).recip()
-    } else {
-        1.0
-    };
-    let plain = |value: f64, sd: Option<f64>| sd.map_or(told(value), |sd| Value::normal(value, sd));
-    let relative =
-        |value: f64, sd: Option<f64>| sd.map_or(told(value), |sd| Value::log_normal(value, sd));
-    let [time, peak, duration, frequency, decay] = course.sd;
-    let is_there = |value: f64| value > 0.0;
-    [
-        Some(plain(shock.time_s, time.map(|sd| sd / rate_hz))),
-        Some(plain(gain * shock.peak, peak.map(|sd| gain * sd))),
-        Some(relative(shock.duration_s, duration)),
-        Some(relative(shock.f_hz, frequency)).filter(|_| is_there(shock.f_hz)),
-        Some(relative(shock.decay_s, decay)).filter(|_| is_there(shock.decay_s)),
-    ]
-}
-
-/// A number without an interval.
-const fn told(value: f64) -> Value {
-    Value {
-        value,
-        lo: None,
-        hi: None,
+        events.retain(|one| !one.is_bump() || one.z > BEYOND * plainest);
     }
 }

@@ -132,11 +132,11 @@ mod tests {
         // The fall is known to 9 %, its logarithm's share of 6 to 8 deviations to half of that.
         assert!((plain.normal(8.0) / 8.0 - 1.0).abs() < 0.15, "{plain:?}");
         // A product of two normal numbers: e^-z instead of e^(-z^2 / 2).
-        let wild = normal(2).iter().zip(normal(3)).map(|(a, b)| a * b);
-        let wild = Rare::of(wild.collect()).expect("enough");
-        // One of 8000 lies beyond 7.6: probability 1.2e-4, 3.7 as a normal number; 12 is as rare as 4.8.
+        let products = normal(2).into_iter().zip(normal(3)).map(|(a, b)| a * b);
+        let wild = Rare::of(products.collect()).expect("enough");
+        // 12 is as rare as 4.8. The fall flattens on beyond the heights that it is taken from: most of the way.
         let z = wild.normal(12.0);
-        assert!(z < 6.5, "{z} by {wild:?}");
+        assert!((4.8..8.8).contains(&z), "{z} by {wild:?}");
         assert_eq!(wild.normal(1.0), 1.0);
         assert!(Rare::of(vec![5.0; 100]).is_none());
     }

@@ -1,0 +1,233 @@
+//! What is proposed of the events of a record: shocks, each with its course, and motion.
+
+use std::ops::Range;
+
+use super::course::Course;
+use super::moved::Moved;
+use super::scan::{Scan, Stretch};
+use crate::diagnosis::axis::SPREAD;
+use crate::diagnosis::detect::look::Look;
+use crate::diagnosis::explanation::{Candidate, Change};
+use crate::diagnosis::record::wave::{Jump, Wave};
+use crate::diagnosis::result::estimate::Estimate;
+use crate::diagnosis::result::value::Value;
+use crate::model::shock::Shock;
+use crate::model::unnamed::Band;
+use crate::model::{motion, shock};
+
+/// An event of a record.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Happened {
+    /// How far it stands out, as a normal number of as small a probability.
+    pub z: f64,
+    /// What it is.
+    pub what: Known,
+}
+
+/// What an event is.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Known {
+    /// One transient.
+    Shock(Course),
+    /// Something that moved the sensor for a while.
+    Motion(Moved),
+}
+
+impl Happened {
+    /// Of a stretch.
+    pub const fn new(stretch: &Stretch, what: Known) -> Self {
+        Self { z: stretch.z, what }
+    }
+
+    /// Samples in which it is.
+    pub const fn samples(&self) -> &Range<usize> {
+        match &self.what {
+            Known::Shock(course) => &course.samples,
+            Known::Motion(moved) => &moved.samples,
+        }
+    }
+
+    /// Makes it last for these samples.
+    pub fn last(&mut self, samples: Range<usize>) {
+        match &mut self.what {
+            Known::Shock(course) => {
+                if course.shock.f_hz > 0.0 {
+                    let lasts = samples.end as f64 - course.shock.time_s;
+                    course.shock.duration_s = lasts.max(course.shock.duration_s);
+                }
+                course.samples = samples;
+            }
+            Known::Motion(moved) => moved.samples = samples,
+        }
+    }
+
+    /// Whether it goes to one side and comes back.
+    pub fn is_bump(&self) -> bool {
+        matches!(&self.what, Known::Shock(course) if course.shock.f_hz == 0.0)
+    }
+}
+
+/// A candidate for the shocks among some events, and one for the motion.
+pub fn candidates(look: &Look<'_>, scan: &Scan<'_>, all: Vec<Happened>) -> Vec<Candidate> {
+    let highest = |all: &[f64]| all.iter().copied().fold(0.0, f64::max);
+    let (mut courses, mut moved): (Vec<Course>, Vec<Moved>) = Default::default();
+    let (mut of_courses, mut of_moved): (Vec<f64>, Vec<f64>) = Default::default();
+    for Happened { z, what } in all {
+        match what {
+            Known::Shock(course) => {
+                courses.push(course);
+                of_courses.push(z);
+            }
+            Known::Motion(one) => {
+                moved.push(one);
+                of_moved.push(z);
+            }
+        }
+    }
+    let shocks = (!courses.is_empty())
+        .then(|| of_shocks(look, &courses, scan.p_value(highest(&of_courses))));
+    let motion =
+        (!moved.is_empty()).then(|| of_motion(look, &moved, scan.p_value(highest(&of_moved))));
+    shocks.into_iter().chain(motion).collect()
+}
+
+fn of_shocks(look: &Look<'_>, shocks: &[Course], p_value: f64) -> Candidate {
+    let rate_hz = look.axis.rate_hz;
+    let values = shocks
+        .iter()
+        .flat_map(|one| row(one, rate_hz, |f_hz| passed(look, f_hz)));
+    let effect = Estimate {
+        kind: shock::KIND,
+        values: values.collect(),
+    };
+    let waves = vec![Wave::Shocks {
+        shocks: shocks
+            .iter()
+            .map(|one| in_seconds(&one.shock, rate_hz))
+            .collect(),
+        rate_hz,
+    }];
+    let masked = masked(look, shocks.iter().map(|one| &one.samples));
+    let freedom = effect.values.iter().flatten().count() as f64;
+    Candidate {
+        held_out_nats: Some(shocks.iter().map(|one| one.nats).sum()),
+        ..Candidate::new(effect, p_value, freedom, Change::Happened { masked, waves })
+    }
+}
+
+fn of_motion(look: &Look<'_>, all: &[Moved], p_value: f64) -> Candidate {
+    let rows = all.iter().flat_map(|one| {
+        let with_step = std::iter::once(one.step).chain(std::iter::repeat(None));
+        let bands = one.bands.iter().zip(with_step);
+        bands.flat_map(move |(band, step)| motion_row(look, one, band, step))
+    });
+    let effect = Estimate {
+        kind: motion::KIND,
+        values: rows.map(Some).collect(),
+    };
+    let jump = |one: &Moved| {
+        let [height, height_sd] = one.step?;
+        let z = height.abs() / height_sd;
+        Some(Jump {
+            index: one.samples.start.midpoint(one.samples.end),
+            height,
+            height_sd,
+            // Anywhere in it.
+            index_sd: one.samples.len() as f64 / 12.0_f64.sqrt(),
+            z,
+            p_value,
+        })
+    };
+    let jumps: Vec<Jump> = all.iter().filter_map(jump).collect();
+    let waves = if jumps.is_empty() {
+        Vec::new()
+    } else {
+        vec![Wave::Steps(jumps)]
+    };
+    let masked = masked(look, all.iter().map(|one| &one.samples));
+    let freedom = effect.values.len() as f64;
+    let change = Change::Happened { masked, waves };
+    Candidate {
+        held_out_nats: Some(all.iter().map(|one| one.nats).sum()),
+        ..Candidate::new(effect, p_value, freedom, change)
+    }
+}
+
+/// The parameters of one band of a stretch, ahead of the chain.
+fn motion_row(look: &Look<'_>, one: &Moved, band: &Band, step: Option<[f64; 2]>) -> [Value; 6] {
+    let rate_hz = look.axis.rate_hz;
+    let [height, height_sd] = step.unwrap_or_default();
+    let f_hz = band.f_hz * rate_hz;
+    [
+        told(one.samples.start as f64 / rate_hz),
+        told(one.samples.len() as f64 / rate_hz),
+        if step.is_some() {
+            Value::normal(height, height_sd)
+        } else {
+            told(0.0)
+        },
+        told(f_hz),
+        told(band.width_hz * rate_hz),
+        told(band.amplitude / passed(look, f_hz)),
+    ]
+}
+
+/// What fits leave out for the samples of some events.
+fn masked<'a>(
+    look: &Look<'_>,
+    samples: impl Iterator<Item = &'a Range<usize>>,
+) -> Vec<Range<usize>> {
+    let spread = if look.axis.is_filtered() { SPREAD } else { 0 };
+    let last = look.axis.residual.len();
+    samples
+        .map(|one| one.start.saturating_sub(spread)..(one.end + spread).min(last))
+        .collect()
+}
+
+/// Amplitude that the chain lets through.
+fn passed(look: &Look<'_>, f_hz: f64) -> f64 {
+    /// What is let through of a shock that is seen, at least: a choice.
+    const LEAST: f64 = 0.1;
+    look.axis.bins.chain_power(f_hz).sqrt().max(LEAST)
+}
+
+fn in_seconds(shock: &Shock, rate_hz: f64) -> Shock {
+    Shock {
+        time_s: shock.time_s / rate_hz,
+        peak: shock.peak,
+        duration_s: shock.duration_s / rate_hz,
+        f_hz: shock.f_hz * rate_hz,
+        decay_s: shock.decay_s / rate_hz,
+    }
+}
+
+/// The parameters of one shock, ahead of the chain; `None` for what it has not.
+fn row(course: &Course, rate_hz: f64, passed: impl Fn(f64) -> f64) -> [Option<Value>; 5] {
+    let shock = in_seconds(&course.shock, rate_hz);
+    let gain = if shock.f_hz > 0.0 {
+        passed(shock.f_hz).recip()
+    } else {
+        1.0
+    };
+    let plain = |value: f64, sd: Option<f64>| sd.map_or(told(value), |sd| Value::normal(value, sd));
+    let relative =
+        |value: f64, sd: Option<f64>| sd.map_or(told(value), |sd| Value::log_normal(value, sd));
+    let [time, peak, duration, frequency, decay] = course.sd;
+    let is_there = |value: f64| value > 0.0;
+    [
+        Some(plain(shock.time_s, time.map(|sd| sd / rate_hz))),
+        Some(plain(gain * shock.peak, peak.map(|sd| gain * sd))),
+        Some(relative(shock.duration_s, duration)),
+        Some(relative(shock.f_hz, frequency)).filter(|_| is_there(shock.f_hz)),
+        Some(relative(shock.decay_s, decay)).filter(|_| is_there(shock.decay_s)),
+    ]
+}
+
+/// A number without an interval.
+const fn told(value: f64) -> Value {
+    Value {
+        value,
+        lo: None,
+        hi: None,
+    }
+}
