@@ -129,5 +129,5 @@ pub mod spectrum {
 }
 
 pub mod virtual_board {
-    pub use crate::virtual_board::{VirtualConnect, Witness};
+    pub use crate::virtual_board::{Misfortune, VirtualConnect, Witness};
 }

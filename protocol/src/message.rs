@@ -97,13 +97,29 @@ pub enum Note {
         /// Wall clock, milliseconds since 1970-01-01 UTC.
         unix_ms: i64,
     },
-    /// The port came back and streaming was started again from index 0.
+    /// A port was opened again; whether the board streams is another note's.
     PortBack {
         /// Wall clock, milliseconds since 1970-01-01 UTC.
         unix_ms: i64,
     },
     /// The recording was ended on purpose; without this note the file was cut.
     End {
+        /// Wall clock, milliseconds since 1970-01-01 UTC.
+        unix_ms: i64,
+    },
+    /// Nothing intact came through an open port any more.
+    BoardSilent {
+        /// Wall clock when it was last heard, milliseconds since 1970-01-01 UTC.
+        unix_ms: i64,
+    },
+    /// The board said that it does not stream, and nobody here had stopped it.
+    BoardStopped {
+        /// Wall clock, milliseconds since 1970-01-01 UTC.
+        unix_ms: i64,
+    },
+    /// After any of the above: the board was found and streams, on where it is or, started again
+    /// with the same settings, from index 0.
+    StreamBack {
         /// Wall clock, milliseconds since 1970-01-01 UTC.
         unix_ms: i64,
     },

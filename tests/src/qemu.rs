@@ -22,6 +22,7 @@ const SHIFT: u32 = 2;
 pub const PATIENCE: Patience = Patience {
     wait: Duration::from_secs(3),
     tries: 20,
+    silence: Duration::from_secs(10),
 };
 
 /// A virtual machine; killed when dropped.

@@ -21,7 +21,7 @@ mod writer;
 pub use error::CaptureError;
 pub use header::Header;
 pub use reader::Reader;
-pub use writer::Writer;
+pub use writer::{Writer, note_frame};
 
 /// First line of every capture, without its line feed.
 pub const MAGIC: &str = "#inm-capture 1";

@@ -65,15 +65,12 @@ impl<W: Write> Writer<W> {
         Ok(())
     }
 
-    /// Appends a note of the host. A zero ahead of it ends whatever frame was cut off.
+    /// Appends a note of the host.
     ///
     /// # Errors
     /// As [`Writer::append`].
     pub fn note(&mut self, note: Note) -> Result<(), CaptureError> {
-        let mut frame = [0; MAX_FRAME + 1];
-        let len = encode(&ToHost::Note(note), &mut frame[1..])
-            .map_err(|error| self.io(io::Error::other(error)))?;
-        self.append(&frame[..=len])
+        self.append(&note_frame(note))
     }
 
     /// The file.
@@ -92,5 +89,15 @@ impl<W: Write> Writer<W> {
             doing: "writing the capture",
             source,
         }
+    }
+}
+
+/// The bytes of a note of the host. A zero ahead of it ends whatever frame was cut off.
+pub fn note_frame(note: Note) -> Vec<u8> {
+    let mut frame = [0; MAX_FRAME + 1];
+    match encode(&ToHost::Note(note), &mut frame[1..]) {
+        Ok(len) => frame[..=len].to_vec(),
+        // Cannot be: there is room for every message.
+        Err(_) => Vec::new(),
     }
 }

@@ -1,12 +1,13 @@
 //! Options of the subcommands that talk to a board.
 
+use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::Args;
 use inm_protocol::{Filter, Phase, Rate, Settings};
 
 use crate::link::{Connect, Patience, SerialConnect};
-use crate::source::board::Plan;
+use crate::source::board::{BoardSource, Plan};
 use crate::virtual_board::VirtualConnect;
 
 /// Which board, and how it is to record.
@@ -36,8 +37,8 @@ pub struct BoardOptions {
     #[arg(long, value_name = "BIT_PER_S", default_value_t = 921_600)]
     pub baud: u32,
 
-    /// Wait this long for a port that went away to come back.
-    #[arg(long, value_name = "S", default_value_t = 60.0)]
+    /// Wait this long for a board that went away, fell silent or stopped; 0 gives up at once.
+    #[arg(long, value_name = "S", default_value_t = 60.0, value_parser = parse_reconnect)]
     pub reconnect: f64,
 
     /// Seed of the virtual board's noise.
@@ -94,10 +95,32 @@ impl BoardOptions {
     }
 }
 
+/// Exit status of a recording that came to its end, but with samples missing.
+const INCOMPLETE: u8 = 1;
+
+/// Status of the process for a recording that came to its end.
+pub fn recorded(source: &BoardSource) -> ExitCode {
+    if source.losses().gaps > 0 {
+        ExitCode::from(INCOMPLETE)
+    } else {
+        ExitCode::SUCCESS
+    }
+}
+
 fn parse_rate(text: &str) -> Result<Rate, String> {
     let known = || Rate::ALL.map(|rate| rate.hz().to_string()).join(", ");
     let hz = text.parse().ok().and_then(Rate::from_hz);
     hz.ok_or_else(|| format!("the converter has {} samples a second", known()))
+}
+
+/// Longest wait for a board, seconds: a century, which is for ever and still a time.
+const LONGEST_WAIT_S: f64 = 3.2e9;
+
+fn parse_reconnect(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(seconds) if (0.0..=LONGEST_WAIT_S).contains(&seconds) => Ok(seconds),
+        _ => Err("a number of seconds from 0 to 3.2e9 is expected".to_owned()),
+    }
 }
 
 fn parse_word(text: &str) -> Result<u16, String> {

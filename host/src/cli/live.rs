@@ -1,6 +1,7 @@
 //! `inm live`: record a board, and watch its Allan table grow.
 
 use std::path::PathBuf;
+use std::process::ExitCode;
 
 use clap::Args;
 
@@ -30,7 +31,7 @@ impl LiveCommand {
     ///
     /// # Errors
     /// What the board or a file says; what was recorded until then stays, and is analysed.
-    pub fn run(self) -> anyhow::Result<()> {
+    pub fn run(self) -> anyhow::Result<ExitCode> {
         let stop = interrupt::stop_on_signal()?;
         let connect = self.board.connect(1.0);
         let mut source =
@@ -40,6 +41,7 @@ impl LiveCommand {
         let ended = watch(&mut source, Some(&mut record), &mut Screen::stderr());
         let analysis = summarise(&signal, &record, &AnalysisOptions::default());
         self.results.write(&analysis)?;
-        Ok(ended?)
+        ended?;
+        Ok(super::board::recorded(&source))
     }
 }

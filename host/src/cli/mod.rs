@@ -1,6 +1,7 @@
 //! The command line: one file per subcommand.
 //!
-//! Exit status: 0 done; 1 `diagnose` left something unexplained; 2 bad usage or input, with a message that names the place and the remedy.
+//! Exit status: 0 done; 1 `diagnose` left something unexplained, or `record` or `live` lost samples;
+//! 2 bad usage or input, with a message that names the place and the remedy.
 
 pub mod analyze;
 pub mod board;
@@ -61,8 +62,8 @@ enum Command {
 pub fn main() -> ExitCode {
     let result = match Arguments::parse().command {
         Command::Demo(command) => command.run(),
-        Command::Record(command) => command.run(),
-        Command::Live(command) => command.run(),
+        Command::Record(command) => return finish(command.run()),
+        Command::Live(command) => return finish(command.run()),
         Command::Analyze(command) => command.run(),
         Command::Diagnose(command) => return finish(command.run()),
         Command::Simulate(command) => command.run(),

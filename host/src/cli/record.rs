@@ -1,6 +1,7 @@
 //! `inm record`: samples of a board into a capture.
 
 use std::path::PathBuf;
+use std::process::ExitCode;
 
 use clap::Args;
 
@@ -25,7 +26,7 @@ impl RecordCommand {
     ///
     /// # Errors
     /// What the board or the file says; what was recorded until then stays.
-    pub fn run(self) -> anyhow::Result<()> {
+    pub fn run(self) -> anyhow::Result<ExitCode> {
         let stop = interrupt::stop_on_signal()?;
         let connect = self.board.connect(0.0);
         let mut source = BoardSource::start(connect, self.board.plan(), Some(&self.output), stop)?;
@@ -41,6 +42,13 @@ impl RecordCommand {
         if let Some(proof) = source.proof() {
             println!("{proof}");
         }
-        Ok(ended?)
+        for gap in source.unknown_gaps() {
+            println!(
+                "after sample {}: {}; how many are missing is not known",
+                gap.from, gap.cause
+            );
+        }
+        ended?;
+        Ok(super::board::recorded(&source))
     }
 }

@@ -17,6 +17,9 @@ pub struct Patience {
     pub wait: Duration,
     /// Times to ask before giving up: a byte lost on the link costs one.
     pub tries: u32,
+    /// A streaming board of which nothing intact was heard for so long needs help: three of the
+    /// health records that it sends once a second, and many more batches.
+    pub silence: Duration,
 }
 
 impl Default for Patience {
@@ -24,6 +27,7 @@ impl Default for Patience {
         Self {
             wait: Duration::from_millis(1500),
             tries: 3,
+            silence: Duration::from_secs(3),
         }
     }
 }
@@ -111,6 +115,7 @@ impl Client {
         let Patience {
             wait: waited,
             tries,
+            ..
         } = self.patience;
         Err(LinkError::NoReply {
             port: self.name.clone(),

@@ -31,6 +31,20 @@ pub enum LinkError {
         #[source]
         source: io::Error,
     },
+    /// Nothing intact came through a port that is open.
+    #[error("{port}: the board fell silent: nothing for {} s, and no answer since", since.as_secs())]
+    Silent {
+        /// Name of the port.
+        port: String,
+        /// How long nothing had been heard when it was noticed.
+        since: Duration,
+    },
+    /// The board ended the stream by itself, and does not start it again.
+    #[error("{port}: the board stopped streaming, and no answer since")]
+    Stopped {
+        /// Name of the port.
+        port: String,
+    },
     /// No reply.
     #[error("{port}: no answer to `{request:?}` within {} ms, asked {tries} times", waited.as_millis())]
     NoReply {
@@ -83,6 +97,11 @@ impl LinkError {
                 format!("ports of this machine: {}", available.join(", "))
             }
             Self::Gone { .. } => "check cable and power of the board".to_owned(),
+            Self::Silent { .. } | Self::Stopped { .. } => {
+                "what was recorded is kept; check power and supply of the board, or wait longer for \
+                 it (--reconnect)"
+                    .to_owned()
+            }
             Self::NoReply { .. } => {
                 "is this the board's port, is the board powered, is its firmware flashed \
                  (`inm flash`)?"

@@ -9,4 +9,4 @@ pub(crate) use client::Expect;
 pub use client::{Client, Patience};
 pub use error::LinkError;
 pub use port::{Connect, Port, SerialConnect};
-pub(crate) use words::{axis_name, describe};
+pub(crate) use words::{axis_name, describe, restarted};

@@ -1,6 +1,6 @@
 //! What the board says, in words for people.
 
-use inm_protocol::{Refusal, Trouble};
+use inm_protocol::{Refusal, Restart, Trouble};
 
 /// A refusal in words.
 pub(super) fn why(refusal: Refusal) -> String {
@@ -14,6 +14,24 @@ pub(super) fn why(refusal: Refusal) -> String {
         ),
         Refusal::Converter { axis, trouble } => {
             format!("converter {}: {}", axis_name(axis), describe(trouble))
+        }
+    }
+}
+
+/// Why a board started, in words.
+pub(crate) fn restarted(cause: &Restart) -> String {
+    match cause {
+        Restart::Power => "power came on, or its reset pin was pulled".to_owned(),
+        Restart::Command => "on command".to_owned(),
+        Restart::Watchdog => "its main loop hung and the watchdog bit".to_owned(),
+        Restart::Panic { line, file } => {
+            let file = String::from_utf8_lossy(file);
+            // Bytes from the wire: nothing of them may act on a terminal.
+            let file = file.escape_debug();
+            format!("its firmware panicked at {file}, line {line}")
+        }
+        Restart::ClockFallback => {
+            "its crystal did not start: it runs on the internal oscillator".to_owned()
         }
     }
 }

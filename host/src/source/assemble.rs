@@ -55,8 +55,16 @@ pub struct Assembler {
     /// By axis: samples that a fault was noticed to have spoilt.
     suspect: [Range<u64>; AXES],
     losses: Losses,
+    /// Why the next gap is there, where more is known than the batches tell.
+    cause: Option<String>,
+    /// The first gaps of unknown length, up to [`LISTED`].
+    unknown: Vec<Gap>,
     done: VecDeque<Chunk>,
 }
+
+/// Gaps of unknown length that are listed at the end of a recording: each is a misfortune of its
+/// own, and a board that has more of them in a night has told enough.
+const LISTED: usize = 32;
 
 #[derive(Debug)]
 struct Building {
@@ -96,6 +104,7 @@ impl Assembler {
             }
             _ => {}
         }
+        self.cause = None;
         self.seq = Some(batch.seq);
         self.next = Some(first + batch.codes.len() as u64);
         self.append(first, batch);
@@ -131,6 +140,22 @@ impl Assembler {
         }
     }
 
+    /// Whether a batch goes on with the count, be it after a gap.
+    pub fn is_later(&self, batch: &Batch) -> bool {
+        self.next
+            .is_none_or(|next| batch.first.wrapping_add(self.offset) >= next)
+    }
+
+    /// The next batch, if a gap is ahead of it, has this one for a cause.
+    pub fn explain(&mut self, cause: String) {
+        self.cause = Some(cause);
+    }
+
+    /// The first gaps of unknown length.
+    pub fn unknown_gaps(&self) -> &[Gap] {
+        &self.unknown
+    }
+
     /// The next finished chunk.
     pub fn pop(&mut self) -> Option<Chunk> {
         self.done.pop_front()
@@ -159,7 +184,12 @@ impl Assembler {
     fn gap(&mut self, from: u64, to: Option<u64>, cause: String) {
         self.hand_on(0);
         self.losses.gaps += 1;
-        self.done.push_back(Chunk::Gap(Gap { from, to, cause }));
+        let cause = self.cause.take().unwrap_or(cause);
+        let gap = Gap { from, to, cause };
+        if to.is_none() && self.unknown.len() < LISTED {
+            self.unknown.push(gap.clone());
+        }
+        self.done.push_back(Chunk::Gap(gap));
     }
 
     fn append(&mut self, first: u64, batch: &Batch) {

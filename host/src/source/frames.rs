@@ -1,10 +1,11 @@
 //! The one path from bytes to samples: live, from a capture, from the virtual board.
 
-use inm_protocol::{Answer, Decoder, Fault, Health, Note, Reply, ToHost, Trouble};
+use inm_protocol::{Answer, Batch, Decoder, Fault, Health, Note, Reply, ToHost, Trouble};
 
-use super::Chunk;
 use super::assemble::{Assembler, Losses};
 use super::audit::{Audit, Proof, State};
+use super::interruption::{Clock, Interruption};
+use super::{Chunk, Gap};
 use crate::link::{axis_name, describe};
 
 /// Conversions that may pass between a slipped bit and its notice: blocks of 32 words are
@@ -18,6 +19,11 @@ pub struct Frames {
     assembler: Assembler,
     audit: Audit,
     status: Status,
+    clock: Clock,
+    /// The clock when the board last streamed.
+    streamed: Clock,
+    /// What broke the stream off, until its next batch.
+    interruption: Option<Interruption>,
 }
 
 /// What is known of board and link so far.
@@ -29,6 +35,10 @@ pub struct Status {
     pub foreign_version: Option<u8>,
     /// The recording was ended on purpose (captures only).
     pub ended: bool,
+    /// The last that was heard of the stream is that the board does not stream.
+    pub stopped: bool,
+    /// Seconds, by the board's health records, in which a streaming board had no conversion.
+    pub idle_s: u64,
     replies: Vec<Reply>,
 }
 
@@ -53,9 +63,19 @@ impl Frames {
         self.assembler.flush();
     }
 
+    /// The port is gone for now: hands on all that came through it.
+    pub fn pause(&mut self) {
+        self.assembler.finish();
+    }
+
     /// Nothing more will come: hands on the rest and reports what was cut off.
     pub fn finish(&mut self) {
         self.assembler.finish();
+        if let Some(interruption) = self.interruption.take() {
+            let words = interruption.words();
+            self.assembler
+                .news(format!("the recording ends without the stream: {words}"));
+        }
         let cut = self.decoder.pending();
         if cut > 0 {
             self.assembler.news(format!(
@@ -84,6 +104,16 @@ impl Frames {
         self.assembler.losses()
     }
 
+    /// The first gaps of unknown length.
+    pub fn unknown_gaps(&self) -> &[Gap] {
+        self.assembler.unknown_gaps()
+    }
+
+    /// Frames that arrived intact.
+    pub fn intact(&self) -> u64 {
+        self.decoder.counts().frames
+    }
+
     /// What the board's own bins prove so far.
     pub fn proof(&self) -> Proof {
         self.audit.proof()
@@ -107,16 +137,8 @@ impl Frames {
 
     fn message(&mut self, message: ToHost) {
         match message {
-            ToHost::Samples(batch) => {
-                self.assembler.push(&batch);
-                let told = self.audit.batch(&batch, self.assembler.offset());
-                self.tell(told);
-            }
-            ToHost::Health(health) => {
-                let told = self.audit.health(&health);
-                self.tell(told);
-                self.status.health = Some(health);
-            }
+            ToHost::Samples(batch) => self.batch(&batch),
+            ToHost::Health(health) => self.health(health),
             // Nobody waits for this one: see `BoardSource`.
             ToHost::Reply(Reply {
                 result: Ok(Answer::BinsEpoch { index }),
@@ -125,7 +147,7 @@ impl Frames {
                 let told = self.audit.begins_anew(index);
                 self.tell(told);
             }
-            ToHost::Reply(reply) => self.status.replies.push(reply),
+            ToHost::Reply(reply) => self.reply(reply),
             ToHost::Event(event) => {
                 if let (Trouble::Slipped { .. }, Some(axis)) = (event.trouble, event.axis) {
                     self.assembler.spoil(axis, event.index, SLIP_NOTICE);
@@ -141,6 +163,52 @@ impl Frames {
         }
     }
 
+    fn batch(&mut self, batch: &Batch) {
+        self.clock.batch(batch.stamp);
+        if let Some(mut interruption) = self.interruption.take() {
+            interruption.look(&self.clock);
+            // A board that went on behind a port that was away has counted what is missing.
+            if !(interruption.of_the_port() && self.assembler.is_later(batch)) {
+                self.assembler.explain(interruption.words());
+            }
+        }
+        self.streamed = self.clock;
+        self.status.stopped = false;
+        self.assembler.push(batch);
+        let told = self.audit.batch(batch, self.assembler.offset());
+        self.tell(told);
+    }
+
+    fn health(&mut self, health: Health) {
+        self.clock.health(&health);
+        if let Some(interruption) = &mut self.interruption {
+            interruption.look(&self.clock);
+        }
+        if health.streaming {
+            self.streamed = self.clock;
+        }
+        let before = self.status.health.replace(health);
+        let idle = |before: Health| before.streaming && before.index == health.index;
+        self.status.stopped = !health.streaming;
+        self.status.idle_s += u64::from(health.streaming && before.is_some_and(idle));
+        let told = self.audit.health(&health);
+        self.tell(told);
+    }
+
+    fn reply(&mut self, reply: Reply) {
+        match &reply.result {
+            Ok(Answer::Identity(identity)) => {
+                if let Some(interruption) = &mut self.interruption {
+                    interruption.asked(identity.restart.clone());
+                }
+            }
+            // To a start: what was said of an idle board before is no news any more.
+            Ok(Answer::Settings(_)) => self.status.stopped = false,
+            _ => {}
+        }
+        self.status.replies.push(reply);
+    }
+
     fn tell(&mut self, state: Option<State>) {
         if let Some(state) = state {
             self.assembler.news(state.to_string());
@@ -148,11 +216,29 @@ impl Frames {
     }
 
     fn note(&mut self, note: Note) {
+        if let Some(mut interruption) = Interruption::new(&note, self.streamed) {
+            interruption.look(&self.clock);
+            // What began it is told; what else happens before the next sample belongs to it.
+            self.interruption.get_or_insert(interruption);
+        }
         match note {
             Note::PortLost { .. } => self.assembler.news("the port went away".to_owned()),
-            Note::PortBack { .. } => self.assembler.news("the port came back".to_owned()),
+            Note::BoardSilent { .. } => self.assembler.news("the board fell silent".to_owned()),
+            Note::BoardStopped { .. } => {
+                self.assembler
+                    .news("the board stopped streaming".to_owned());
+            }
+            Note::PortBack { unix_ms } => self.back("the port came back", unix_ms),
+            Note::StreamBack { unix_ms } => self.back("the stream is back", unix_ms),
             Note::End { .. } => self.status.ended = true,
             _ => {}
+        }
+    }
+
+    fn back(&mut self, what: &str, unix_ms: i64) {
+        self.assembler.news(what.to_owned());
+        if let Some(interruption) = &mut self.interruption {
+            interruption.until(unix_ms);
         }
     }
 

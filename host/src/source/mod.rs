@@ -12,6 +12,7 @@ pub mod capture;
 mod error;
 mod excluding;
 pub mod frames;
+mod interruption;
 pub mod npy;
 pub mod npy_header;
 pub mod open;

@@ -16,10 +16,10 @@
 //! ```
 
 pub mod hide;
+mod port;
 mod shaken;
 
-use std::io::{self, Read, Write};
-use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
+use std::sync::mpsc::{self, Receiver, Sender};
 use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -33,6 +33,7 @@ use inm_protocol::{AXES, Restart};
 
 pub use shaken::Hidden;
 
+use self::port::VirtualPort;
 use self::shaken::Shaken;
 use crate::link::{Connect, LinkError, Port};
 
@@ -48,11 +49,20 @@ const STEPS: u32 = 200;
 /// its reply where the board keeps real time.
 const AHEAD: usize = 8;
 
-/// How long one read waits for the board's thread.
-const READ_TIMEOUT: Duration = Duration::from_millis(50);
-
 /// Words that the converters produced, X Y Z, as witnessed at their pins.
 pub type Witness = Arc<Mutex<Vec<[u32; AXES]>>>;
+
+/// A restart that nobody asked for: the board says no word of it, and what it had still to send is
+/// lost.
+#[derive(Debug, Clone)]
+pub struct Misfortune {
+    /// Words of X since the stream began.
+    pub words: u64,
+    /// What the board says of it afterwards.
+    pub cause: Restart,
+    /// How long nothing comes through the port, in real time.
+    pub dark: Duration,
+}
 
 /// Builds virtual boards.
 #[derive(Debug, Clone)]
@@ -66,6 +76,8 @@ pub struct VirtualConnect {
     /// Faults to come: axis, number of the converter's word since the first stream began, what
     /// happens; at most eight an axis. The time before it depends on the host.
     pub faults: Vec<(usize, u64, Fault)>,
+    /// Restarts to come, one a stream.
+    pub restarts: Vec<Misfortune>,
     /// What else acts on a sensor.
     pub hidden: Option<Hidden>,
     /// Where the converters' words are noted down, if anywhere.
@@ -80,6 +92,7 @@ impl VirtualConnect {
             speed,
             baud: 921_600,
             faults: Vec::new(),
+            restarts: Vec::new(),
             hidden: None,
             witness: None,
         }
@@ -112,14 +125,7 @@ impl Connect for VirtualConnect {
             ahead: 0,
         };
         thread::spawn(move || power_on(&plan, &mut line));
-        Ok(Box::new(VirtualPort {
-            from_board,
-            to_board,
-            written: Vec::new(),
-            asked: false,
-            parcel: Vec::new(),
-            at: 0,
-        }))
+        Ok(Box::new(VirtualPort::new(from_board, to_board)))
     }
 }
 
@@ -147,6 +153,7 @@ impl Line {
 /// Runs the board until the host is gone.
 fn power_on(plan: &VirtualConnect, line: &mut Line) {
     let mut restart = Restart::Power;
+    let mut misfortunes = plan.restarts.iter();
     loop {
         let bench = Bench::new(plan.sensors().map(Converter::new));
         let board = Board {
@@ -154,22 +161,42 @@ fn power_on(plan: &VirtualConnect, line: &mut Line) {
             ..describe("virtual")
         };
         let instrument = VirtualBoard::instrument(&bench, VirtualLink::new(Some(plan.baud)), board);
-        match run(instrument, plan, line) {
-            Some(cause) => restart = cause,
+        let misfortune = misfortunes.as_slice().first();
+        restart = match run(instrument, plan, misfortune, line) {
+            Some(End::Command) => Restart::Command,
+            Some(End::Misfortune(Misfortune { cause, dark, .. })) => {
+                misfortunes.next();
+                thread::sleep(*dark);
+                cause.clone()
+            }
             None => return,
-        }
+        };
     }
 }
 
 type Running<'b> = Instrument<VirtualBoard<'b, Shaken, VirtualLink<QUEUE>>>;
 
+/// How a life of the board ended.
+enum End<'p> {
+    /// The host asked for it.
+    Command,
+    /// Nobody did.
+    Misfortune(&'p Misfortune),
+}
+
 /// Runs one life of the board: until it restarts, or the host is gone (`None`).
-fn run(mut instrument: Running<'_>, plan: &VirtualConnect, line: &mut Line) -> Option<Restart> {
+fn run<'p>(
+    mut instrument: Running<'_>,
+    plan: &VirtualConnect,
+    misfortune: Option<&'p Misfortune>,
+    line: &mut Line,
+) -> Option<End<'p>> {
     let started = Instant::now();
     let mut parcel = Vec::new();
     let mut steps = 0;
     let mut words = 0;
     let mut faults = &plan.faults[..];
+    let mut streams_from = None;
     loop {
         instrument.step();
         steps += 1;
@@ -179,6 +206,12 @@ fn run(mut instrument: Running<'_>, plan: &VirtualConnect, line: &mut Line) -> O
                 bench.inject_at(axis, bench.sent(axis).words() + word, fault);
             }
         }
+        if let Some(misfortune) = misfortune.filter(|_| instrument.is_streaming()) {
+            let words = bench.sent(0).words();
+            if words - *streams_from.get_or_insert(words) >= misfortune.words {
+                return Some(End::Misfortune(misfortune));
+            }
+        }
         if let Some(witness) = &plan.witness {
             note_words(bench, &mut words, witness);
         }
@@ -186,7 +219,7 @@ fn run(mut instrument: Running<'_>, plan: &VirtualConnect, line: &mut Line) -> O
         let link = instrument.platform_mut().environment_mut();
         link.take(now_ps, |byte| parcel.push(byte));
         if link.restarts() > 0 {
-            return Some(Restart::Command);
+            return Some(End::Command);
         }
         if steps < STEPS {
             continue;
@@ -219,68 +252,6 @@ fn note_words(bench: &Bench<Shaken>, words: &mut u64, witness: &Witness) {
         list.push([0, 1, 2].map(|axis| bench.word(axis, index).unwrap_or(0)));
     }
     *words = made;
-}
-
-/// The host's end of a virtual board's link.
-struct VirtualPort {
-    from_board: Receiver<Vec<u8>>,
-    to_board: Sender<Vec<u8>>,
-    /// What the host wrote since it last asked for a parcel.
-    written: Vec<u8>,
-    /// The next parcel was asked for and has not come yet.
-    asked: bool,
-    parcel: Vec<u8>,
-    at: usize,
-}
-
-impl VirtualPort {
-    /// The next parcel, which may be empty.
-    fn next_parcel(&mut self, patience: Duration) -> io::Result<Vec<u8>> {
-        if !self.asked {
-            let written = std::mem::take(&mut self.written);
-            self.to_board
-                .send(written)
-                .map_err(|_| io::ErrorKind::BrokenPipe)?;
-            self.asked = true;
-        }
-        let parcel = self
-            .from_board
-            .recv_timeout(patience)
-            .map_err(|error| match error {
-                RecvTimeoutError::Timeout => io::ErrorKind::TimedOut,
-                RecvTimeoutError::Disconnected => io::ErrorKind::BrokenPipe,
-            })?;
-        self.asked = false;
-        Ok(parcel)
-    }
-}
-
-impl Read for VirtualPort {
-    fn read(&mut self, buf: &mut [u8]) -> io::Result<usize> {
-        let deadline = Instant::now() + READ_TIMEOUT;
-        while self.at == self.parcel.len() {
-            let left = deadline.saturating_duration_since(Instant::now());
-            self.parcel = self.next_parcel(left)?;
-            self.at = 0;
-        }
-        let rest = &self.parcel[self.at..];
-        let len = rest.len().min(buf.len());
-        buf[..len].copy_from_slice(&rest[..len]);
-        self.at += len;
-        Ok(len)
-    }
-}
-
-impl Write for VirtualPort {
-    /// Leaves when the host next asks for a parcel.
-    fn write(&mut self, buf: &[u8]) -> io::Result<usize> {
-        self.written.extend_from_slice(buf);
-        Ok(buf.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
 }
 
 #[cfg(test)]

@@ -1,50 +1,26 @@
 //! A board as a source: on a serial port, or virtual.
 
+mod plan;
+mod resume;
+mod talk;
+
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use inm_protocol::{AXES, Identity, Note, REGISTERS, Reply, Request, Settings};
+use inm_protocol::{AXES, Identity, Note, REGISTERS, Request, Settings};
 use jiff::Timestamp;
 
+use self::resume::{Broken, now_ms};
+use self::talk::{Failed, Talk};
 use super::assemble::Losses;
 use super::audit::Proof;
 use super::frames::{Frames, Status};
-use super::{Chunk, Source, SourceError};
-use crate::capture::{Header, Writer};
-use crate::link::{Client, Connect, Expect, LinkError, Patience};
+use super::{Chunk, Gap, Source, SourceError};
+use crate::capture::{Header, Writer, note_frame};
+use crate::link::{Client, Connect};
 use crate::signal::Signal;
 
-/// How a board is to record.
-#[derive(Debug, Clone, Default)]
-pub struct Plan {
-    /// Settings to ask for; `None` leaves the board's.
-    pub settings: Option<Settings>,
-    /// Samples an axis after which to stop; `None` runs until told to.
-    pub samples: Option<u64>,
-    /// Waits for replies.
-    pub patience: Patience,
-    /// How long to wait for a port that went away; `None` gives up at once.
-    pub reconnect: Option<Duration>,
-}
-
-/// Ends a recording from another thread or a signal handler: the board is told to stop, what
-/// is under way is drained, the capture gets its end note.
-#[derive(Debug, Clone, Default)]
-pub struct Stop(Arc<AtomicBool>);
-
-impl Stop {
-    /// Asks for the end.
-    pub fn request(&self) {
-        self.0.store(true, Ordering::Relaxed);
-    }
-
-    /// Whether the end was asked for.
-    pub fn requested(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
-    }
-}
+pub use self::plan::{Plan, Stop};
 
 /// A board that streams, and the capture that its bytes go to.
 pub struct BoardSource {
@@ -57,20 +33,16 @@ pub struct BoardSource {
     plan: Plan,
     stop: Stop,
     ended: bool,
+    /// Intact frames so far, and when the last of them arrived.
+    heard: (u64, Instant),
     /// When the board was last asked to begin its bins anew.
     asked: Option<Instant>,
     /// Why it ended, where it was not on purpose.
     failure: Option<SourceError>,
 }
 
-/// Between two attempts to open a port that went away.
-const RETRY: Duration = Duration::from_millis(300);
-
 /// Between two requests to begin the bins anew: the answer to the first is that far ahead.
 const ASK_AGAIN: Duration = Duration::from_secs(1);
-
-/// A board that streams sends a batch at least this often (32 conversions at 250/s and slack).
-const SILENCE: Duration = Duration::from_millis(800);
 
 impl BoardSource {
     /// Connects, checks the version, sets the board up and starts it.
@@ -127,6 +99,7 @@ impl BoardSource {
             plan,
             stop,
             ended: false,
+            heard: (0, Instant::now()),
             asked: None,
             failure: None,
         })
@@ -145,6 +118,11 @@ impl BoardSource {
     /// Samples lost and flagged so far.
     pub fn losses(&self) -> Losses {
         self.frames.losses()
+    }
+
+    /// The first gaps of unknown length: the board was started again behind each.
+    pub fn unknown_gaps(&self) -> &[Gap] {
+        self.frames.unknown_gaps()
     }
 
     /// Frames that arrived damaged, and their bytes.
@@ -174,9 +152,12 @@ impl BoardSource {
                 let mut talk = self.talk();
                 talk.arrived(&buf[..len])?;
                 self.frames.flush();
-                self.restore_proof()
+                match self.trouble() {
+                    Some(broken) => self.resume(broken),
+                    None => self.restore_proof(),
+                }
             }
-            Err(gone) => self.reconnect(gone),
+            Err(gone) => self.resume(Broken::Port(gone)),
         }
     }
 
@@ -190,61 +171,17 @@ impl BoardSource {
         self.asked = Some(Instant::now());
         match self.client.tell(Request::RestartBins) {
             Ok(()) => Ok(()),
-            Err(gone) => self.reconnect(gone),
+            Err(gone) => self.resume(Broken::Port(gone)),
         }
-    }
-
-    /// The port went away: waits for it, and goes on where the board is.
-    fn reconnect(&mut self, gone: LinkError) -> Result<(), SourceError> {
-        self.note(Note::PortLost { unix_ms: now_ms() })?;
-        self.frames.finish();
-        let Some(patience) = self.plan.reconnect else {
-            return Err(gone.into());
-        };
-        let deadline = Instant::now() + patience;
-        let port = loop {
-            if self.stop.requested() {
-                return Ok(());
-            }
-            match self.connect.open() {
-                Ok(port) => break port,
-                Err(_) if Instant::now() < deadline => std::thread::sleep(RETRY),
-                Err(_) => return Err(gone.into()),
-            }
-        };
-        self.client = Client::new(port, self.connect.name(), self.plan.patience);
-        self.note(Note::PortBack { unix_ms: now_ms() })?;
-        if !self.hears_samples()? {
-            let () = self.talk().ask(Request::Stop)?;
-            let wanted = self.header.settings;
-            let _: Settings = self.talk().ask(Request::Configure(wanted))?;
-            let _: Settings = self.talk().ask(Request::Start)?;
-        }
-        Ok(())
-    }
-
-    /// Whether the board streams on, as it does when only the cable was away.
-    fn hears_samples(&mut self) -> Result<bool, SourceError> {
-        let before = self.frames.next_index();
-        let deadline = Instant::now() + SILENCE;
-        let mut buf = [0; 4096];
-        while Instant::now() < deadline {
-            let len = self.client.read(&mut buf)?;
-            self.talk().arrived(&buf[..len])?;
-            if self.frames.next_index() != before {
-                return Ok(true);
-            }
-        }
-        Ok(false)
     }
 
     fn end(&mut self) -> Result<(), SourceError> {
         self.ended = true;
         // The board may be gone for good; what was recorded stands either way.
-        let stopped: Result<(), SourceError> = self.talk().ask(Request::Stop);
+        let stopped: Result<(), Failed> = self.talk().ask(Request::Stop);
         self.note(Note::End { unix_ms: now_ms() })?;
         self.frames.finish();
-        stopped
+        Ok(stopped?)
     }
 
     /// Ends the record because of `error`: the board is told to stop, if it still listens.
@@ -253,17 +190,15 @@ impl BoardSource {
             self.ended = true;
             let mut talk = self.talk();
             talk.capture = None;
-            let _: Result<(), SourceError> = talk.ask(Request::Stop);
+            let _: Result<(), Failed> = talk.ask(Request::Stop);
         }
         self.frames.finish();
         self.failure.get_or_insert(error);
     }
 
-    fn note(&mut self, note: Note) -> Result<(), SourceError> {
-        if let Some(capture) = &mut self.capture {
-            capture.note(note)?;
-        }
-        Ok(())
+    /// A note for the capture, which a replay hears as we do.
+    fn note(&mut self, note: Note) -> Result<(), Failed> {
+        self.talk().arrived(&note_frame(note))
     }
 
     fn talk(&mut self) -> Talk<'_> {
@@ -274,12 +209,18 @@ impl BoardSource {
         }
     }
 
+    /// Samples that there was time for while the converters gave none: a dead converter must not
+    /// make a recording endless.
+    fn idle(&self) -> u64 {
+        self.frames.status().idle_s * u64::from(self.header.settings.rate.hz())
+    }
+
     fn is_complete(&self) -> bool {
         self.stop.requested()
             || self
                 .plan
                 .samples
-                .is_some_and(|limit| self.frames.next_index() >= limit)
+                .is_some_and(|limit| self.frames.next_index() + self.idle() >= limit)
     }
 }
 
@@ -315,52 +256,4 @@ impl Source for BoardSource {
             }
         }
     }
-}
-
-/// One exchange with the board, everything that arrives meanwhile kept.
-struct Talk<'a> {
-    client: &'a mut Client,
-    frames: &'a mut Frames,
-    capture: Option<&'a mut Writer>,
-}
-
-impl Talk<'_> {
-    fn ask<T: Expect>(&mut self, request: Request) -> Result<T, SourceError> {
-        let Self {
-            client,
-            frames,
-            capture,
-        } = self;
-        let answer = client.request(request, |bytes, id| -> Result<Option<Reply>, SourceError> {
-            keep(bytes, frames, capture.as_deref_mut())?;
-            Ok(frames.take_reply(id))
-        });
-        let answer = match (answer, frames.status().foreign_version) {
-            (Err(_), Some(theirs)) => Err(client.foreign_version(theirs).into()),
-            (answer, _) => answer,
-        }?;
-        T::from_answer(answer).ok_or_else(|| client.wrong_answer(request).into())
-    }
-
-    fn arrived(&mut self, bytes: &[u8]) -> Result<(), SourceError> {
-        keep(bytes, self.frames, self.capture.as_deref_mut())
-    }
-}
-
-/// Into the capture first: what cannot be decoded is worth keeping too.
-fn keep(
-    bytes: &[u8],
-    frames: &mut Frames,
-    capture: Option<&mut Writer>,
-) -> Result<(), SourceError> {
-    if bytes.is_empty() {
-        return Ok(());
-    }
-    let written = capture.map_or(Ok(()), |capture| capture.append(bytes));
-    frames.push(bytes);
-    Ok(written?)
-}
-
-fn now_ms() -> i64 {
-    Timestamp::now().as_millisecond()
 }
