@@ -84,6 +84,26 @@ fn requests_that_need_the_converters_are_refused_while_streaming() {
 }
 
 #[test]
+fn a_command_that_comes_again_is_answered_as_before_and_not_carried_out() {
+    let bench = bench(OFFSETS);
+    let mut rig = Rig::new(&bench);
+    let id = rig.send(Request::Start);
+    rig.run_until(5000, "reply", |rig| rig.replies.len() == 1);
+    rig.run_ms(100);
+    rig.send_as(id, Request::Start);
+    rig.run_until(5000, "the reply again", |rig| rig.replies.len() == 2);
+    let settings = Ok(Answer::Settings(Settings::default()));
+    assert_eq!(rig.replies, [(id, settings.clone()), (id, settings)]);
+    // With another request, or with another number, it is another command.
+    rig.send_as(id, Request::RestartBins);
+    rig.run_until(5000, "its reply", |rig| rig.replies.len() == 3);
+    let (_, answer) = &rig.replies[2];
+    assert!(matches!(answer, Ok(Answer::BinsEpoch { .. })), "{answer:?}");
+    assert_eq!(rig.ask(Request::Start), Err(Refusal::Streaming));
+    rig.proven();
+}
+
+#[test]
 fn registers_are_those_of_the_converters() {
     let bench = bench(OFFSETS);
     let mut rig = Rig::new(&bench);

@@ -15,7 +15,9 @@ pub struct Command {
     pub request: Request,
 }
 
-/// What the host can ask for. Every request is answered once, or the host times out.
+/// What the host can ask for. Every request is answered, or the host times out and sends the same
+/// command again: one that equals the last, number and all, is not carried out a second time, its
+/// reply is sent again.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(target_os = "none", derive(defmt::Format))]
 pub enum Request {

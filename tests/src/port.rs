@@ -1,9 +1,11 @@
 //! Ports with faults, wrapped around sound ones.
 
+use std::collections::VecDeque;
 use std::io::{self, Read, Write};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use inm_host::internals::link::{Connect, LinkError, Port};
+use inm_protocol::{Answer, Decoder, FRAME_END, Reply, ToHost};
 
 /// What happens to the bytes from the board. Positions count the bytes that it has sent.
 #[derive(Debug, Clone, Default)]
@@ -14,6 +16,8 @@ pub struct Damage {
     pub drop: Vec<u64>,
     /// Where the port vanishes.
     pub vanish: Option<u64>,
+    /// Whether the board's first answer to a start or a configuration arrives damaged.
+    pub garbled_start: bool,
     /// How many attempts to open the port fail after it has vanished.
     pub failing_opens: u32,
     /// Bytes that the board sends into the void before the port is back.
@@ -31,6 +35,10 @@ struct Line {
     position: u64,
     /// The port has vanished; so many attempts to open it again are still to fail.
     away: Option<u32>,
+    /// The frame on its way, where answers are damaged.
+    frame: Vec<u8>,
+    /// Frames that have come to their end.
+    whole: VecDeque<u8>,
 }
 
 impl DamagedConnect {
@@ -44,6 +52,8 @@ impl DamagedConnect {
             damage,
             position: 0,
             away: None,
+            frame: Vec::new(),
+            whole: VecDeque::new(),
         };
         Ok(Self {
             line: Arc::new(Mutex::new(line)),
@@ -99,6 +109,28 @@ impl Line {
         }
     }
 
+    /// Reads whole frames, and damages the first answer that carries settings.
+    fn read_frames(&mut self, buf: &mut [u8]) -> io::Result<usize> {
+        let len = self.board.read(buf)?;
+        for &byte in &buf[..len] {
+            self.frame.push(byte);
+            if byte != FRAME_END {
+                continue;
+            }
+            let message = Decoder::new().next::<ToHost>(&mut &self.frame[..]);
+            let settings = |reply: &Reply| matches!(reply.result, Ok(Answer::Settings(_)));
+            if matches!(&message, Some(Ok(ToHost::Reply(reply))) if settings(reply)) {
+                self.frame[2] ^= 1;
+                self.damage.garbled_start = false;
+            }
+            self.whole.extend(self.frame.drain(..));
+        }
+        if !self.damage.garbled_start {
+            self.whole.extend(self.frame.drain(..));
+        }
+        self.whole.read(buf)
+    }
+
     fn read(&mut self, buf: &mut [u8]) -> io::Result<usize> {
         if self.damage.vanish.is_some_and(|at| self.position >= at) {
             self.damage.vanish = None;
@@ -107,7 +139,13 @@ impl Line {
         if self.away.is_some() {
             return Err(io::ErrorKind::BrokenPipe.into());
         }
-        let len = self.board.read(buf)?;
+        let len = if !self.whole.is_empty() {
+            self.whole.read(buf)?
+        } else if self.damage.garbled_start {
+            self.read_frames(buf)?
+        } else {
+            self.board.read(buf)?
+        };
         let mut kept = 0;
         for i in 0..len {
             let at = self.position + i as u64;

@@ -119,6 +119,20 @@ fn a_lost_byte_costs_its_frame_and_nothing_else() {
 }
 
 #[test]
+fn a_damaged_reply_to_start_costs_nothing() {
+    let damage = Damage {
+        garbled_start: true,
+        ..Damage::default()
+    };
+    let outcome = record(damage, 20_000, None);
+    assert!(outcome.record.error.is_none(), "{:?}", outcome.record.error);
+    assert!((1..=2).contains(&outcome.damaged_frames));
+    assert_eq!(outcome.lost_samples, 0);
+    assert_eq!(outcome.record.samples[0].0, 0);
+    outcome.record.assert_follows(&outcome.produced);
+}
+
+#[test]
 fn a_port_that_comes_back_goes_on_where_the_board_is() {
     let unheard = 30_000;
     let damage = Damage {

@@ -1,4 +1,5 @@
-//! Commands of the host, each answered exactly once and one after the other.
+//! Commands of the host, each carried out once and answered, one after the other. One that comes
+//! again, because its reply was lost, is answered again.
 
 use heapless::String;
 use inm_protocol::{
@@ -39,7 +40,11 @@ impl<P: Platform> Instrument<P> {
         busy
     }
 
-    fn carry_out(&mut self, Command { id, request }: Command, now: u64) {
+    fn carry_out(&mut self, command: Command, now: u64) {
+        if self.outbox.repeats(command) {
+            return;
+        }
+        let Command { id, request } = command;
         let streaming = self.is_streaming();
         let result = match request {
             Request::Identify => Ok(Answer::Identity(self.identity())),

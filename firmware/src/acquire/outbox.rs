@@ -5,7 +5,7 @@
 //! link.
 
 use heapless::Deque;
-use inm_protocol::{Batch, Event, Health, MAX_FRAME, Reply, ToHost, Trouble, encode};
+use inm_protocol::{Batch, Command, Event, Health, MAX_FRAME, Reply, ToHost, Trouble, encode};
 
 use crate::Platform;
 
@@ -16,6 +16,8 @@ const EVENTS: usize = 16;
 pub(super) struct Outbox {
     frame: [u8; MAX_FRAME],
     reply: Option<Reply>,
+    /// The last command, and its reply once there was one: a host that did not get it asks again.
+    last: Option<(Command, Option<Reply>)>,
     events: Deque<Event, EVENTS>,
     /// Batches dropped in a row, and the index of the first.
     dropped: (u32, u64),
@@ -30,6 +32,7 @@ impl Outbox {
         Self {
             frame: [0; MAX_FRAME],
             reply: None,
+            last: None,
             events: Deque::new(),
             dropped: (0, 0),
             sent: 0,
@@ -61,8 +64,26 @@ impl Outbox {
         self.reply.is_some()
     }
 
+    /// Whether this is the last command once more. Its reply is sent again then, and there is
+    /// nothing to do.
+    pub(super) fn repeats(&mut self, command: Command) -> bool {
+        match &self.last {
+            Some((last, reply)) if *last == command => {
+                self.reply.clone_from(reply);
+                true
+            }
+            _ => {
+                self.last = Some((command, None));
+                false
+            }
+        }
+    }
+
     /// Answers a command.
     pub(super) fn reply(&mut self, reply: Reply) {
+        if let Some((_, last)) = &mut self.last {
+            *last = Some(reply.clone());
+        }
         self.reply = Some(reply);
     }
 

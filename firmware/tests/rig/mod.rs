@@ -227,11 +227,16 @@ impl<'b, S: Signal> Rig<'b, S> {
     pub fn send(&mut self, request: Request) -> u16 {
         self.next_id += 1;
         let id = self.next_id;
+        self.send_as(id, request);
+        id
+    }
+
+    /// Sends a request as the command of this number.
+    pub fn send_as(&mut self, id: u16, request: Request) {
         let mut frame = [0; MAX_FRAME];
         let command = ToBoard::Command(Command { id, request });
         let len = encode(&command, &mut frame).expect("a command fits");
         self.link().send(&frame[..len]);
-        id
     }
 
     #[track_caller]

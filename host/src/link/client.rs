@@ -1,5 +1,6 @@
 //! Commands and their replies over an open port.
 
+use std::hash::{BuildHasher, Hasher, RandomState};
 use std::io::{self, ErrorKind};
 use std::time::{Duration, Instant};
 
@@ -51,7 +52,7 @@ impl Client {
         Self {
             port,
             name,
-            next_id: 1,
+            next_id: first_id(),
             patience,
             behind: Vec::new(),
         }
@@ -187,6 +188,18 @@ impl Client {
     }
 }
 
+/// Numbers that a session may begin with: all of one length on the wire (two bytes), for a long while
+/// from the first on.
+const FIRST_IDS: std::ops::Range<u16> = 0x80..0x2000;
+
+/// A random number for the first command: a board answers a command that equals the last of the
+/// session before with the reply of then.
+fn first_id() -> u16 {
+    let random = RandomState::new().build_hasher().finish();
+    let ids = u64::from(FIRST_IDS.end - FIRST_IDS.start);
+    FIRST_IDS.start + (random % ids) as u16
+}
+
 /// Nothing arrived in time, which is no fault.
 fn is_wait(error: &io::Error) -> bool {
     matches!(
@@ -275,6 +288,13 @@ mod tests {
     /// A board at rest sends health records. Where one of them shares its reads with a reply, a
     /// decoder that begins behind the reply must not begin in the middle of it.
     #[test]
+    fn the_numbers_of_commands_begin_at_random() {
+        let ids: std::collections::HashSet<u16> = (0..64).map(|_| first_id()).collect();
+        assert!(ids.len() > 32, "{ids:?}");
+        assert!(ids.iter().all(|id| FIRST_IDS.contains(id)), "{ids:?}");
+    }
+
+    #[test]
     fn what_is_behind_a_reply_waits_for_the_next_read() {
         let health = frame(&ToHost::Health(Health::default()));
         let reply = |id| {
@@ -295,6 +315,7 @@ mod tests {
                 "a board".to_owned(),
                 Patience::default(),
             );
+            client.next_id = 1;
             let mut kinds = String::new();
             for _ in 0..2 {
                 let mut decoder = Decoder::<MAX_FRAME>::new();

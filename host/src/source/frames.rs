@@ -12,6 +12,9 @@ use crate::link::{axis_name, describe};
 /// compared, and at the latest the registers come out shifted (firmware/src/ads1281/slip.rs).
 const SLIP_NOTICE: u64 = 540;
 
+/// Replies that are kept for who asked: one is asked for at a time, and late ones may be ahead of it.
+const REPLIES: usize = 8;
+
 /// Decodes frames and puts their samples together.
 #[derive(Debug, Default)]
 pub struct Frames {
@@ -205,6 +208,10 @@ impl Frames {
             // To a start: what was said of an idle board before is no news any more.
             Ok(Answer::Settings(_)) => self.status.stopped = false,
             _ => {}
+        }
+        // Nobody asks for old ones; a stream may hold any number of them.
+        if self.status.replies.len() == REPLIES {
+            self.status.replies.remove(0);
         }
         self.status.replies.push(reply);
     }
