@@ -5,13 +5,16 @@
 
 mod pty;
 
+use std::fs::OpenOptions;
+use std::io::Write;
 use std::path::Path;
-use std::process::{Command, Output};
-use std::time::Duration;
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
 
 use inm_host::internals::virtual_board::{Misfortune, VirtualConnect};
 use inm_protocol::Restart;
 use pty::PtyBoard;
+use serialport::{SerialPort, TTYPort};
 
 fn inm(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_inm"))
@@ -110,4 +113,55 @@ fn a_board_that_stays_silent_ends_the_recording_and_keeps_it() {
         stdout.contains("the recording ends without the stream"),
         "{stdout}"
     );
+}
+
+/// A terminal that is stopped (Ctrl-S, or a window that hangs): no byte more goes in. The first half
+/// has to stay open, the second is what a program writes to.
+fn stopped_terminal() -> (TTYPort, Stdio) {
+    let (near, mut far) = TTYPort::pair().expect("a pseudo terminal");
+    far.set_timeout(Duration::from_millis(50)).expect("set");
+    while far.write(&[b'.'; 1024]).is_ok() {}
+    while far.write(b".").is_ok() {}
+    let path = far.name().expect("it has a path");
+    let terminal = OpenOptions::new().write(true).open(path).expect("opens");
+    (near, terminal.into())
+}
+
+/// Records three seconds at 4000/s with a terminal that is stopped from the beginning.
+fn record_without_terminal(command: &str) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let capture = folder.path().join("run.inmcap");
+    let board = PtyBoard::start(VirtualConnect::published(5, 1.0));
+    let (_near, terminal) = stopped_terminal();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_inm"))
+        .args([command, "--source", &board.port, "--rate", "4000"])
+        .args(["--duration", "3", "-o"])
+        .arg(&capture)
+        .stderr(terminal)
+        .stdout(Stdio::null())
+        .spawn()
+        .expect("inm runs");
+    let deadline = Instant::now() + Duration::from_secs(60);
+    let status = loop {
+        if let Some(status) = child.try_wait().expect("it is our child") {
+            break status;
+        }
+        if Instant::now() > deadline {
+            child.kill().expect("killed");
+            panic!("the recording waits for its terminal");
+        }
+        std::thread::sleep(Duration::from_millis(50));
+    };
+    assert_eq!(status.code(), Some(0));
+    assert_eq!(gaps(&capture), Vec::<serde_json::Value>::new());
+}
+
+#[test]
+fn a_stopped_terminal_costs_record_no_sample() {
+    record_without_terminal("record");
+}
+
+#[test]
+fn a_stopped_terminal_costs_live_no_sample() {
+    record_without_terminal("live");
 }

@@ -117,6 +117,16 @@ pub enum Note {
         /// Wall clock, milliseconds since 1970-01-01 UTC.
         unix_ms: i64,
     },
+    /// The host did not keep up (a disk that stands still for longer than its queue lasts), and threw
+    /// away what the board sent.
+    Overrun {
+        /// Wall clock of the first byte thrown away, milliseconds since 1970-01-01 UTC.
+        unix_ms: i64,
+        /// Wall clock when there was room again, milliseconds since 1970-01-01 UTC.
+        until_ms: i64,
+        /// Bytes thrown away.
+        bytes: u64,
+    },
     /// After any of the above: the board was found and streams, on where it is or, started again
     /// with the same settings, from index 0.
     StreamBack {

@@ -66,6 +66,11 @@ impl Connect for DamagedConnect {
         "damaged".to_owned()
     }
 
+    /// As the virtual board behind it.
+    fn waits(&self) -> bool {
+        true
+    }
+
     fn open(&mut self) -> Result<Box<dyn Port>, LinkError> {
         let mut line = lock(&self.line);
         match &mut line.away {

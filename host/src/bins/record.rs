@@ -33,6 +33,7 @@ pub struct Account {
 }
 
 /// A record being accumulated.
+#[derive(Clone)]
 pub struct Record {
     account: Account,
     axes: Vec<AxisRecord>,
@@ -41,6 +42,7 @@ pub struct Record {
 }
 
 /// One axis of it.
+#[derive(Clone)]
 pub struct AxisRecord {
     bins: AxisBins,
     bridge: Bridge,
@@ -61,6 +63,7 @@ pub(super) enum Missing {
     Unknown,
 }
 
+#[derive(Clone)]
 enum AxisBins {
     Strided(Strided),
     Full(Segments),

@@ -67,7 +67,7 @@ impl DemoCommand {
         let mut source = BoardSource::start(connect, plan, Some(&capture), stop)?;
         let signal = source.signal().clone();
         let mut record = Record::new(signal.axes.len(), Overlap::Strided);
-        watch(&mut source, Some(&mut record), &mut Screen::stderr())?;
+        watch(&mut source, Some(&mut record), Screen::stderr())?;
 
         println!();
         let results = self.results("demo");

@@ -38,7 +38,7 @@ impl LiveCommand {
             BoardSource::start(connect, self.board.plan(), self.output.as_deref(), stop)?;
         let signal = source.signal().clone();
         let mut record = Record::new(signal.axes.len(), Overlap::Strided);
-        let ended = watch(&mut source, Some(&mut record), &mut Screen::stderr());
+        let ended = watch(&mut source, Some(&mut record), Screen::stderr());
         let analysis = summarise(&signal, &record, &AnalysisOptions::default());
         self.results.write(&analysis)?;
         ended?;

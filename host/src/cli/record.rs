@@ -30,7 +30,7 @@ impl RecordCommand {
         let stop = interrupt::stop_on_signal()?;
         let connect = self.board.connect(0.0);
         let mut source = BoardSource::start(connect, self.board.plan(), Some(&self.output), stop)?;
-        let ended = watch(&mut source, None, &mut Screen::stderr());
+        let ended = watch(&mut source, None, Screen::stderr());
         // Said in either case: a recording that broke off is still a recording.
         println!(
             "{}: {} samples an axis, {} lost, {} bytes",

@@ -34,7 +34,7 @@ impl ReplayCommand {
         let mut source = source.at_speed(self.speed);
         let signal = source.signal().clone();
         let mut record = Record::new(signal.axes.len(), Overlap::Strided);
-        let ended = watch(&mut source, Some(&mut record), &mut Screen::stderr());
+        let ended = watch(&mut source, Some(&mut record), Screen::stderr());
         self.results
             .write(&summarise(&signal, &record, &AnalysisOptions::default()))?;
         Ok(ended?)

@@ -1,7 +1,7 @@
 //! Commands and their replies over an open port.
 
 use std::hash::{BuildHasher, Hasher, RandomState};
-use std::io::{self, ErrorKind};
+use std::io;
 use std::time::{Duration, Instant};
 
 use inm_protocol::{
@@ -9,6 +9,7 @@ use inm_protocol::{
     encode,
 };
 
+use super::port::is_wait;
 use super::{LinkError, Port};
 
 /// How long to wait for a reply, and how often to ask.
@@ -200,14 +201,6 @@ fn first_id() -> u16 {
     FIRST_IDS.start + (random % ids) as u16
 }
 
-/// Nothing arrived in time, which is no fault.
-fn is_wait(error: &io::Error) -> bool {
-    matches!(
-        error.kind(),
-        ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted
-    )
-}
-
 /// What an answer should hold, by kind.
 pub(crate) trait Expect: Sized {
     /// The content, or `None` if the answer is of another kind.
@@ -249,7 +242,7 @@ impl Expect for () {
 
 #[cfg(test)]
 mod tests {
-    use std::io::{Read, Write};
+    use std::io::{ErrorKind, Read, Write};
 
     use inm_protocol::{Decoder, Fault, Health, ToHost};
 

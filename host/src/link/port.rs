@@ -1,6 +1,6 @@
 //! Where the board's bytes come from.
 
-use std::io::{self, Read, Write};
+use std::io::{self, ErrorKind, Read, Write};
 use std::time::Duration;
 
 use super::LinkError;
@@ -18,6 +18,12 @@ pub trait Connect: Send {
     /// Name of the port, for people.
     fn name(&self) -> String;
 
+    /// Whether what is behind the port waits for who reads it, so that nothing is lost however slow
+    /// that is. No UART does.
+    fn waits(&self) -> bool {
+        false
+    }
+
     /// Opens the port.
     ///
     /// # Errors
@@ -26,7 +32,15 @@ pub trait Connect: Send {
 }
 
 /// How long one read waits for a byte.
-const READ_TIMEOUT: Duration = Duration::from_millis(50);
+pub(super) const READ_TIMEOUT: Duration = Duration::from_millis(50);
+
+/// Nothing arrived in time, which is no fault.
+pub(super) fn is_wait(error: &io::Error) -> bool {
+    matches!(
+        error.kind(),
+        ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted
+    )
+}
 
 /// A serial port of this machine.
 #[derive(Debug, Clone)]

@@ -2,12 +2,12 @@
 
 use std::time::{Duration, Instant};
 
-use super::{Noise, NoiseRow, Observed};
+use super::{Noise, NoiseRow};
 use crate::bins::record::{AxisRecord, Record};
 use crate::fit::design::Design;
 use crate::fit::likelihood::terms::{self, LikelihoodFit, LikelihoodValue};
 use crate::model::Coefficient;
-use crate::signal::Axis;
+use crate::signal::{Axis, Signal};
 use crate::spectrum::{Estimate, Settings};
 
 /// Between two fits at least.
@@ -31,9 +31,8 @@ impl Noises {
     }
 
     /// Fits every axis anew.
-    pub fn fit(&mut self, source: &dyn Observed, record: &Record) {
+    pub fn fit(&mut self, signal: &Signal, record: &Record) {
         let begin = Instant::now();
-        let signal = source.signal();
         let fits: Vec<Option<LikelihoodFit>> = signal
             .axes
             .iter()

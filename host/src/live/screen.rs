@@ -1,7 +1,6 @@
 //! Text that stays in one place of the terminal.
 
 use std::io;
-use std::time::{Duration, Instant};
 
 use console::Term;
 
@@ -11,14 +10,7 @@ use console::Term;
 pub struct Screen {
     term: Term,
     drawn: usize,
-    last: Option<Instant>,
 }
-
-/// Between two pictures on a terminal.
-const PERIOD: Duration = Duration::from_millis(500);
-
-/// Between two lines in a log.
-const LOG_PERIOD: Duration = Duration::from_secs(10);
 
 impl Screen {
     /// A screen on standard error, so that results can be piped.
@@ -26,18 +18,12 @@ impl Screen {
         Self {
             term: Term::stderr(),
             drawn: 0,
-            last: None,
         }
     }
 
-    /// Whether it is time for another picture.
-    pub fn is_due(&self) -> bool {
-        let period = if self.term.is_term() {
-            PERIOD
-        } else {
-            LOG_PERIOD
-        };
-        self.last.is_none_or(|last| last.elapsed() >= period)
+    /// Whether it is a terminal; else it is a log.
+    pub fn is_term(&self) -> bool {
+        self.term.is_term()
     }
 
     /// Shows `text` in the place of what was shown before. In a log only its second line
@@ -46,7 +32,6 @@ impl Screen {
     /// # Errors
     /// What the terminal says.
     pub fn show(&mut self, text: &str) -> io::Result<()> {
-        self.last = Some(Instant::now());
         if !self.term.is_term() {
             return self.term.write_line(text.lines().nth(1).unwrap_or(text));
         }

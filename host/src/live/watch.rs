@@ -2,30 +2,26 @@
 
 use std::collections::VecDeque;
 
-use inm_allan::Statistic;
-
-use super::noise::Noises;
-use super::{Cell, Observed, Row, Screen};
-use crate::bins::point;
+use super::view::{Scene, View};
+use super::{Observed, Screen};
 use crate::bins::record::Record;
-use crate::bins::taus::Taus;
 use crate::source::{Chunk, SourceError};
 
 /// News that stay on the screen.
 const NEWS: usize = 4;
 
 /// Runs `source` to its end: every chunk goes to `record`, if there is one, and `screen` shows
-/// the state now and then.
+/// the state now and then. What is slow about that, a thread of its own does.
 ///
 /// # Errors
 /// What ends the source early; `record` holds everything up to there.
 pub fn watch(
     source: &mut dyn Observed,
     mut record: Option<&mut Record>,
-    screen: &mut Screen,
+    screen: Screen,
 ) -> Result<(), SourceError> {
     let mut news = VecDeque::new();
-    let mut noise = Noises::default();
+    let mut view = View::new(screen, source.signal().clone());
     let result = loop {
         let chunk = match source.next_chunk() {
             Ok(Some(chunk)) => chunk,
@@ -43,19 +39,11 @@ pub fn watch(
         if let Some(record) = &mut record {
             record.push(chunk);
         }
-        if screen.is_due() {
-            if let Some(record) = &record
-                && noise.is_due()
-            {
-                noise.fit(source, record);
-            }
-            show(source, record.as_deref(), &news, &noise, screen);
+        if view.is_due() {
+            view.show(scene(source, record.as_deref(), &news, false));
         }
     };
-    if let Some(record) = &record {
-        noise.fit(source, record);
-    }
-    show(source, record.as_deref(), &news, &noise, screen);
+    view.finish(scene(source, record.as_deref(), &news, true));
     result
 }
 
@@ -66,13 +54,13 @@ fn note(news: &mut VecDeque<String>, text: String) {
     news.push_back(text);
 }
 
-fn show(
+/// The state of the recording now.
+fn scene(
     source: &dyn Observed,
     record: Option<&Record>,
     news: &VecDeque<String>,
-    noise: &Noises,
-    screen: &mut Screen,
-) {
+    last: bool,
+) -> Scene {
     let mut snapshot = source.snapshot();
     snapshot.news = news.iter().cloned().collect();
     let axes = &source.signal().axes;
@@ -80,46 +68,9 @@ fn show(
         .iter()
         .map(|axis| format!("{}, {}", axis.name, axis.unit))
         .collect();
-    if let Some(record) = record {
-        snapshot.table = table(source, record);
-        snapshot.noise.clone_from(&noise.rows);
+    Scene {
+        snapshot,
+        record: record.cloned(),
+        last,
     }
-    // A terminal that went away is no reason to stop a recording.
-    let _ = screen.show(&snapshot.render());
-}
-
-/// The Allan table at octaves of the averaging time.
-fn table(source: &dyn Observed, record: &Record) -> Vec<Row> {
-    let signal = source.signal();
-    let mut rows: Vec<Row> = Vec::new();
-    let count = signal.axes.len();
-    for (axis, (description, record)) in signal.axes.iter().zip(record.axes()).enumerate() {
-        let factors = Taus::Octave.factors(record.count() / 2);
-        let estimates = record.estimates(Statistic::Allan, &factors);
-        let points = point::points(
-            Statistic::Allan,
-            &estimates,
-            signal.rate_hz,
-            description.scale,
-        );
-        for point in points {
-            let cell = Cell {
-                adev: point.deviation(),
-                relative: 0.5 * (point.hi - point.lo) / point.deviation(),
-            };
-            let row = match rows.iter().position(|row| row.tau_s == point.tau_s) {
-                Some(row) => row,
-                None => {
-                    rows.push(Row {
-                        tau_s: point.tau_s,
-                        cells: vec![None; count],
-                    });
-                    rows.len() - 1
-                }
-            };
-            rows[row].cells[axis] = Some(cell);
-        }
-    }
-    rows.sort_by(|a, b| a.tau_s.total_cmp(&b.tau_s));
-    rows
 }

@@ -235,6 +235,9 @@ impl Frames {
                 self.assembler
                     .news("the board stopped streaming".to_owned());
             }
+            Note::Overrun { bytes, .. } => self.assembler.news(format!(
+                "this machine did not keep up: {bytes} bytes from the board were thrown away"
+            )),
             Note::PortBack { unix_ms } => self.back("the port came back", unix_ms),
             Note::StreamBack { unix_ms } => self.back("the stream is back", unix_ms),
             Note::End { .. } => self.status.ended = true,

@@ -56,13 +56,20 @@ impl Interruption {
             Note::PortLost { unix_ms } => ("the port went away", unix_ms),
             Note::BoardSilent { unix_ms } => ("the board fell silent", unix_ms),
             Note::BoardStopped { unix_ms } => ("the board stopped streaming", unix_ms),
+            Note::Overrun { unix_ms, .. } => (
+                "this machine did not write what arrived, and its queue was full",
+                unix_ms,
+            ),
             _ => return None,
         };
         Some(Self {
             what,
             port: matches!(note, Note::PortLost { .. }),
             from_ms,
-            until_ms: None,
+            until_ms: match *note {
+                Note::Overrun { until_ms, .. } => Some(until_ms),
+                _ => None,
+            },
             before,
             restarted: false,
             cause: None,

@@ -115,6 +115,10 @@ impl Connect for VirtualConnect {
         "virtual".to_owned()
     }
 
+    fn waits(&self) -> bool {
+        true
+    }
+
     fn open(&mut self) -> Result<Box<dyn Port>, LinkError> {
         let (to_host, from_board) = mpsc::channel();
         let (to_board, from_host) = mpsc::channel();

@@ -17,7 +17,7 @@ use super::audit::Proof;
 use super::frames::{Frames, Status};
 use super::{Chunk, Gap, Source, SourceError};
 use crate::capture::{Header, Writer, note_frame};
-use crate::link::{Client, Connect};
+use crate::link::{Client, Connect, open_to_record};
 use crate::signal::Signal;
 
 pub use self::plan::{Plan, Stop};
@@ -57,7 +57,10 @@ impl BoardSource {
         capture: Option<&Path>,
         stop: Stop,
     ) -> Result<Self, SourceError> {
-        let mut client = Client::new(connect.open()?, connect.name(), plan.patience);
+        let mut client = {
+            let port = open_to_record(connect.as_mut())?;
+            Client::new(port, connect.name(), plan.patience)
+        };
         let mut frames = Frames::default();
         let mut talk = Talk {
             client: &mut client,

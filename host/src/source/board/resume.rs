@@ -9,7 +9,7 @@ use jiff::Timestamp;
 
 use super::BoardSource;
 use super::talk::Failed;
-use crate::link::{Client, LinkError};
+use crate::link::{Client, LinkError, open_to_record};
 use crate::source::SourceError;
 
 /// Between two attempts to find the board.
@@ -99,7 +99,7 @@ impl BoardSource {
     /// One attempt to find the board and to have it stream. `open` is whether the port is.
     fn take_up(&mut self, open: &mut bool) -> Result<(), Failed> {
         if !*open {
-            let port = self.connect.open()?;
+            let port = open_to_record(self.connect.as_mut())?;
             self.client = Client::new(port, self.connect.name(), self.plan.patience);
             *open = true;
             self.note(Note::PortBack { unix_ms: now_ms() })?;
