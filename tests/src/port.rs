@@ -16,6 +16,8 @@ pub struct Damage {
     pub drop: Vec<u64>,
     /// Where the port vanishes.
     pub vanish: Option<u64>,
+    /// How many bytes after it has come back it vanishes once more.
+    pub vanish_again: Option<u64>,
     /// Whether the board's first answer to a start or a configuration arrives damaged.
     pub garbled_start: bool,
     /// How many attempts to open the port fail after it has vanished.
@@ -72,11 +74,21 @@ impl Connect for DamagedConnect {
     }
 
     fn open(&mut self) -> Result<Box<dyn Port>, LinkError> {
+        // As the lock of a serial port: the one that is open has to be closed first.
+        if Arc::strong_count(&self.line) > 1 {
+            let source = io::ErrorKind::ResourceBusy.into();
+            return Err(LinkError::Gone {
+                port: self.name(),
+                source,
+            });
+        }
         let mut line = lock(&self.line);
         match &mut line.away {
             Some(0) => {
                 line.away = None;
                 line.send_into_the_void();
+                let again = line.damage.vanish_again.take();
+                line.damage.vanish = again.map(|bytes| line.position + bytes);
             }
             Some(left) => {
                 *left -= 1;

@@ -61,10 +61,7 @@ impl Qemu {
 
     /// The way to its serial port.
     pub fn connect(&self) -> SerialConnect {
-        SerialConnect {
-            path: self.port.clone(),
-            baud: 921_600,
-        }
+        SerialConnect::new(self.port.as_str(), 921_600)
     }
 }
 

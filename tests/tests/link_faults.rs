@@ -3,6 +3,7 @@
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
+use inm_host::internals::link::{Connect, LinkError, Port};
 use inm_host::internals::source::board::{BoardSource, Plan, Stop};
 use inm_host::internals::source::capture::CaptureSource;
 use inm_host::internals::virtual_board::{VirtualConnect, Witness};
@@ -168,6 +169,98 @@ fn a_port_that_comes_back_goes_on_where_the_board_is() {
     assert!(
         outcome.replayed.codes() == outcome.record.codes(),
         "the capture tells the same"
+    );
+}
+
+#[test]
+fn a_port_that_goes_away_again_within_a_second_is_waited_for() {
+    let damage = Damage {
+        vanish: Some(INSIDE),
+        vanish_again: Some(100),
+        unheard: 3000,
+        ..Damage::default()
+    };
+    let outcome = record(damage, 20_000, Some(Duration::from_secs(20)));
+    assert!(outcome.record.error.is_none(), "{:?}", outcome.record.error);
+    outcome.record.assert_follows(&outcome.produced);
+    assert!(
+        outcome.replayed.codes() == outcome.record.codes(),
+        "the capture tells the same"
+    );
+}
+
+/// A port behind which another board is each time that it is opened; the last one stays.
+struct Swapped {
+    boards: Vec<Box<dyn Connect>>,
+    next: usize,
+}
+
+impl Connect for Swapped {
+    fn name(&self) -> String {
+        "swapped".to_owned()
+    }
+
+    fn waits(&self) -> bool {
+        true
+    }
+
+    fn open(&mut self) -> Result<Box<dyn Port>, LinkError> {
+        let last = self.boards.len() - 1;
+        let board = &mut self.boards[self.next.min(last)];
+        self.next += 1;
+        board.open()
+    }
+}
+
+/// A record of a board whose port vanishes, with these boards behind it when it is back.
+fn record_swapped(serials: &[u32], reconnect: Duration) -> Record {
+    let damage = Damage {
+        vanish: Some(INSIDE),
+        ..Damage::default()
+    };
+    let board = |serial| {
+        let mut board = VirtualConnect::published(11, 0.0);
+        board.serial = [0, 0, serial];
+        board
+    };
+    let first = DamagedConnect::new(&mut board(1), damage).expect("the virtual board opens");
+    let mut boards: Vec<Box<dyn Connect>> = vec![Box::new(first)];
+    boards.extend(serials.iter().map(|&serial| Box::new(board(serial)) as _));
+    let plan = Plan {
+        samples: Some(20_000),
+        reconnect: Some(reconnect),
+        ..Plan::default()
+    };
+    let swapped = Box::new(Swapped { boards, next: 0 });
+    let mut live =
+        BoardSource::start(swapped, plan, None, Stop::default()).expect("the virtual board starts");
+    Record::read(&mut live)
+}
+
+#[test]
+fn another_board_is_refused_by_name() {
+    let record = record_swapped(&[2], Duration::from_millis(700));
+    let error = record.error.expect("another board").to_string();
+    let numbers = [2, 1].map(|serial| format!("{serial:024x}"));
+    assert!(
+        numbers.iter().all(|number| error.contains(number)),
+        "{error}"
+    );
+    assert!(
+        error.contains("plug the board of this recording"),
+        "{error}"
+    );
+}
+
+#[test]
+fn the_board_is_waited_for_while_another_is_there() {
+    let record = record_swapped(&[2, 1], Duration::from_secs(20));
+    assert!(record.error.is_none(), "{:?}", record.error);
+    assert_eq!(record.gaps.len(), 1, "{:?}", record.gaps);
+    let cause = &record.gaps[0].cause;
+    assert!(
+        cause.starts_with("the port went away and had restarted"),
+        "{cause}"
     );
 }
 

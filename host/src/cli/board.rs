@@ -67,10 +67,7 @@ impl BoardOptions {
             let speed = self.speed.unwrap_or(default_speed);
             return Box::new(VirtualConnect::published(self.seed, speed));
         }
-        Box::new(SerialConnect {
-            path: self.source.clone(),
-            baud: self.baud,
-        })
+        Box::new(SerialConnect::new(self.source.as_str(), self.baud))
     }
 
     /// What to ask of the board.

@@ -1,7 +1,7 @@
 //! Commands and their replies over an open port.
 
 use std::hash::{BuildHasher, Hasher, RandomState};
-use std::io;
+use std::io::{self, ErrorKind};
 use std::time::{Duration, Instant};
 
 use inm_protocol::{
@@ -39,7 +39,8 @@ impl Default for Patience {
 /// Whatever arrives while a reply is awaited is handed to the caller, so that no sample is
 /// lost to a question.
 pub struct Client {
-    port: Box<dyn Port>,
+    /// `None` once it is closed.
+    port: Option<Box<dyn Port>>,
     name: String,
     next_id: u16,
     patience: Patience,
@@ -51,11 +52,25 @@ impl Client {
     /// Speaks to the board at `port`; `name` is for messages.
     pub fn new(port: Box<dyn Port>, name: String, patience: Patience) -> Self {
         Self {
-            port,
+            port: Some(port),
             name,
             next_id: first_id(),
             patience,
             behind: Vec::new(),
+        }
+    }
+
+    /// Closes the port: a lock of our own on it must not keep us out when it is opened again.
+    pub fn close(&mut self) {
+        self.port = None;
+        self.behind.clear();
+    }
+
+    /// The port, if it is open.
+    fn port(&mut self) -> io::Result<&mut dyn Port> {
+        match &mut self.port {
+            Some(port) => Ok(port.as_mut()),
+            None => Err(ErrorKind::NotConnected.into()),
         }
     }
 
@@ -70,7 +85,7 @@ impl Client {
             self.behind.drain(..len);
             return Ok(len);
         }
-        match self.port.read(buf) {
+        match self.port().and_then(|port| port.read(buf)) {
             Ok(len) => Ok(len),
             Err(error) if is_wait(&error) => Ok(0),
             Err(source) => Err(LinkError::Gone {
@@ -160,16 +175,20 @@ impl Client {
         let command = Command { id, request };
         // A zero first ends whatever noise the board believes to be a frame.
         let mut frame = [0; MAX_FRAME + 1];
-        let gone = |source| LinkError::Gone {
+        let len = encode(&ToBoard::Command(command), &mut frame[1..]).map_err(|error| {
+            LinkError::Gone {
+                port: self.name.clone(),
+                source: io::Error::other(error),
+            }
+        })?;
+        let sent = self.port().and_then(|port| {
+            port.write_all(&frame[..=len])?;
+            port.flush()
+        });
+        sent.map_err(|source| LinkError::Gone {
             port: self.name.clone(),
             source,
-        };
-        let len = encode(&ToBoard::Command(command), &mut frame[1..])
-            .map_err(|error| gone(io::Error::other(error)))?;
-        self.port
-            .write_all(&frame[..=len])
-            .and_then(|()| self.port.flush())
-            .map_err(gone)
+        })
     }
 
     /// The error for a board of another protocol version.
@@ -241,103 +260,4 @@ impl Expect for () {
 }
 
 #[cfg(test)]
-mod tests {
-    use std::io::{ErrorKind, Read, Write};
-
-    use inm_protocol::{Decoder, Fault, Health, ToHost};
-
-    use super::*;
-
-    /// Hands out these reads, one after the other.
-    struct Reads(Vec<Vec<u8>>);
-
-    impl Read for Reads {
-        fn read(&mut self, buf: &mut [u8]) -> io::Result<usize> {
-            if self.0.is_empty() {
-                return Err(ErrorKind::TimedOut.into());
-            }
-            let bytes = self.0.remove(0);
-            buf[..bytes.len()].copy_from_slice(&bytes);
-            Ok(bytes.len())
-        }
-    }
-
-    impl Write for Reads {
-        fn write(&mut self, buf: &[u8]) -> io::Result<usize> {
-            Ok(buf.len())
-        }
-
-        fn flush(&mut self) -> io::Result<()> {
-            Ok(())
-        }
-    }
-
-    fn frame(message: &ToHost) -> Vec<u8> {
-        let mut frame = [0; MAX_FRAME];
-        let len = encode(message, &mut frame).expect("every message has room");
-        frame[..len].to_vec()
-    }
-
-    /// A board at rest sends health records. Where one of them shares its reads with a reply, a
-    /// decoder that begins behind the reply must not begin in the middle of it.
-    #[test]
-    fn the_numbers_of_commands_begin_at_random() {
-        let ids: std::collections::HashSet<u16> = (0..64).map(|_| first_id()).collect();
-        assert!(ids.len() > 32, "{ids:?}");
-        assert!(ids.iter().all(|id| FIRST_IDS.contains(id)), "{ids:?}");
-    }
-
-    #[test]
-    fn what_is_behind_a_reply_waits_for_the_next_read() {
-        let health = frame(&ToHost::Health(Health::default()));
-        let reply = |id| {
-            frame(&ToHost::Reply(Reply {
-                id,
-                result: Ok(Answer::Done),
-            }))
-        };
-        for cut in 1..health.len() {
-            let (early, late) = health.split_at(cut);
-            let reads = vec![
-                [&health, &reply(1)[..], early].concat(),
-                [late, &reply(2), early].concat(),
-                late.to_vec(),
-            ];
-            let mut client = Client::new(
-                Box::new(Reads(reads)),
-                "a board".to_owned(),
-                Patience::default(),
-            );
-            client.next_id = 1;
-            let mut kinds = String::new();
-            for _ in 0..2 {
-                let mut decoder = Decoder::<MAX_FRAME>::new();
-                let answer = client.request(Request::Stop, |mut bytes, id| {
-                    let mut found = None;
-                    while let Some(message) = decoder.next::<ToHost>(&mut bytes) {
-                        match message.expect("nothing is damaged") {
-                            ToHost::Reply(reply) if reply.id == id => found = Some(reply),
-                            _ => kinds.push('h'),
-                        }
-                    }
-                    Ok::<_, LinkError>(found)
-                });
-                assert_eq!(answer.ok(), Some(Answer::Done), "cut at {cut}");
-                assert_eq!(decoder.pending(), 0, "cut at {cut}");
-                kinds.push('r');
-            }
-            let mut rest = Vec::new();
-            let mut buf = [0; 4096];
-            loop {
-                match client.read(&mut buf).expect("the port stays") {
-                    0 => break,
-                    len => rest.extend_from_slice(&buf[..len]),
-                }
-            }
-            let mut decoder = Decoder::<MAX_FRAME>::new();
-            let last: Option<Result<ToHost, Fault>> = decoder.next(&mut &rest[..]);
-            assert!(matches!(last, Some(Ok(ToHost::Health(_)))), "cut at {cut}");
-            assert_eq!(kinds, "hrhr", "cut at {cut}");
-        }
-    }
-}
+mod tests;

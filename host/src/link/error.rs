@@ -45,6 +45,14 @@ pub enum LinkError {
         /// Name of the port.
         port: String,
     },
+    /// Another board than the one that was recorded.
+    #[error("{port}: another board is there: {what}")]
+    OtherBoard {
+        /// Name of the port.
+        port: String,
+        /// What differs, in words.
+        what: String,
+    },
     /// No reply.
     #[error("{port}: no answer to `{request:?}` within {} ms, asked {tries} times", waited.as_millis())]
     NoReply {
@@ -100,6 +108,11 @@ impl LinkError {
             Self::Silent { .. } | Self::Stopped { .. } => {
                 "what was recorded is kept; check power and supply of the board, or wait longer for \
                  it (--reconnect)"
+                    .to_owned()
+            }
+            Self::OtherBoard { .. } => {
+                "plug the board of this recording in again, or begin a new recording; what was \
+                 recorded is kept"
                     .to_owned()
             }
             Self::NoReply { .. } => {

@@ -4,11 +4,13 @@ mod client;
 mod error;
 mod intake;
 mod port;
+mod serial;
 mod words;
 
 pub(crate) use client::Expect;
 pub use client::{Client, Patience};
 pub use error::LinkError;
 pub use intake::open_to_record;
-pub use port::{Connect, Port, SerialConnect};
+pub use port::{Connect, Port};
+pub use serial::SerialConnect;
 pub(crate) use words::{axis_name, describe, restarted};

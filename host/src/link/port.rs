@@ -29,6 +29,9 @@ pub trait Connect: Send {
     /// # Errors
     /// [`LinkError::Open`].
     fn open(&mut self) -> Result<Box<dyn Port>, LinkError>;
+
+    /// What was opened last is not what was looked for: the next time, look elsewhere first.
+    fn reject(&mut self) {}
 }
 
 /// How long one read waits for a byte.
@@ -40,58 +43,4 @@ pub(super) fn is_wait(error: &io::Error) -> bool {
         error.kind(),
         ErrorKind::TimedOut | ErrorKind::WouldBlock | ErrorKind::Interrupted
     )
-}
-
-/// A serial port of this machine.
-#[derive(Debug, Clone)]
-pub struct SerialConnect {
-    /// Path or name, such as `/dev/ttyUSB0` or `COM3`.
-    pub path: String,
-    /// Bit/s.
-    pub baud: u32,
-}
-
-impl Connect for SerialConnect {
-    fn name(&self) -> String {
-        self.path.clone()
-    }
-
-    fn open(&mut self) -> Result<Box<dyn Port>, LinkError> {
-        serialport::new(&self.path, self.baud)
-            .timeout(READ_TIMEOUT)
-            .open()
-            .map(|port| Box::new(Serial(port)) as Box<dyn Port>)
-            .map_err(|source| LinkError::Open {
-                port: self.path.clone(),
-                available: serialport::available_ports()
-                    .unwrap_or_default()
-                    .into_iter()
-                    .map(|port| port.port_name)
-                    .collect(),
-                source,
-            })
-    }
-}
-
-/// A [`serialport::SerialPort`] whose end of file is an error: a terminal has no end, so a
-/// read of nothing means that the other side has hung up.
-struct Serial(Box<dyn serialport::SerialPort>);
-
-impl Read for Serial {
-    fn read(&mut self, buf: &mut [u8]) -> io::Result<usize> {
-        match self.0.read(buf) {
-            Ok(0) => Err(io::ErrorKind::BrokenPipe.into()),
-            other => other,
-        }
-    }
-}
-
-impl Write for Serial {
-    fn write(&mut self, buf: &[u8]) -> io::Result<usize> {
-        self.0.write(buf)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.0.flush()
-    }
 }

@@ -71,6 +71,8 @@ pub struct VirtualConnect {
     pub channels: [Channel; AXES],
     /// Seconds of board time in a second; 0 for as fast as it goes.
     pub speed: f64,
+    /// Unique number of the microcontroller.
+    pub serial: [u32; 3],
     /// Speed of the link in virtual time, bit/s.
     pub baud: u32,
     /// Faults to come: axis, number of the converter's word since the first stream began, what
@@ -90,6 +92,7 @@ impl VirtualConnect {
         Self {
             channels: [0, 1, 2].map(|axis| channel::published(axis, seed)),
             speed,
+            serial: [0; 3],
             baud: 921_600,
             faults: Vec::new(),
             restarts: Vec::new(),
@@ -162,6 +165,7 @@ fn power_on(plan: &VirtualConnect, line: &mut Line) {
         let bench = Bench::new(plan.sensors().map(Converter::new));
         let board = Board {
             restart,
+            serial: plan.serial,
             ..describe("virtual")
         };
         let instrument = VirtualBoard::instrument(&bench, VirtualLink::new(Some(plan.baud)), board);

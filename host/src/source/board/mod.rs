@@ -2,6 +2,7 @@
 
 mod plan;
 mod resume;
+mod same;
 mod talk;
 
 use std::path::Path;
@@ -10,7 +11,7 @@ use std::time::{Duration, Instant};
 use inm_protocol::{AXES, Identity, Note, REGISTERS, Request, Settings};
 use jiff::Timestamp;
 
-use self::resume::{Broken, now_ms};
+use self::resume::{Broken, Search, now_ms};
 use self::talk::{Failed, Talk};
 use super::assemble::Losses;
 use super::audit::Proof;
@@ -27,12 +28,15 @@ pub struct BoardSource {
     connect: Box<dyn Connect>,
     client: Client,
     frames: Frames,
+    identity: Identity,
     header: Header,
     signal: Signal,
     capture: Option<Writer>,
     plan: Plan,
     stop: Stop,
     ended: bool,
+    /// The stream broke off, and the board is being looked for.
+    search: Option<Search>,
     /// Intact frames so far, and when the last of them arrived.
     heard: (u64, Instant),
     /// When the board was last asked to begin its bins anew.
@@ -96,12 +100,14 @@ impl BoardSource {
             connect,
             client,
             frames,
+            identity,
             header,
             signal,
             capture,
             plan,
             stop,
             ended: false,
+            search: None,
             heard: (0, Instant::now()),
             asked: None,
             failure: None,
@@ -149,6 +155,9 @@ impl BoardSource {
     }
 
     fn read_more(&mut self) -> Result<(), SourceError> {
+        if let Some(search) = self.search.take() {
+            return self.look(search);
+        }
         let mut buf = [0; 1 << 14];
         match self.client.read(&mut buf) {
             Ok(len) => {
@@ -156,11 +165,11 @@ impl BoardSource {
                 talk.arrived(&buf[..len])?;
                 self.frames.flush();
                 match self.trouble() {
-                    Some(broken) => self.resume(broken),
+                    Some(broken) => self.begin_search(broken),
                     None => self.restore_proof(),
                 }
             }
-            Err(gone) => self.resume(Broken::Port(gone)),
+            Err(gone) => self.begin_search(Broken::Port(gone)),
         }
     }
 
@@ -174,7 +183,7 @@ impl BoardSource {
         self.asked = Some(Instant::now());
         match self.client.tell(Request::RestartBins) {
             Ok(()) => Ok(()),
-            Err(gone) => self.resume(Broken::Port(gone)),
+            Err(gone) => self.begin_search(Broken::Port(gone)),
         }
     }
 

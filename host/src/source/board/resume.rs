@@ -9,8 +9,9 @@ use jiff::Timestamp;
 
 use super::BoardSource;
 use super::talk::Failed;
-use crate::link::{Client, LinkError, open_to_record};
+use crate::link::{Client, Expect, LinkError, open_to_record};
 use crate::source::SourceError;
+use crate::source::frames::Frames;
 
 /// Between two attempts to find the board.
 const RETRY: Duration = Duration::from_millis(300);
@@ -29,6 +30,14 @@ pub(super) enum Broken {
     },
     /// The board says that it does not stream.
     Stopped,
+}
+
+/// The board is being looked for.
+pub(super) struct Search {
+    broken: Broken,
+    /// Whether a port is open.
+    open: bool,
+    deadline: Instant,
 }
 
 impl Broken {
@@ -69,59 +78,109 @@ impl BoardSource {
         }
     }
 
-    /// Waits for the board, and goes on where it is, or starts it again.
-    pub(super) fn resume(&mut self, broken: Broken) -> Result<(), SourceError> {
-        let mut open = !matches!(broken, Broken::Port(_));
+    /// The stream broke off: says so, and has the board looked for.
+    pub(super) fn begin_search(&mut self, broken: Broken) -> Result<(), SourceError> {
+        let open = !matches!(broken, Broken::Port(_));
         self.note(broken.note())?;
         self.frames.pause();
-        let name = self.connect.name();
-        let Some(patience) = self.plan.reconnect else {
-            return Err(broken.error(name).into());
-        };
-        let deadline = Instant::now() + patience;
-        while !self.stop.requested() {
-            match self.take_up(&mut open) {
-                Ok(()) => return Ok(()),
-                Err(Failed::Capture(error)) => return Err(error.into()),
-                Err(Failed::Link(_)) if Instant::now() < deadline => thread::sleep(RETRY),
-                Err(Failed::Link(error)) => {
-                    let error = match error {
-                        LinkError::NoReply { .. } | LinkError::Open { .. } => broken.error(name),
-                        said => said,
-                    };
-                    return Err(error.into());
-                }
-            }
+        if !open {
+            self.client.close();
         }
+        let Some(patience) = self.plan.reconnect else {
+            return Err(broken.error(self.connect.name()).into());
+        };
+        self.search = Some(Search {
+            broken,
+            open,
+            deadline: Instant::now() + patience,
+        });
         Ok(())
     }
 
-    /// One attempt to find the board and to have it stream. `open` is whether the port is.
+    /// One attempt to find the board and to have it stream; whatever fails is tried again until the
+    /// patience is over.
+    pub(super) fn look(&mut self, mut search: Search) -> Result<(), SourceError> {
+        let failed = match self.take_up(&mut search.open) {
+            Ok(()) => return Ok(()),
+            Err(Failed::Capture(error)) => return Err(error.into()),
+            Err(Failed::Link(error)) => error,
+        };
+        if Instant::now() < search.deadline {
+            self.search = Some(search);
+            thread::sleep(RETRY);
+            return Ok(());
+        }
+        let error = match failed {
+            LinkError::NoReply { .. } | LinkError::Open { .. } | LinkError::Gone { .. } => {
+                search.broken.error(self.connect.name())
+            }
+            said => said,
+        };
+        Err(error.into())
+    }
+
+    /// `open` is whether the port is.
     fn take_up(&mut self, open: &mut bool) -> Result<(), Failed> {
-        if !*open {
+        let before = self.frames.next_index();
+        let streams = if *open {
+            self.ask_to_stream()
+        } else {
             let port = open_to_record(self.connect.as_mut())?;
             self.client = Client::new(port, self.connect.name(), self.plan.patience);
             *open = true;
-            self.note(Note::PortBack { unix_ms: now_ms() })?;
-        }
-        let streams = self.ask_to_stream();
-        if let Err(Failed::Link(LinkError::Gone { .. })) = streams {
-            *open = false;
+            self.recognise().and_then(|()| self.ask_to_stream())
+        };
+        // Samples that come are a stream, whatever happened to an answer.
+        let streams = match streams {
+            Err(Failed::Link(LinkError::NoReply { .. })) if self.frames.next_index() != before => {
+                Ok(())
+            }
+            other => other,
+        };
+        if let Err(Failed::Link(error)) = &streams {
+            let other = matches!(error, LinkError::OtherBoard { .. });
+            if other || matches!(error, LinkError::Gone { .. }) {
+                *open = false;
+                self.client.close();
+            }
+            if other {
+                self.connect.reject();
+            }
         }
         streams?;
         self.heard = (self.frames.intact(), Instant::now());
         self.note(Note::StreamBack { unix_ms: now_ms() })
     }
 
+    /// Looks which board is behind a port that was opened anew. Nothing of another board's enters
+    /// the record: what arrives waits until it is known whose it is.
+    fn recognise(&mut self) -> Result<(), Failed> {
+        let mut waiting = Vec::new();
+        let mut frames = Frames::default();
+        let answer = self.client.request(Request::Identify, |bytes, id| {
+            waiting.extend_from_slice(bytes);
+            frames.push(bytes);
+            Ok::<_, LinkError>(frames.take_reply(id))
+        })?;
+        let identity = Identity::from_answer(answer)
+            .ok_or_else(|| self.client.wrong_answer(Request::Identify))?;
+        self.check_identity(&identity)?;
+        self.note(Note::PortBack { unix_ms: now_ms() })?;
+        self.talk().arrived(&waiting)
+    }
+
     /// Has the board stream, if it does not.
     fn ask_to_stream(&mut self) -> Result<(), Failed> {
-        let _: Identity = self.talk().ask(Request::Identify)?;
+        let identity: Identity = self.talk().ask(Request::Identify)?;
+        self.check_identity(&identity)?;
         if !self.frames.status().stopped && self.hears_samples()? {
             return Ok(());
         }
         let () = self.talk().ask(Request::Stop)?;
         let wanted = self.header.settings;
         let _: Settings = self.talk().ask(Request::Configure(wanted))?;
+        let registers = self.talk().ask(Request::ReadRegisters)?;
+        self.check_calibration(&registers)?;
         let _: Settings = self.talk().ask(Request::Start)?;
         Ok(())
     }
