@@ -201,6 +201,78 @@ fn a_capture_of_another_protocol_version_is_refused() {
 }
 
 #[test]
+fn a_number_in_the_header_that_cannot_be_is_refused_with_its_place() {
+    let folder = Folder::new();
+    let capture = folder.path("run.inmcap");
+    assert!(record(&capture, "0.1").status.success());
+    let bytes = std::fs::read(&capture).expect("the capture reads");
+    let header_ends = 15
+        + bytes[15..]
+            .iter()
+            .position(|&byte| byte == b'\n')
+            .expect("two lines");
+    let header: serde_json::Value = serde_json::from_slice(&bytes[15..header_ends]).expect("JSON");
+    let number = |value: f64| serde_json::json!(value);
+    let impossible = [
+        ("/rate_hz", number(-1.0), "`rate_hz` is -1.0"),
+        ("/rate_hz", number(0.0), "`rate_hz` is 0.0"),
+        ("/rate_hz", number(1e300), "`rate_hz` is 1e300"),
+        (
+            "/board/timer_hz",
+            serde_json::json!(0),
+            "`board.timer_hz` is 0",
+        ),
+        (
+            "/board/reference_v",
+            number(-5.0),
+            "`board.reference_v` is -5.0",
+        ),
+        ("/axes/1/scale", number(0.0), "`axes[1].scale` is 0.0"),
+        ("/axes/2/name", "Z\u{1b}[2J".into(), "`axes[2].name`"),
+        (
+            "/axes",
+            serde_json::json!([]),
+            "`axes` is 0, expected three axes",
+        ),
+    ];
+    for (field, value, told) in impossible {
+        let mut edited = header.clone();
+        *edited.pointer_mut(field).expect("there is such a field") = value;
+        let line = format!("#inm-capture 1\n{edited}");
+        let file = [line.as_bytes(), &bytes[header_ends..]].concat();
+        std::fs::write(&capture, file).expect("writable");
+        for command in ["analyze", "replay"] {
+            let output = inm(&[command, &capture.display().to_string()]);
+            assert_refused(&output, &["run.inmcap", "line 2", told, "restore line 2"]);
+        }
+    }
+}
+
+#[test]
+fn what_is_appended_to_a_recording_is_no_part_of_it() {
+    let folder = Folder::new();
+    let capture = folder.path("run.inmcap");
+    assert!(record(&capture, "1").status.success());
+    let name = capture.display().to_string();
+    let analyzed = || {
+        let output = inm(&["analyze", &name, "--json", "-"]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        json["source"].clone()
+    };
+    let before = analyzed();
+    let bytes = std::fs::read(&capture).expect("the capture reads");
+    std::fs::write(&capture, [&bytes[..], &bytes[..]].concat()).expect("writable");
+    let after = analyzed();
+    assert_eq!(before["samples"], after["samples"]);
+    assert_eq!(after["gaps"], serde_json::json!([]));
+    assert!(
+        after["news"].to_string().contains("behind the end"),
+        "{after}"
+    );
+}
+
+#[test]
 fn the_published_fit_takes_the_averaging_times_it_is_given() {
     let folder = Folder::new();
     let capture = folder.path("run.inmcap");

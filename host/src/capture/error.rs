@@ -54,6 +54,18 @@ pub enum CaptureError {
         /// Version in its header.
         theirs: u8,
     },
+    /// A number in the header that no recording can have.
+    #[error("{}: line 2: `{field}` is {found}, expected {expected}", path.display())]
+    Number {
+        /// The file.
+        path: PathBuf,
+        /// The field.
+        field: String,
+        /// Its value.
+        found: String,
+        /// What it may be.
+        expected: &'static str,
+    },
     /// The header's signal chain cannot be read.
     #[error("{}: line 2: axis {axis}: {source}", path.display())]
     Chain {
@@ -79,7 +91,7 @@ impl CaptureError {
             }
             Self::Io { .. } => "check the path and its permissions",
             Self::NotACapture { .. } => "arrays are recognised by their ending: .npy, .csv, .txt",
-            Self::Header { .. } | Self::Chain { .. } => {
+            Self::Header { .. } | Self::Number { .. } | Self::Chain { .. } => {
                 "the header was edited or damaged; restore line 2 from another capture of the \
                  same board"
             }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use inm_firmware::mma7331l::Scaling;
-use inm_protocol::{AXES, Filter, Identity, REGISTERS, SensorRange, Settings, VERSION};
+use inm_protocol::{AXES, Filter, Identity, REGISTERS, Restart, SensorRange, Settings, VERSION};
 use serde::{Deserialize, Serialize};
 
 use super::CaptureError;
@@ -52,6 +52,9 @@ pub struct BoardHeader {
     pub range: SensorRange,
     /// Nominal supply of the accelerometers, volts.
     pub sensor_supply_v: f64,
+    /// Why the board had last started; `None` in captures from before this was asked.
+    #[serde(default)]
+    pub restart: Option<Restart>,
 }
 
 /// One axis: `value = scale * (code - zero)`.
@@ -116,6 +119,7 @@ impl Header {
                 reference_v,
                 range: identity.range,
                 sensor_supply_v: supply_v,
+                restart: Some(identity.restart.clone()),
             },
             settings,
             registers,

@@ -13,6 +13,7 @@
 //! bytes are kept as received, `inm replay` sends them down the path that live data take, and
 //! a fault of the link can be looked at years later.
 
+mod check;
 mod error;
 mod header;
 mod reader;

@@ -93,7 +93,13 @@ impl<R: BufRead> Reader<R> {
             }
             _ => {}
         }
-        let header = serde_json::from_value(value).map_err(bad_header)?;
+        let header: Header = serde_json::from_value(value).map_err(bad_header)?;
+        header.check().map_err(|impossible| CaptureError::Number {
+            path: path.to_owned(),
+            field: impossible.field,
+            found: impossible.found,
+            expected: impossible.expected,
+        })?;
         let header_line = String::from_utf8_lossy(json).into_owned();
         Ok(Self {
             input,

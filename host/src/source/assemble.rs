@@ -1,11 +1,20 @@
 //! Batches into blocks: continuity, loss, and words that must not be used.
 
+mod building;
+mod losses;
+mod ranges;
+
 use std::collections::VecDeque;
 use std::ops::Range;
 
 use inm_protocol::{AXES, Batch, Flags};
 
+use self::building::Building;
+use self::ranges::{mark, split_ranges};
+use super::line::Line;
 use super::{Block, Chunk, Column, Gap, Values};
+
+pub use self::losses::Losses;
 
 /// Samples ahead of a clipped word that its filter ringing reaches (linear phase).
 const GUARD_BEFORE: u64 = 31;
@@ -18,23 +27,12 @@ const GUARD_AFTER: u64 = 62;
 /// (docs/reference/board-faults.md).
 pub const HELD: usize = 640;
 
+/// Longest gap whose samples are counted: 18 hours at 4000/s. What makes room for each sample of a
+/// record stays payable; beyond that a gap is of unknown length.
+const LONGEST_GAP: u64 = 1 << 28;
+
 /// Samples an axis after which a block is handed on.
 const BLOCK: usize = 4096;
-
-/// What the stream lost, and what it flagged.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Losses {
-    /// Samples an axis that are missing between the first and the last.
-    pub lost_samples: u64,
-    /// Places where samples are missing.
-    pub gaps: u64,
-    /// Batches that the board filled and the host did not receive intact.
-    pub lost_batches: u64,
-    /// Words flagged by the board, by axis.
-    pub flagged: [u64; AXES],
-    /// Times the board began again from index 0.
-    pub restarts: u64,
-}
 
 /// Puts batches together into long blocks and reports every hole between them.
 ///
@@ -48,6 +46,8 @@ pub struct Assembler {
     /// Added to the board's index, so that the count goes on after a restart.
     offset: u64,
     seq: Option<u32>,
+    /// The present stream.
+    line: Option<Line>,
     /// Index that should come next, offset included.
     next: Option<u64>,
     /// By axis: samples before this index follow a clipped word.
@@ -66,30 +66,49 @@ pub struct Assembler {
 /// own, and a board that has more of them in a night has told enough.
 const LISTED: usize = 32;
 
-#[derive(Debug)]
-struct Building {
-    first: u64,
-    codes: [Vec<i32>; AXES],
-    invalid: [Vec<Range<usize>>; AXES],
-}
-
 impl Assembler {
     /// Takes the next batch that arrived intact.
     pub fn push(&mut self, batch: &Batch) {
+        let first = self.place(batch);
+        self.cause = None;
+        match &mut self.line {
+            Some(line) => line.extend(batch),
+            None => self.line = Some(Line::new(batch)),
+        }
+        self.seq = Some(batch.seq);
+        self.next = Some(first + batch.codes.len() as u64);
+        self.append(first, batch);
+        let long = |block: &Building| block.len() >= BLOCK + HELD;
+        if self.block.as_ref().is_some_and(long) {
+            self.hand_on(HELD);
+        }
+    }
+
+    /// Index of a batch in the record, once the gap ahead of it is told.
+    fn place(&mut self, batch: &Batch) -> u64 {
         let mut first = batch.first.wrapping_add(self.offset);
         let lost_batches = self
             .seq
             .map_or(0, |seq| batch.seq.wrapping_sub(seq.wrapping_add(1)));
         match self.next {
+            None if first > LONGEST_GAP => first = self.anew(batch, 0),
             Some(next) if first < next => {
                 // The board counts from 0 again: how much time passed is not known.
-                self.offset = next + 1 - batch.first.min(next);
-                first = batch.first + self.offset;
+                first = self.anew(batch, next + 1);
                 self.losses.restarts += 1;
                 self.gap(
                     next,
                     None,
                     "the board started again from index 0".to_owned(),
+                );
+            }
+            Some(next) if first - next > LONGEST_GAP => {
+                let jump = first - next;
+                first = self.anew(batch, next + 1);
+                self.gap(
+                    next,
+                    None,
+                    format!("the index jumps by {jump}, which no record can hold"),
                 );
             }
             Some(next) if first > next => {
@@ -104,17 +123,7 @@ impl Assembler {
             }
             _ => {}
         }
-        self.cause = None;
-        self.seq = Some(batch.seq);
-        self.next = Some(first + batch.codes.len() as u64);
-        self.append(first, batch);
-        if self
-            .block
-            .as_ref()
-            .is_some_and(|block| block.len() >= BLOCK + HELD)
-        {
-            self.hand_on(HELD);
-        }
+        first
     }
 
     /// Hands on what is complete, without waiting for a long block.
@@ -138,6 +147,28 @@ impl Assembler {
         if let Some(block) = &mut self.block {
             block.mark_suspect(usize::from(axis), suspect);
         }
+    }
+
+    /// Has the record go on with this batch as sample `first`, and returns that.
+    fn anew(&mut self, batch: &Batch, first: u64) -> u64 {
+        self.offset = first.wrapping_sub(batch.first);
+        self.line = None;
+        first
+    }
+
+    /// What comes next may be of a new stream.
+    pub fn announce(&mut self) {
+        if let Some(line) = &mut self.line {
+            line.announce();
+        }
+    }
+
+    /// Whether a batch is one of the present stream that was there already, or comes too late. It is
+    /// left out, and counted.
+    pub fn leaves_out(&mut self, batch: &Batch) -> bool {
+        let left_out = self.line.is_some_and(|line| line.holds(batch)) && !self.is_later(batch);
+        self.losses.left_out += u64::from(left_out);
+        left_out
     }
 
     /// Whether a batch goes on with the count, be it after a gap.
@@ -265,189 +296,5 @@ impl Assembler {
     }
 }
 
-impl Building {
-    fn len(&self) -> usize {
-        self.codes[0].len()
-    }
-
-    /// Marks what of `suspect` (in samples of the record) lies in this block.
-    fn mark_suspect(&mut self, axis: usize, suspect: &Range<u64>) {
-        let len = self.len() as u64;
-        let place = |index: u64| index.saturating_sub(self.first).min(len) as usize;
-        mark(
-            &mut self.invalid[axis],
-            place(suspect.start)..place(suspect.end),
-        );
-    }
-}
-
-/// Adds `range` to ascending disjoint ranges; it may overlap any of them.
-fn mark(ranges: &mut Vec<Range<usize>>, range: Range<usize>) {
-    if range.is_empty() {
-        return;
-    }
-    let mut merged = range;
-    let from = ranges.partition_point(|r| r.end < merged.start);
-    let to = ranges.partition_point(|r| r.start <= merged.end);
-    if let Some(overlap) = ranges.get(from..to).filter(|r| !r.is_empty()) {
-        merged.start = merged.start.min(overlap[0].start);
-        merged.end = merged.end.max(overlap[overlap.len() - 1].end);
-    }
-    ranges.splice(from..to, [merged]);
-}
-
-/// Takes what lies before `at` out of `ranges`; the rest is renumbered from there.
-fn split_ranges(ranges: &mut Vec<Range<usize>>, at: usize) -> Vec<Range<usize>> {
-    let before = ranges
-        .iter()
-        .filter(|r| r.start < at)
-        .map(|r| r.start..r.end.min(at))
-        .collect();
-    let after = ranges
-        .iter()
-        .filter(|r| r.end > at)
-        .map(|r| r.start.max(at) - at..r.end - at)
-        .collect();
-    *ranges = after;
-    before
-}
-
 #[cfg(test)]
-mod tests {
-    use inm_protocol::{Code, Flag};
-
-    use super::*;
-
-    fn batch(seq: u32, first: u64, len: usize) -> Batch {
-        let codes = (0..len)
-            .map(|i| [Code((first as usize + i) as i32); AXES])
-            .collect();
-        Batch {
-            seq,
-            first,
-            codes,
-            ..Batch::default()
-        }
-    }
-
-    fn run(batches: &[Batch]) -> (Vec<Chunk>, Losses) {
-        let mut assembler = Assembler::default();
-        for batch in batches {
-            assembler.push(batch);
-            assembler.flush();
-        }
-        assembler.finish();
-        let chunks = std::iter::from_fn(|| assembler.pop()).collect();
-        (chunks, assembler.losses())
-    }
-
-    fn codes(chunk: &Chunk) -> (u64, Vec<i32>) {
-        match chunk {
-            Chunk::Samples(block) => match &block.columns[0].values {
-                Values::Codes(codes) => (block.first, codes.clone()),
-                Values::Floats(_) => panic!("codes stay codes"),
-            },
-            other => panic!("samples expected, got {other:?}"),
-        }
-    }
-
-    #[test]
-    fn contiguous_batches_lose_nothing() {
-        let (chunks, losses) = run(&[batch(0, 0, 32), batch(1, 32, 32), batch(2, 64, 7)]);
-        let all: Vec<i32> = chunks.iter().flat_map(|c| codes(c).1).collect();
-        assert_eq!(all, (0..71).collect::<Vec<_>>());
-        assert_eq!(losses, Losses::default());
-    }
-
-    #[test]
-    fn a_lost_batch_is_a_gap_of_its_length() {
-        let (chunks, losses) = run(&[batch(0, 0, 32), batch(2, 64, 32)]);
-        let gap = Gap {
-            from: 32,
-            to: Some(64),
-            cause: "1 batch was lost on the link".into(),
-        };
-        assert!(chunks.contains(&Chunk::Gap(gap)), "{chunks:?}");
-        assert_eq!(
-            (losses.lost_samples, losses.lost_batches, losses.gaps),
-            (32, 1, 1)
-        );
-        assert_eq!(codes(chunks.last().expect("samples after the gap")).0, 64);
-    }
-
-    #[test]
-    fn a_restart_of_the_count_is_a_gap_of_unknown_length() {
-        let (chunks, losses) = run(&[batch(0, 0, 32), batch(0, 0, 32)]);
-        assert!(
-            matches!(
-                &chunks[1],
-                Chunk::Gap(Gap {
-                    from: 32,
-                    to: None,
-                    ..
-                })
-            ),
-            "{chunks:?}"
-        );
-        assert_eq!(
-            codes(&chunks[2]).0,
-            33,
-            "the count goes on, one place left open"
-        );
-        assert_eq!(losses.restarts, 1);
-    }
-
-    #[test]
-    fn a_clipped_word_is_marked_with_what_rings_around_it() {
-        let mut clipped = batch(1, 32, 32);
-        let flag = Flag {
-            conversion: 2,
-            axis: 1,
-            flags: Flags::OVER_RANGE,
-        };
-        clipped.flags.push(flag).expect("room");
-        let (chunks, losses) = run(&[batch(0, 0, 32), clipped, batch(2, 64, 32), batch(3, 96, 32)]);
-        let mut marked: Vec<u64> = Vec::new();
-        for chunk in &chunks {
-            if let Chunk::Samples(block) = chunk {
-                assert!(block.columns[0].invalid.is_empty());
-                let ranges = block.columns[1].invalid.iter().cloned().flatten();
-                marked.extend(ranges.map(|i| block.first + i as u64));
-            }
-        }
-        assert_eq!(marked, (34 - 31..=34 + 62).collect::<Vec<u64>>());
-        assert_eq!(losses.flagged, [0, 1, 0]);
-    }
-
-    #[test]
-    fn a_fault_spoils_what_came_before_its_notice() {
-        let mut assembler = Assembler::default();
-        for seq in 0..40 {
-            assembler.push(&batch(seq, 32 * u64::from(seq), 32));
-            assembler.flush();
-            if seq == 30 {
-                // The notice overtakes the batch that holds its conversion.
-                assembler.spoil(2, 1000, 500);
-            }
-        }
-        assembler.finish();
-        let mut spoilt = Vec::new();
-        while let Some(Chunk::Samples(block)) = assembler.pop() {
-            assert_eq!(block.columns[0].invalid, []);
-            let ranges = block.columns[2].invalid.iter().cloned().flatten();
-            spoilt.extend(ranges.map(|i| block.first + i as u64));
-        }
-        assert_eq!(spoilt, (500..1000).collect::<Vec<u64>>());
-    }
-
-    #[test]
-    fn marks_merge_and_split() {
-        let mut ranges = vec![0..2, 5..6, 9..12];
-        mark(&mut ranges, 2..5);
-        assert_eq!(ranges, [0..6, 9..12]);
-        mark(&mut ranges, 7..8);
-        assert_eq!(ranges, [0..6, 7..8, 9..12]);
-        assert_eq!(split_ranges(&mut ranges, 10), [0..6, 7..8, 9..10]);
-        assert_eq!(ranges, [0..2]);
-    }
-}
+mod tests;

@@ -25,6 +25,10 @@ pub struct Frames {
     clock: Clock,
     /// The clock when the board last streamed.
     streamed: Clock,
+    /// Number of the last command that was answered with settings, as a start is.
+    settled: Option<u16>,
+    /// Frames, whole or damaged, behind the end of the recording.
+    behind_end: u64,
     /// What broke the stream off, until its next batch.
     interruption: Option<Interruption>,
 }
@@ -50,6 +54,7 @@ impl Frames {
     pub fn push(&mut self, mut bytes: &[u8]) {
         while let Some(result) = self.decoder.next(&mut bytes) {
             match result {
+                _ if self.status.ended => self.behind_end += 1,
                 Ok(message) => self.message(message),
                 Err(fault) => self.fault(fault),
             }
@@ -78,6 +83,12 @@ impl Frames {
             let words = interruption.words();
             self.assembler
                 .news(format!("the recording ends without the stream: {words}"));
+        }
+        if self.behind_end > 0 {
+            self.assembler.news(format!(
+                "{} frames behind the end of the recording are left out: they are no part of it",
+                self.behind_end
+            ));
         }
         let cut = self.decoder.pending();
         if cut > 0 {
@@ -167,6 +178,13 @@ impl Frames {
     }
 
     fn batch(&mut self, batch: &Batch) {
+        if self.assembler.leaves_out(batch) {
+            let [from, to] = [batch.first, batch.end()];
+            self.assembler.news(format!(
+                "samples {from} to {to} of the board came twice, or too late: left out"
+            ));
+            return;
+        }
         self.clock.batch(batch.stamp);
         if let Some(mut interruption) = self.interruption.take() {
             interruption.look(&self.clock);
@@ -206,7 +224,14 @@ impl Frames {
                 }
             }
             // To a start: what was said of an idle board before is no news any more.
-            Ok(Answer::Settings(_)) => self.status.stopped = false,
+            Ok(Answer::Settings(_)) => {
+                self.status.stopped = false;
+                // The first one tells of the stream that is there, and so does one that comes twice.
+                let before = self.settled.replace(reply.id);
+                if before.is_some_and(|before| before != reply.id) {
+                    self.assembler.announce();
+                }
+            }
             _ => {}
         }
         // Nobody asks for old ones; a stream may hold any number of them.

@@ -13,6 +13,7 @@ mod error;
 mod excluding;
 pub mod frames;
 mod interruption;
+mod line;
 pub mod npy;
 pub mod npy_header;
 pub mod open;

@@ -1,0 +1,215 @@
+use inm_protocol::{Code, Flag};
+
+use super::*;
+
+/// Stamp of conversion 0, and ticks of a data period.
+const BOOT: u64 = 700_000;
+const TICKS: u64 = 500;
+
+fn batch(seq: u32, first: u64, len: usize) -> Batch {
+    let codes = (0..len)
+        .map(|i| [Code((first as usize + i) as i32); AXES])
+        .collect();
+    Batch {
+        seq,
+        first,
+        stamp: BOOT + TICKS * first,
+        codes,
+        ..Batch::default()
+    }
+}
+
+fn run(batches: &[Batch]) -> (Vec<Chunk>, Losses) {
+    let mut assembler = Assembler::default();
+    for batch in batches {
+        if assembler.leaves_out(batch) {
+            continue;
+        }
+        assembler.push(batch);
+        assembler.flush();
+    }
+    assembler.finish();
+    let chunks = std::iter::from_fn(|| assembler.pop()).collect();
+    (chunks, assembler.losses())
+}
+
+fn codes(chunk: &Chunk) -> (u64, Vec<i32>) {
+    match chunk {
+        Chunk::Samples(block) => match &block.columns[0].values {
+            Values::Codes(codes) => (block.first, codes.clone()),
+            Values::Floats(_) => panic!("codes stay codes"),
+        },
+        other => panic!("samples expected, got {other:?}"),
+    }
+}
+
+#[test]
+fn contiguous_batches_lose_nothing() {
+    let (chunks, losses) = run(&[batch(0, 0, 32), batch(1, 32, 32), batch(2, 64, 7)]);
+    let all: Vec<i32> = chunks.iter().flat_map(|c| codes(c).1).collect();
+    assert_eq!(all, (0..71).collect::<Vec<_>>());
+    assert_eq!(losses, Losses::default());
+}
+
+#[test]
+fn a_lost_batch_is_a_gap_of_its_length() {
+    let (chunks, losses) = run(&[batch(0, 0, 32), batch(2, 64, 32)]);
+    let gap = Gap {
+        from: 32,
+        to: Some(64),
+        cause: "1 batch was lost on the link".into(),
+    };
+    assert!(chunks.contains(&Chunk::Gap(gap)), "{chunks:?}");
+    assert_eq!(
+        (losses.lost_samples, losses.lost_batches, losses.gaps),
+        (32, 1, 1)
+    );
+    assert_eq!(codes(chunks.last().expect("samples after the gap")).0, 64);
+}
+
+#[test]
+fn a_restart_of_the_count_is_a_gap_of_unknown_length() {
+    let again = Batch {
+        stamp: 3 * BOOT,
+        ..batch(0, 0, 32)
+    };
+    let (chunks, losses) = run(&[batch(0, 0, 32), again]);
+    assert!(
+        matches!(
+            &chunks[1],
+            Chunk::Gap(Gap {
+                from: 32,
+                to: None,
+                ..
+            })
+        ),
+        "{chunks:?}"
+    );
+    assert_eq!(
+        codes(&chunks[2]).0,
+        33,
+        "the count goes on, one place left open"
+    );
+    assert_eq!(losses.restarts, 1);
+}
+
+#[test]
+fn a_clipped_word_is_marked_with_what_rings_around_it() {
+    let mut clipped = batch(1, 32, 32);
+    let flag = Flag {
+        conversion: 2,
+        axis: 1,
+        flags: Flags::OVER_RANGE,
+    };
+    clipped.flags.push(flag).expect("room");
+    let (chunks, losses) = run(&[batch(0, 0, 32), clipped, batch(2, 64, 32), batch(3, 96, 32)]);
+    let mut marked: Vec<u64> = Vec::new();
+    for chunk in &chunks {
+        if let Chunk::Samples(block) = chunk {
+            assert!(block.columns[0].invalid.is_empty());
+            let ranges = block.columns[1].invalid.iter().cloned().flatten();
+            marked.extend(ranges.map(|i| block.first + i as u64));
+        }
+    }
+    assert_eq!(marked, (34 - 31..=34 + 62).collect::<Vec<u64>>());
+    assert_eq!(losses.flagged, [0, 1, 0]);
+}
+
+#[test]
+fn a_fault_spoils_what_came_before_its_notice() {
+    let mut assembler = Assembler::default();
+    for seq in 0..40 {
+        assembler.push(&batch(seq, 32 * u64::from(seq), 32));
+        assembler.flush();
+        if seq == 30 {
+            // The notice overtakes the batch that holds its conversion.
+            assembler.spoil(2, 1000, 500);
+        }
+    }
+    assembler.finish();
+    let mut spoilt = Vec::new();
+    while let Some(Chunk::Samples(block)) = assembler.pop() {
+        assert_eq!(block.columns[0].invalid, []);
+        let ranges = block.columns[2].invalid.iter().cloned().flatten();
+        spoilt.extend(ranges.map(|i| block.first + i as u64));
+    }
+    assert_eq!(spoilt, (500..1000).collect::<Vec<u64>>());
+}
+
+#[test]
+fn marks_merge_and_split() {
+    let mut ranges = vec![0..2, 5..6, 9..12];
+    mark(&mut ranges, 2..5);
+    assert_eq!(ranges, [0..6, 9..12]);
+    mark(&mut ranges, 7..8);
+    assert_eq!(ranges, [0..6, 7..8, 9..12]);
+    assert_eq!(split_ranges(&mut ranges, 10), [0..6, 7..8, 9..10]);
+    assert_eq!(ranges, [0..2]);
+}
+
+fn received(chunks: &[Chunk]) -> Vec<(u64, i32)> {
+    let blocks = chunks
+        .iter()
+        .filter(|chunk| matches!(chunk, Chunk::Samples(_)));
+    let samples = blocks.flat_map(|chunk| {
+        let (first, codes) = codes(chunk);
+        (first..).zip(codes).collect::<Vec<_>>()
+    });
+    samples.collect()
+}
+
+#[test]
+fn frames_that_come_twice_are_taken_once() {
+    let ahead = [batch(0, 0, 32), batch(1, 32, 32), batch(2, 64, 32)];
+    for again in &ahead {
+        let mut all = ahead.to_vec();
+        all.extend([again.clone(), batch(3, 96, 32)]);
+        let (chunks, losses) = run(&all);
+        let expected: Vec<(u64, i32)> = (0..128).map(|i| (i, i as i32)).collect();
+        assert_eq!(received(&chunks), expected);
+        assert_eq!((losses.left_out, losses.gaps), (1, 0));
+    }
+}
+
+#[test]
+fn frames_that_change_places_are_missing_and_never_at_a_wrong_place() {
+    let swapped = [
+        batch(0, 0, 32),
+        batch(1, 32, 32),
+        batch(3, 96, 32),
+        batch(2, 64, 32),
+        batch(4, 128, 32),
+    ];
+    let (chunks, losses) = run(&swapped);
+    let good = (0..64).chain(96..160);
+    let expected: Vec<(u64, i32)> = good.map(|i| (i, i as i32)).collect();
+    assert_eq!(received(&chunks), expected);
+    assert_eq!((losses.left_out, losses.lost_samples), (1, 32));
+}
+
+#[test]
+fn a_jump_that_no_record_can_hold_is_a_gap_of_unknown_length() {
+    for jump in [LONGEST_GAP + 1, 1_000_000_000_000, u64::MAX - 100] {
+        let (chunks, losses) = run(&[
+            batch(0, 0, 32),
+            Batch {
+                stamp: BOOT,
+                ..batch(1, 32, 32)
+            },
+            Batch {
+                first: 64_u64.wrapping_add(jump),
+                ..batch(2, 0, 32)
+            },
+        ]);
+        let samples = received(&chunks);
+        assert_eq!(samples.len(), 96, "{jump}");
+        assert!(samples.iter().all(|&(at, _)| at < 100), "{jump}");
+        assert_eq!((losses.lost_samples, losses.gaps), (0, 1), "{jump}");
+    }
+    // Nor does a record begin there.
+    let first = Batch {
+        first: u64::MAX - 5,
+        ..batch(9, 0, 32)
+    };
+    assert_eq!(received(&run(&[first]).0)[0].0, 0);
+}
