@@ -68,5 +68,5 @@ pub use simulate::source::Simulation;
 pub use source::{
     Block, Chunk, Column, Gap, Source, SourceError, Values,
     open::open,
-    options::{ArrayOptions, Selector},
+    options::{ArrayOptions, Decimal, Selector, TimeColumn, TimeUnit},
 };

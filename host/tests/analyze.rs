@@ -64,7 +64,8 @@ fn nbs_set_to_the_printed_digits() {
     let json = succeed(
         folder.path(),
         &[
-            "analyze", "nbs.txt", "--rate", "1", "--taus", "1,10,100", "--json", "-",
+            "analyze", "nbs.txt", "--rate", "1", "--unit", "counts", "--taus", "1,10,100",
+            "--json", "-",
         ],
     );
     let json: Value = serde_json::from_str(&json).expect("JSON");
@@ -247,11 +248,15 @@ fn bad_input_is_named_with_place_and_remedy() {
     );
     write("empty.csv", b"");
     write("words.csv", b"x,y\n1,2\n3,four\n");
-    write("ragged.csv", b"1,2\n3\n");
+    write("ragged.csv", b"1.0,2\n3\n");
     write("backwards.csv", b"t,x\n0,1\n1,2\n2,3\n1.5,4\n");
+    write("slow.csv", b"t,x\n0,1\n10,2\n20,3\n30,4\n");
+    write("unsaid.csv", b"ax,ay\n1,2\n2,1\n");
+    write("time.csv", b"time,ax\n0,2\n1,1\n");
+    write("commas.csv", b"9,81\n9,80\n");
     write("binary.dat", b"\x00\x01\x02");
     let cases: &[&[&str]] = &[
-        &["missing.npy", "--rate", "1"],
+        &["missing.npy", "--rate", "1", "--unit", "g"],
         &["cut.npy", "--rate", "1"],
         &["header.npy", "--rate", "1"],
         &["object.npy", "--rate", "1"],
@@ -259,16 +264,22 @@ fn bad_input_is_named_with_place_and_remedy() {
         &["none.npy", "--rate", "1"],
         &["transposed.npy", "--rate", "1"],
         &["empty.csv", "--rate", "1"],
-        &["words.csv", "--rate", "1"],
-        &["ragged.csv", "--rate", "1"],
-        &["backwards.csv", "--time", "t", "--rate", "1"],
+        &["words.csv", "--rate", "1", "--unit", "g"],
+        &["ragged.csv", "--rate", "1", "--unit", "g"],
+        &["backwards.csv", "--time", "t:s", "--unit", "g"],
+        &["slow.csv", "--time", "t", "--unit", "g"],
+        &["good.npy", "--rate", "1", "--unit", "g", "--time", "0"],
+        &["unsaid.csv", "--rate", "1"],
+        &["time.csv", "--rate", "1", "--unit", "g"],
+        &["commas.csv", "--rate", "1", "--unit", "g"],
         &["binary.dat", "--rate", "1"],
-        &["good.npy"],
-        &["good.npy", "--rate", "-5"],
+        &["good.npy", "--unit", "g"],
+        &["good.npy", "--rate", "1"],
+        &["good.npy", "--rate", "-5", "--unit", "g"],
         &["good.npy", "--rate", "1", "--columns", "3"],
         &["words.csv", "--rate", "1", "--columns", "z"],
         &["good.npy", "--rate", "1", "--scale", "1,2"],
-        &["good.npy", "--rate", "1", "--from", "100"],
+        &["good.npy", "--rate", "1", "--unit", "g", "--from", "100"],
         &[
             "good.npy",
             "--rate",
@@ -278,7 +289,15 @@ fn bad_input_is_named_with_place_and_remedy() {
             "--taus",
             "3,9",
         ],
-        &["good.npy", "--rate", "1", "--json", "no/such/folder.json"],
+        &[
+            "good.npy",
+            "--rate",
+            "1",
+            "--unit",
+            "g",
+            "--json",
+            "no/such/folder.json",
+        ],
     ];
     let mut transcript = String::new();
     for case in cases {
@@ -338,7 +357,9 @@ fn gaps_and_missing_values_are_counted() {
     fs::write(folder.path().join("gap.csv"), text).expect("written");
     let json = succeed(
         folder.path(),
-        &["analyze", "gap.csv", "--time", "t", "--json", "-"],
+        &[
+            "analyze", "gap.csv", "--time", "t", "--unit", "g", "--json", "-",
+        ],
     );
     let json: Value = serde_json::from_str(&json).expect("JSON");
     assert_eq!(json["source"]["samples"], 400);
@@ -346,7 +367,10 @@ fn gaps_and_missing_values_are_counted() {
     assert_eq!(json["source"]["gaps"][0]["samples"], 100);
     assert_eq!(json["axes"][0]["invalid_samples"], 0);
     assert_eq!(json["axes"][1]["invalid_samples"], 3);
-    let table = succeed(folder.path(), &["analyze", "gap.csv", "--time", "t"]);
+    let table = succeed(
+        folder.path(),
+        &["analyze", "gap.csv", "--time", "t", "--unit", "g"],
+    );
     assert!(
         table.contains("1 gap, 100 samples known to be missing"),
         "{table}"
@@ -370,12 +394,15 @@ fn standard_streams() {
             "3",
         ],
     );
-    let output = inm(folder.path(), &["analyze", "-", "--rate", "2000"])
-        .write_stdin(bytes)
-        .assert()
-        .success()
-        .get_output()
-        .clone();
+    let output = inm(
+        folder.path(),
+        &["analyze", "-", "--rate", "2000", "--unit", "m/s^2"],
+    )
+    .write_stdin(bytes)
+    .assert()
+    .success()
+    .get_output()
+    .clone();
     let table = String::from_utf8(output.stdout).expect("text");
     assert!(
         table.starts_with("standard input: 6 000 samples an axis at 2000/s"),
@@ -423,7 +450,8 @@ fn simulate_and_report() {
     succeed(
         folder.path(),
         &[
-            "analyze", "a.npy", "--rate", "2000", "--report", "r.html", "--png", "r.png",
+            "analyze", "a.npy", "--rate", "2000", "--unit", "m/s^2", "--report", "r.html", "--png",
+            "r.png",
         ],
     );
     let page = fs::read_to_string(folder.path().join("r.html")).expect("written");

@@ -42,6 +42,7 @@ fn simulate(folder: &Path, model: &str, seed: &str, record: &str) {
 fn diagnose(folder: &Path, name: &str) -> Value {
     inm(folder)
         .args(["diagnose", &format!("{name}.npy"), "--rate", "1000"])
+        .args(["--unit", "m/s^2"])
         .args(["--json", &format!("{name}.json")])
         .args(["--model", &format!("{name}.model.json")])
         .args(["--report", &format!("{name}.html")])
@@ -193,9 +194,11 @@ fn what_follows_the_temperature_is_told_for_a_degree() {
         let level = GAIN * (degrees - 25.0) + noise.draw();
         format!("{level:.7},{:.0}\n", degrees / SCALE)
     });
-    std::fs::write(folder.join("log.csv"), rows.collect::<String>()).expect("written");
+    let text = format!("level,thermistor (V)\n{}", rows.collect::<String>());
+    std::fs::write(folder.join("log.csv"), text).expect("written");
     inm(folder)
         .args(["diagnose", "log.csv", "--rate", "100", "--columns", "0"])
+        .args(["--unit", "m/s^2"])
         .args(["--temperature", "1", "--temperature-scale", "0.01"])
         .args(["--json", "log.json"])
         .assert()

@@ -73,8 +73,8 @@ fn data_at_the_same_temperature_show_the_same_drift() {
         inm(
             folder,
             &format!(
-                "diagnose {name}.npy --rate 500 --columns 0 --temperature 1 --json {name}.json \
-                 --model {name}.model.json"
+                "diagnose {name}.npy --rate 500 --unit m/s^2 --columns 0 --temperature 1 \
+                 --json {name}.json --model {name}.model.json"
             ),
         );
         parameter(&json(folder, &format!("{name}.json")), 0, "thermal", "gain")
@@ -107,7 +107,9 @@ fn axes_that_share_noise_share_it_in_data_of_the_model() {
         );
         inm(
             folder,
-            &format!("diagnose {name}.npy --rate 500 --json {name}.json --model {name}.model.json"),
+            &format!(
+                "diagnose {name}.npy --rate 500 --unit m/s^2 --json {name}.json --model {name}.model.json"
+            ),
         );
         let told = json(folder, &format!("{name}.json"));
         [1, 2].map(|axis| parameter(&told, axis, "common_mode", "gain"))

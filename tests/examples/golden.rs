@@ -70,7 +70,7 @@ fn main() -> Result<(), Failed> {
     run(
         &inm,
         here,
-        "analyze x.npy --rate 250 --json analysis.json".split(' '),
+        "analyze x.npy --rate 250 --unit m/s^2 --json analysis.json".split(' '),
     )?;
     let record = records().into_iter().find(|one| one.name() == RECORD);
     let record = record.ok_or("the record is no longer there")?;

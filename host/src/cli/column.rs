@@ -18,8 +18,9 @@ pub fn read(
 ) -> anyhow::Result<Vec<f64>> {
     let options = ArrayOptions {
         columns: vec![column.clone()],
+        // Whatever its name says: `scale` makes degrees of it.
         unit: Some(Unit::Counts),
-        scales: Vec::new(),
+        scales: vec![1.0],
         ..options
     };
     Ok(covariate(&mut *open(file, &options)?, scale)?)

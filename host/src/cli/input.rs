@@ -6,7 +6,7 @@ use clap::Args;
 
 use crate::chain::Chain;
 use crate::signal::Unit;
-use crate::source::options::{ArrayOptions, Selector};
+use crate::source::options::{ArrayOptions, Decimal, Selector, TimeColumn};
 
 /// What an array file does not say itself. Captures carry all of it.
 #[derive(Debug, Clone, Args)]
@@ -15,13 +15,13 @@ pub struct InputOptions {
     /// Samples a second.
     #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     pub rate: Option<f64>,
-    /// Column of time stamps in seconds (number from 0, or name); gives the rate and the gaps.
-    #[arg(long, value_name = "COLUMN")]
-    pub time: Option<Selector>,
+    /// Column of time stamps (number from 0, or name) with their unit, s, ms, us or ns, where its name does not say it; gives the rate and the gaps.
+    #[arg(long, value_name = "COLUMN[:UNIT]")]
+    pub time: Option<TimeColumn>,
     /// Columns to take as axes, by number from 0 or by name; all where not given.
     #[arg(long, value_name = "COLUMN,...", value_delimiter = ',')]
     pub columns: Vec<Selector>,
-    /// Unit of the scaled data: m/s^2, g, rad/s, deg/s, V or counts. Integers need this or a scale.
+    /// Unit of the scaled data: m/s^2, g, rad/s, deg/s, V or counts; needed where the names of the columns do not say it (ax_g, wx [deg/s]).
     #[arg(long)]
     pub unit: Option<Unit>,
     /// Units per count, once or one for each column.
@@ -32,6 +32,9 @@ pub struct InputOptions {
         allow_negative_numbers = true
     )]
     pub scale: Vec<f64>,
+    /// How fractions are written in a text file, point or comma, where its lines do not show it.
+    #[arg(long)]
+    pub decimal: Option<Decimal>,
     /// Leave out what lies before this time, seconds from the start.
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub from: Option<f64>,
@@ -51,6 +54,7 @@ impl From<InputOptions> for ArrayOptions {
         Self {
             rate_hz: options.rate,
             time: options.time,
+            decimal: options.decimal,
             columns: options.columns,
             unit: options.unit,
             scales: options.scale,

@@ -3,6 +3,7 @@
 use std::io::Write;
 
 use super::source::Simulation;
+use crate::signal::Unit;
 use crate::source::Source;
 use crate::source::npy_header::MAGIC;
 
@@ -58,19 +59,22 @@ pub fn npy_header(rows: u64, columns: usize) -> Vec<u8> {
     header
 }
 
-/// Writes `simulation` as comma-separated text with a header line. Numbers are written so that
-/// they read back exactly.
+/// Writes `simulation` as comma-separated text with a header line that says names and units. Numbers
+/// are written so that they read back exactly.
 ///
 /// # Errors
 /// If writing fails.
 pub fn write_csv(simulation: &mut Simulation, output: &mut impl Write) -> std::io::Result<()> {
-    let names: Vec<&str> = simulation
-        .signal()
-        .axes
-        .iter()
-        .map(|axis| axis.name.as_str())
-        .collect();
-    writeln!(output, "{}", names.join(","))?;
+    let axes = simulation.signal().axes.iter();
+    // What was given beside the axes has no unit of theirs.
+    let names = axes.map(|axis| match axis.unit {
+        Unit::Counts => axis.name.clone(),
+        unit => format!("{} [{unit}]", axis.name),
+    });
+    let mut header = csv::Writer::from_writer(&mut *output);
+    header.write_record(names)?;
+    header.flush()?;
+    drop(header);
     loop {
         let columns = simulation.next_columns(ROWS);
         let count = columns.first().map_or(0, Vec::len);

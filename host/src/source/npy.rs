@@ -33,12 +33,12 @@ enum Input {
 }
 
 impl NpyTable {
-    /// Opens a file on disk.
+    /// Opens a file on disk, which messages call `name`.
     ///
     /// # Errors
     /// If it cannot be opened, its header is refused, or it is shorter than the header says.
-    pub fn open(path: &Path) -> Result<Self, SourceError> {
-        let name = path.display().to_string();
+    pub fn open(path: &Path, name: &str) -> Result<Self, SourceError> {
+        let name = name.to_owned();
         let io = |error: std::io::Error| SourceError {
             place: name.clone(),
             message: format!("cannot be read: {error}"),

@@ -1,5 +1,6 @@
 //! Decides by its content what kind of source a file is, and opens it.
 
+use std::cell::Cell;
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
@@ -11,6 +12,7 @@ use super::npy::NpyTable;
 use super::npy_header::MAGIC;
 use super::options::ArrayOptions;
 use super::part::Part;
+use super::table::Table;
 use super::text::TextTable;
 use super::{Source, SourceError};
 
@@ -66,15 +68,15 @@ fn whole(path: &str, options: &ArrayOptions) -> Result<Box<dyn Source>, SourceEr
         return capture(path, options);
     }
     if start.starts_with(MAGIC) {
-        let table = NpyTable::open(Path::new(path))?;
-        return Ok(Box::new(ArraySource::new(Box::new(table), options)?));
+        let table = || Ok(Box::new(NpyTable::open(Path::new(path), path)?) as Box<dyn Table>);
+        return Ok(Box::new(ArraySource::new(&table, options)?));
     }
-    text(
-        path,
-        &start,
-        Box::new(BufReader::new(File::open(path).map_err(io)?)),
-        options,
-    )
+    check_text(path, &start)?;
+    let table = || {
+        let reader = Box::new(BufReader::new(File::open(path).map_err(io)?));
+        text(path, reader, options)
+    };
+    Ok(Box::new(ArraySource::new(&table, options)?))
 }
 
 /// A capture, which says itself what an array file does not.
@@ -82,6 +84,7 @@ fn capture(path: &str, options: &ArrayOptions) -> Result<Box<dyn Source>, Source
     let ArrayOptions {
         rate_hz,
         time,
+        decimal,
         columns,
         unit,
         scales,
@@ -93,6 +96,7 @@ fn capture(path: &str, options: &ArrayOptions) -> Result<Box<dyn Source>, Source
     let told = [
         ("--rate", rate_hz.is_some()),
         ("--time", time.is_some()),
+        ("--decimal", decimal.is_some()),
         ("--unit", unit.is_some()),
         ("--scale", !scales.is_empty()),
         ("--chain", chain.is_some()),
@@ -111,32 +115,46 @@ fn capture(path: &str, options: &ArrayOptions) -> Result<Box<dyn Source>, Source
     Ok(Box::new(Part::new(source, columns, *from_s, *to_s)?))
 }
 
+/// A stream is read once, so the place of its rows must not depend on the last of them: with stamps it
+/// is a file first.
 fn stream(
     name: &str,
     mut reader: Box<dyn BufRead>,
     options: &ArrayOptions,
 ) -> Result<Box<dyn Source>, SourceError> {
-    let start = reader
-        .fill_buf()
-        .map_err(|error| SourceError {
-            place: name.to_owned(),
-            message: format!("cannot be read: {error}"),
-            remedy: String::new(),
-        })?
-        .to_vec();
-    if start.starts_with(MAGIC) {
-        let table = NpyTable::stream(name, Box::new(reader))?;
-        return Ok(Box::new(ArraySource::new(Box::new(table), options)?));
+    let io = |error: std::io::Error| SourceError {
+        place: name.to_owned(),
+        message: format!("cannot be read: {error}"),
+        remedy: String::new(),
+    };
+    let start = reader.fill_buf().map_err(io)?.to_vec();
+    let is_npy = start.starts_with(MAGIC);
+    if !is_npy {
+        check_text(name, &start)?;
     }
-    text(name, &start, reader, options)
+    if options.time.is_some() {
+        let mut spool = tempfile::NamedTempFile::new().map_err(io)?;
+        std::io::copy(&mut reader, &mut spool).map_err(io)?;
+        let table = || {
+            if is_npy {
+                return Ok(Box::new(NpyTable::open(spool.path(), name)?) as Box<dyn Table>);
+            }
+            let reader = Box::new(BufReader::new(spool.reopen().map_err(io)?));
+            text(name, reader, options)
+        };
+        return Ok(Box::new(ArraySource::new(&table, options)?));
+    }
+    let reader = Cell::new(Some(reader));
+    let table = || match reader.take() {
+        Some(reader) if is_npy => Ok(Box::new(NpyTable::stream(name, reader)?) as Box<dyn Table>),
+        Some(reader) => text(name, reader, options),
+        None => Err(io(std::io::ErrorKind::UnexpectedEof.into())),
+    };
+    Ok(Box::new(ArraySource::new(&table, options)?))
 }
 
-fn text(
-    name: &str,
-    start: &[u8],
-    reader: Box<dyn BufRead>,
-    options: &ArrayOptions,
-) -> Result<Box<dyn Source>, SourceError> {
+/// Refuses what is neither a NumPy array nor text, by its `start`.
+fn check_text(name: &str, start: &[u8]) -> Result<(), SourceError> {
     let bad = |message: &str, remedy: &str| SourceError {
         place: name.to_owned(),
         message: message.to_owned(),
@@ -151,6 +169,13 @@ fn text(
             "array files are .npy, .csv or columns of text",
         ));
     }
-    let table = TextTable::open(name, reader)?;
-    Ok(Box::new(ArraySource::new(Box::new(table), options)?))
+    Ok(())
+}
+
+fn text(
+    name: &str,
+    reader: Box<dyn BufRead>,
+    options: &ArrayOptions,
+) -> Result<Box<dyn Table>, SourceError> {
+    Ok(Box::new(TextTable::open(name, reader, options.decimal)?))
 }

@@ -34,4 +34,9 @@ pub trait Table {
     /// # Errors
     /// With the place, if the file cannot be read or does not hold what it should.
     fn read(&mut self, most: usize) -> Result<Vec<Values>, SourceError>;
+
+    /// What was noticed while reading and was not told before, in words.
+    fn notes(&mut self) -> Vec<String> {
+        Vec::new()
+    }
 }

@@ -124,13 +124,20 @@ impl Record {
             Form::Long => self.array(&record, |value| value as i32)?,
             Form::Text | Form::Stamped => std::fs::write(&record, self.text())?,
         }
+        let first = usize::from(self.form == Form::Stamped);
         let mut arguments = Vec::new();
         let mut say =
             |words: &[&str]| arguments.extend(words.iter().map(|word| (*word).to_owned()));
         match self.form {
-            Form::Stamped => say(&["--time", "t"]),
+            Form::Stamped => say(&["--time", "t:s"]),
             _ => say(&["--rate", &self.rate_hz.to_string()]),
         }
+        say(&["--unit", "m/s^2"]);
+        // A record may do nothing but rise, which would be taken for a counter.
+        let columns: Vec<String> = (0..self.columns.len())
+            .map(|one| format!("{}", one + first))
+            .collect();
+        say(&["--columns", &columns.join(",")]);
         if matches!(self.form, Form::Short | Form::Long) {
             say(&["--scale", &self.scale.to_string()]);
         }

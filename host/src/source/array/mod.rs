@@ -1,0 +1,262 @@
+//! An array file as a [`Source`]: chooses the columns, places the rows in time, cuts the part
+//! that is wanted and marks what is no number.
+
+use std::collections::VecDeque;
+use std::ops::Range;
+
+use super::options::ArrayOptions;
+use super::stamps::{self, Stamps};
+use super::table::Table;
+use super::{Block, Chunk, Column, Gap, Source, SourceError, Values, columns};
+use crate::signal::Signal;
+
+/// Rows read at a time: some hundred kilobytes, whatever the length of the file.
+const ROWS: usize = 8192;
+
+/// Opens a table anew.
+pub type OpenTable<'a> = &'a dyn Fn() -> Result<Box<dyn Table>, SourceError>;
+
+/// An array file with what was said about it.
+pub struct ArraySource {
+    signal: Signal,
+    table: Box<dyn Table>,
+    /// Where the rows lie, if a column holds the time.
+    stamps: Option<Stamps>,
+    /// The first batch, read ahead to be looked at.
+    ahead: Option<Vec<Values>>,
+    /// Rows read so far.
+    row: u64,
+    /// Samples to deliver, as indices since the start of the file.
+    part: Range<u64>,
+    /// Index that the next sample should have; `None` before the first.
+    expected: Option<u64>,
+    ready: VecDeque<Chunk>,
+}
+
+impl ArraySource {
+    /// Puts the user's options onto a table, which is opened twice if a column holds the time: where a
+    /// row lies is known only from all of them.
+    ///
+    /// # Errors
+    /// If the rate or a unit is not known, a column does not exist or is no axis, the time stamps
+    /// cannot be followed, or the part asked for lies outside of the file.
+    pub fn new(open: OpenTable<'_>, options: &ArrayOptions) -> Result<Self, SourceError> {
+        let mut table = open()?;
+        let time = options.time.as_ref();
+        let column = time.map(|time| columns::find(&*table, &time.column));
+        let column = column.transpose()?;
+        let chosen = columns::choose(&*table, column, options)?;
+        table.select(&chosen)?;
+        let ahead = table.read(ROWS)?;
+        if options.columns.is_empty() {
+            columns::check(&*table, &chosen, &ahead)?;
+        }
+        let (axes, mut notes) = columns::axes(&*table, &chosen, options)?;
+        let stamps = match (time, column) {
+            (Some(time), Some(column)) => {
+                let mut stamps = stamps::read(open()?, column, time.unit, options)?;
+                notes.append(&mut stamps.notes);
+                Some(stamps)
+            }
+            _ => None,
+        };
+        let rate_hz = match &stamps {
+            Some(stamps) => stamps.rate_hz,
+            None => rate(table.name(), options)?,
+        };
+        let rows = stamps.as_ref().map(|stamps| stamps.end);
+        let part = part(table.name(), rows.or(table.rows()), rate_hz, options)?;
+        Ok(Self {
+            signal: Signal {
+                name: table.name().to_owned(),
+                rate_hz,
+                axes,
+                start: None,
+            },
+            table,
+            stamps,
+            ahead: Some(ahead),
+            row: 0,
+            part,
+            expected: None,
+            ready: notes.into_iter().map(Chunk::News).collect(),
+        })
+    }
+
+    /// Reads a batch and turns it into chunks; false at the end.
+    fn refill(&mut self) -> Result<bool, SourceError> {
+        let columns = match self.ahead.take() {
+            Some(columns) => columns,
+            None => self.table.read(ROWS)?,
+        };
+        let read = columns.first().map_or(0, Values::len) as u64;
+        // A file that is still written to has more rows by now than were placed.
+        let placed = self.stamps.as_ref().map_or(u64::MAX, |stamps| stamps.rows);
+        let rows = self.row..placed.min(self.row + read);
+        if rows.is_empty() {
+            let notes = self.table.notes().into_iter().map(Chunk::News);
+            self.ready.extend(notes);
+            return Ok(false);
+        }
+        self.row = rows.end;
+        let mut last = 0;
+        for (run, index) in self.runs(&rows) {
+            let from = (run.start - rows.start) as usize;
+            self.deliver(&columns, from..(run.end - rows.start) as usize, index);
+            last = index;
+        }
+        Ok(last < self.part.end)
+    }
+
+    /// The parts of `rows` without a gap within, each with the index of its first.
+    fn runs(&self, rows: &Range<u64>) -> Vec<(Range<u64>, u64)> {
+        let Some(stamps) = &self.stamps else {
+            return vec![(rows.clone(), rows.start)];
+        };
+        let begun = stamps.runs.partition_point(|&(row, _)| row <= rows.start);
+        let mut runs = Vec::new();
+        for (at, &(row, index)) in stamps.runs.iter().enumerate().skip(begun.saturating_sub(1)) {
+            if row >= rows.end {
+                break;
+            }
+            let next = stamps.runs.get(at + 1).map_or(rows.end, |&(row, _)| row);
+            let first = row.max(rows.start);
+            runs.push((first..next.min(rows.end), index + (first - row)));
+        }
+        runs
+    }
+
+    /// Queues the wanted part of the rows `rows` of a batch, whose first sample is `index`.
+    fn deliver(&mut self, columns: &[Values], rows: Range<usize>, index: u64) {
+        let end = (index + rows.len() as u64).min(self.part.end);
+        let first = index.max(self.part.start);
+        if first >= end {
+            return;
+        }
+        if let Some(expected) = self.expected.filter(|&expected| expected < first) {
+            self.ready.push_back(Chunk::Gap(Gap {
+                from: expected,
+                to: Some(first),
+                cause: "the time stamps jump".into(),
+            }));
+        }
+        let from = rows.start + (first - index) as usize;
+        let to = rows.start + (end - index) as usize;
+        let columns = columns
+            .iter()
+            .map(|values| column(values, from..to))
+            .collect();
+        self.ready
+            .push_back(Chunk::Samples(Block { first, columns }));
+        self.expected = Some(end);
+    }
+}
+
+impl Source for ArraySource {
+    fn signal(&self) -> &Signal {
+        &self.signal
+    }
+
+    fn expected_len(&self) -> Option<u64> {
+        let rows = match &self.stamps {
+            Some(stamps) => stamps.end,
+            None => self.table.rows()?,
+        };
+        Some(self.part.end.min(rows).saturating_sub(self.part.start))
+    }
+
+    fn next_chunk(&mut self) -> Result<Option<Chunk>, SourceError> {
+        while self.ready.is_empty() {
+            let more = self.refill()?;
+            if !more && self.ready.is_empty() {
+                if self.expected.is_none() {
+                    return Err(SourceError {
+                        place: self.signal.name.clone(),
+                        message: "no sample lies in the part that was asked for".into(),
+                        remedy: "see --from and --to".into(),
+                    });
+                }
+                return Ok(None);
+            }
+        }
+        Ok(self.ready.pop_front())
+    }
+}
+
+/// The rate where no stamps give it.
+fn rate(name: &str, options: &ArrayOptions) -> Result<f64, SourceError> {
+    let bad = |message: String, remedy: &str| SourceError {
+        place: name.to_owned(),
+        message,
+        remedy: remedy.to_owned(),
+    };
+    match options.rate_hz {
+        Some(rate_hz) if rate_hz.is_finite() && rate_hz > 0.0 => Ok(rate_hz),
+        Some(rate_hz) => Err(bad(
+            format!("a rate of {rate_hz} samples a second"),
+            "--rate takes a number above zero",
+        )),
+        None => Err(bad(
+            "the file does not say how fast it was sampled".into(),
+            "give --rate HZ, or --time COLUMN if a column holds the time",
+        )),
+    }
+}
+
+/// The samples between `--from` and `--to`.
+fn part(
+    name: &str,
+    rows: Option<u64>,
+    rate_hz: f64,
+    options: &ArrayOptions,
+) -> Result<Range<u64>, SourceError> {
+    let index = |seconds: Option<f64>| seconds.map(|seconds| (seconds * rate_hz).round());
+    let from = index(options.from_s).unwrap_or(0.0);
+    let to = index(options.to_s).unwrap_or(f64::INFINITY);
+    let limit = rows.map_or(f64::INFINITY, |rows| rows as f64);
+    // Written so that NaN is refused as well.
+    let sound = from >= 0.0 && from < to && from < limit;
+    if !sound {
+        return Err(SourceError {
+            place: name.to_owned(),
+            message: "no sample lies between --from and --to".into(),
+            remedy: match rows {
+                Some(_) => format!("the file covers 0 to {} s", limit / rate_hz),
+                None => "--from comes before --to, both in seconds from the start".into(),
+            },
+        });
+    }
+    // Saturates where there is no end.
+    Ok(from as u64..to as u64)
+}
+
+/// Part of a column, with the runs of it that are no numbers.
+fn column(values: &Values, rows: Range<usize>) -> Column {
+    match values {
+        Values::Codes(codes) => Column {
+            values: Values::Codes(codes[rows].to_vec()),
+            invalid: Vec::new(),
+        },
+        Values::Floats(floats) => {
+            let part = floats[rows].to_vec();
+            let mut invalid: Vec<Range<usize>> = Vec::new();
+            for (at, _) in part
+                .iter()
+                .enumerate()
+                .filter(|(_, value)| !value.is_finite())
+            {
+                match invalid.last_mut() {
+                    Some(run) if run.end == at => run.end = at + 1,
+                    _ => invalid.push(at..at + 1),
+                }
+            }
+            Column {
+                values: Values::Floats(part),
+                invalid,
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
