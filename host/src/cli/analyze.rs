@@ -3,6 +3,7 @@
 use clap::{Args, ValueEnum};
 
 use super::input::InputOptions;
+use super::output;
 use super::results::ResultOptions;
 use crate::analyse::{self, AnalysisOptions};
 use crate::bins::taus::Taus;
@@ -69,6 +70,7 @@ impl Analyze {
         {
             anyhow::bail!("--published-taus: five coefficients need five averaging times or more");
         }
+        output::check(&self.results.outputs(), &[Some(&self.file)])?;
         let options = AnalysisOptions {
             overlap: self.overlap()?,
             taus: self.taus,

@@ -9,7 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::column;
 use super::input::InputOptions;
-use super::output::write_to;
+use super::output::{self, write_to};
 use super::results::ResultOptions;
 use crate::diagnosis::result::finding::AxisDiagnosis;
 use crate::face::diagnose::{DiagnosisError, DiagnosisOptions, FAMILY_LEVEL, Step, diagnose};
@@ -49,8 +49,8 @@ pub struct DiagnoseCommand {
     #[arg(long, value_name = "P", default_value_t = FAMILY_LEVEL)]
     level: f64,
     /// Write the extended model to this file, as `inm simulate --model` reads it.
-    #[arg(long, value_name = "OUT.json")]
-    model: Option<String>,
+    #[arg(long, value_name = "OUT.json", alias = "model")]
+    save_model: Option<String>,
     #[command(flatten)]
     results: ResultOptions,
 }
@@ -71,6 +71,11 @@ impl DiagnoseCommand {
             "--temperature-scale {}: a number other than zero",
             self.temperature_scale
         );
+        let [json, report, png] = self.results.outputs();
+        output::check(
+            &[json, report, png, self.save_model.as_deref()],
+            &[Some(&self.file), self.reference.as_deref()],
+        )?;
         let temperature = match &self.temperature {
             Some(column) => {
                 let input = self.input.clone().into();
@@ -103,7 +108,7 @@ impl DiagnoseCommand {
             DiagnosisError::Refused(refused) => anyhow::anyhow!("{}: {refused}", self.file),
         })?;
         bar.finish_and_clear();
-        if let Some(path) = &self.model {
+        if let Some(path) = &self.save_model {
             write_to(path, |mut output| {
                 report::json::write(&diagnosis.model(), &mut output)
             })?;

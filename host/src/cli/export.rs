@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::output::write_to;
+use super::output::{self, write_to};
 use crate::export::input::Input;
 use crate::export::{Format, export};
 
@@ -28,6 +28,7 @@ impl Export {
     /// # Errors
     /// If there is no such model, the format cannot hold it, or the file cannot be written.
     pub fn run(self) -> anyhow::Result<()> {
+        output::check(&[Some(&self.output)], &[Some(&self.model)])?;
         let mut input = Input::open(&self.model)?;
         if let Some(longest_s) = self.longest {
             input.set_longest(longest_s).map_err(anyhow::Error::msg)?;

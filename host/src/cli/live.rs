@@ -1,12 +1,13 @@
 //! `inm live`: record a board, and watch its Allan table grow.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
 
 use super::board::BoardOptions;
 use super::interrupt;
+use super::output;
 use super::results::ResultOptions;
 use crate::analyse::{AnalysisOptions, summarise};
 use crate::bins::record::{Overlap, Record};
@@ -32,6 +33,9 @@ impl LiveCommand {
     /// # Errors
     /// What the board or a file says; what was recorded until then stays, and is analysed.
     pub fn run(self) -> anyhow::Result<ExitCode> {
+        let [json, report, png] = self.results.outputs();
+        let capture = self.output.as_deref().and_then(Path::to_str);
+        output::check(&[capture, json, report, png], &[])?;
         let stop = interrupt::stop_on_signal()?;
         let connect = self.board.connect(1.0);
         let mut source =

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::output;
 use super::results::ResultOptions;
 use crate::analyse::{AnalysisOptions, summarise};
 use crate::bins::record::{Overlap, Record};
@@ -30,6 +31,8 @@ impl ReplayCommand {
     /// # Errors
     /// What the capture says.
     pub fn run(self) -> anyhow::Result<()> {
+        let capture = self.capture.to_str();
+        output::check(&self.results.outputs(), &[capture])?;
         let source = CaptureSource::open(&self.capture).map_err(SourceError::from)?;
         let mut source = source.at_speed(self.speed);
         let signal = source.signal().clone();

@@ -29,6 +29,11 @@ impl ResultOptions {
         self.json.is_some() || self.report.is_some() || self.png.is_some()
     }
 
+    /// The files that were asked for.
+    pub fn outputs(&self) -> [Option<&str>; 3] {
+        [&self.json, &self.report, &self.png].map(Option::as_deref)
+    }
+
     /// Writes the files that were asked for, and the text.
     ///
     /// # Errors

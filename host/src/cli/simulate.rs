@@ -6,7 +6,7 @@ use anyhow::Context;
 use clap::Args;
 
 use super::column;
-use super::output::write_to;
+use super::output::{self, write_to};
 use crate::chain::Chain;
 use crate::face::simulate::{correlation, samples, simulate};
 use crate::model::published::DURATION_S;
@@ -71,6 +71,10 @@ impl Simulate {
     /// If there is no such model, duration and rate give no samples, or the file cannot be
     /// written.
     pub fn run(self) -> anyhow::Result<()> {
+        output::check(
+            &[Some(&self.output)],
+            &[Some(&self.model), self.temperature.as_deref()],
+        )?;
         let mut model = Model::open(&self.model)?;
         if let Some(rate_hz) = self.rate {
             model.rate_hz = rate_hz;

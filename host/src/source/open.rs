@@ -23,7 +23,7 @@ pub const STANDARD_INPUT: &str = "-";
 const SNIFFED: u64 = 512;
 
 /// What every capture begins with, of whatever version.
-const CAPTURE_START: &[u8] = b"#inm-capture";
+pub const CAPTURE_START: &[u8] = b"#inm-capture";
 
 /// Opens a capture or an array file, or standard input where `path` is `-`.
 ///

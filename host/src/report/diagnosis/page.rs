@@ -190,7 +190,7 @@ fn model(page: &mut String, diagnosis: &Diagnosis) -> Result {
     let text = serde_json::to_string_pretty(&diagnosis.model()).unwrap_or_default();
     write!(
         page,
-        "<section><h2>The model</h2><p>Saved by <code>inm diagnose FILE --model model.json</code>; \
+        "<section><h2>The model</h2><p>Saved by <code>inm diagnose FILE --save-model model.json</code>; \
          data of it: <code>inm simulate --model model.json -o simulated.npy --duration {}</code></p>\
          <details><summary>model.json</summary><pre>{}</pre></details></section>",
         diagnosis.source.duration_s.round(),
