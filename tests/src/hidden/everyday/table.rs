@@ -1,7 +1,8 @@
 //! Which names are accepted for each disturbance, and which may stand beside them.
 //!
 //! Written before any detector for them: what an engineer who saw the record would sign. `shock`, `unnamed`,
-//! `wandering_line`, `drift`, `stuck`, `averaging` are names that a catalogue may have.
+//! `wandering_line`, `drift`, `stuck`, `averaging` are names that a catalogue may have. `motion` was added when the catalogue
+//! had it, wherever `burst` stood: a stretch of other noise, of a spectrum of its own.
 
 use super::record::{Disturbance, Room};
 use super::{logger, machine, motion, warmth};
@@ -29,14 +30,14 @@ pub static EVERYDAY: &[Everyday] = &[
     // One blow that rings: a transient; a short stretch of larger noise is the same said less well.
     Everyday {
         name: "knock",
-        names: &["shock", "burst"],
+        names: &["shock", "burst", "motion"],
         beside: &[],
         rate_hz: 100.0,
         draw: motion::knock,
     },
     Everyday {
         name: "door",
-        names: &["shock", "burst"],
+        names: &["shock", "burst", "motion"],
         beside: &[],
         rate_hz: 100.0,
         draw: motion::door,
@@ -44,7 +45,7 @@ pub static EVERYDAY: &[Everyday] = &[
     // Some dozens of small blows: each by itself or the stretch.
     Everyday {
         name: "footsteps",
-        names: &["shock", "burst"],
+        names: &["shock", "burst", "motion"],
         beside: &[],
         rate_hz: 100.0,
         draw: motion::footsteps,
@@ -52,7 +53,7 @@ pub static EVERYDAY: &[Everyday] = &[
     // Coloured noise that swells and fades.
     Everyday {
         name: "lorry",
-        names: &["burst", "shock"],
+        names: &["burst", "shock", "motion"],
         beside: &[],
         rate_hz: 100.0,
         draw: motion::lorry,
@@ -60,7 +61,7 @@ pub static EVERYDAY: &[Everyday] = &[
     // The sensor lies otherwise afterwards: a step at the same time is no invention.
     Everyday {
         name: "handling",
-        names: &["shock", "burst"],
+        names: &["shock", "burst", "motion"],
         beside: &["steps"],
         rate_hz: 100.0,
         draw: motion::handling,

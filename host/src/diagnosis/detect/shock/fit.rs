@@ -80,7 +80,11 @@ fn score(about: &About, form: Form, at: &[f64]) -> f64 {
     let from = about.from() as f64;
     let within = (from - 2.0..from + len).contains(&at[0]);
     let sound = match form {
-        Form::Ringing => at[1] < 0.5_f64.ln() && at[2] < (4.0 * len).ln() && at[2] > -1.0,
+        Form::Ringing => {
+            // What is damped more than critically does not ring: a quality `pi f decay` of a half.
+            let rings = at[1] + at[2] > (0.5 / std::f64::consts::PI).ln();
+            rings && at[1] < 0.5_f64.ln() && at[2] < (4.0 * len).ln() && at[2] > -1.0
+        }
         Form::Bump => at[1] < len.ln() && at[1] > 0.0,
     };
     if !(within && sound) {
