@@ -8,8 +8,8 @@ use rayon::prelude::*;
 
 use crate::diagnosis::laws::gain::Local;
 use crate::fft;
-use crate::fit::likelihood::Data;
 use crate::fit::likelihood::scoring::maximise_beside;
+use crate::fit::likelihood::{Data, log_likelihood};
 use crate::model::unnamed::Band;
 use crate::numeric::mixture::add_mixture;
 use crate::numeric::taper::hann;
@@ -89,8 +89,9 @@ pub fn data(periodogram: &[f64], groups: &[Range<usize>]) -> Option<Data> {
     )
 }
 
-/// The likeliest bands beside some noise, the one that explains most first; `None` where there are none.
-pub fn bands(data: &Data, noise: &[f64], groups: &[Range<usize>]) -> Option<Vec<Band>> {
+/// The likeliest bands beside some noise, the one that explains most first, and their gain in log-likelihood, nats; `None`
+/// where there are none.
+pub fn bands(data: &Data, noise: &[f64], groups: &[Range<usize>]) -> Option<(Vec<Band>, f64)> {
     let len = 2 * groups.last()?.end;
     let dictionary: Vec<(Band, Local)> = dictionary(len as f64)
         .into_par_iter()
@@ -119,6 +120,9 @@ pub fn bands(data: &Data, noise: &[f64], groups: &[Range<usize>]) -> Option<Vec<
             squared = fit.squared;
         }
     }
+    let mut expected = noise.to_vec();
+    add_mixture(&mut expected, &components, &squared);
+    let gain = log_likelihood(data, &expected) - log_likelihood(data, noise);
     let sized = bands.into_iter().zip(squared);
     let sized: Vec<Band> = sized
         .filter(|(_, squared)| *squared > 0.0)
@@ -127,7 +131,7 @@ pub fn bands(data: &Data, noise: &[f64], groups: &[Range<usize>]) -> Option<Vec<
             ..band
         })
         .collect();
-    (!sized.is_empty()).then_some(sized)
+    (!sized.is_empty()).then_some((sized, gain))
 }
 
 /// The band near a first one that gains most: far from its middle the width decides, which a dictionary gives roughly.

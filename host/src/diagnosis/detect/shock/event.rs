@@ -8,7 +8,7 @@ use std::ops::Range;
 use super::about::{About, Beside};
 use super::course::{self, Course};
 use super::fit::{self, Fitted};
-use super::moved::{self, Moved};
+use super::moved::{self, Moved, NotMoved};
 use super::scan::{Scan, Stretch};
 use crate::diagnosis::statistic::p_value;
 
@@ -139,10 +139,11 @@ impl<'a> Event<'a> {
             quiet: self.quiet,
             own,
         };
-        Moved::new(&beside, samples, about).map_or_else(
-            || What::Shock(course::told(values, samples, own, about)),
-            What::Motion,
-        )
+        match Moved::new(&beside, samples, about) {
+            Ok(moved) => What::Motion(moved),
+            Err(NotMoved::Short) => What::Shock(course::told(values, samples, own, about)),
+            Err(NotMoved::Louder) => What::Other,
+        }
     }
 
     /// Whether it is noise as strong from its beginning to its end that explains more than so many `nats`.

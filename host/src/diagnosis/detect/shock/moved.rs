@@ -8,6 +8,7 @@ use std::ops::Range;
 use super::about::About;
 use super::bands::{bands, data, groups, mean, periodogram};
 use super::course::{deflection, levels, of_strength};
+use crate::diagnosis::laws::gain::Local;
 use crate::fit::likelihood::Data;
 use crate::model::unnamed::Band;
 use crate::numeric::order::median;
@@ -17,6 +18,10 @@ pub const LEAST: usize = 48;
 
 /// Standard deviations of what levels differ by anyway from which one has changed: a choice, one in 16 000.
 const CHANGED: f64 = 4.0;
+
+/// Part of what bands gain from which noise that is louder in its own colour explains a stretch as well: a choice. Bands have
+/// three numbers each, it has one.
+const OWN: f64 = 0.8;
 
 /// A stretch in samples.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,22 +46,46 @@ pub struct Beside<'a> {
     pub own: &'a Range<usize>,
 }
 
+/// Why a stretch is none in which something moves the sensor.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum NotMoved {
+    /// Too short to tell, or nothing is in it.
+    Short,
+    /// The noise that is always there is louder, in its own colour.
+    Louder,
+}
+
 impl Moved {
-    /// Of the `samples` of a record; `None` where they are too few, or nothing is in them.
-    pub fn new(beside: &Beside<'_>, samples: &Range<usize>, about: Option<&About>) -> Option<Self> {
+    /// Of the `samples` of a record.
+    ///
+    /// # Errors
+    /// [`NotMoved`] where they are none.
+    pub fn new(
+        beside: &Beside<'_>,
+        samples: &Range<usize>,
+        about: Option<&About>,
+    ) -> Result<Self, NotMoved> {
         if samples.len() < LEAST {
-            return None;
+            return Err(NotMoved::Short);
         }
         // Of an even number ordinates lie alike.
         let even = samples.start..samples.end - samples.len() % 2;
         let inside = deflection(beside.values, &even, beside.own);
         let groups = groups(even.len() / 2);
-        let data = data(&periodogram(&inside), &groups)?;
-        let noise = beside.noise(&even, &groups, &data);
-        Some(Self {
+        let data = data(&periodogram(&inside), &groups).ok_or(NotMoved::Short)?;
+        let (noise, is_known) = beside.noise(&even, &groups, &data);
+        let (bands, gain) = bands(&data, &noise, &groups).ok_or(NotMoved::Short)?;
+        let own = Local {
+            first: 0,
+            expected: noise.clone(),
+        };
+        if is_known && own.best(&data, &noise).1 > OWN * gain {
+            return Err(NotMoved::Louder);
+        }
+        Ok(Self {
             samples: samples.clone(),
             step: beside.step(samples),
-            bands: bands(&data, &noise, &groups)?,
+            bands,
             nats: about.map_or(1.0, |about| of_strength(about, samples)),
         })
     }
@@ -93,9 +122,14 @@ impl Beside<'_> {
         (step.abs() > CHANGED * sd).then_some([step, sd])
     }
 
-    /// What the groups of ordinates are of stretches as long in which nothing happens; hardly anything where there are
-    /// none.
-    fn noise(&self, samples: &Range<usize>, groups: &[Range<usize>], data: &Data) -> Vec<f64> {
+    /// What the groups of ordinates are of stretches as long in which nothing happens, and whether there are any; hardly
+    /// anything where there are none.
+    fn noise(
+        &self,
+        samples: &Range<usize>,
+        groups: &[Range<usize>],
+        data: &Data,
+    ) -> (Vec<f64>, bool) {
         /// Stretches that are enough, and share of what is measured that is nothing: choices.
         const ENOUGH: usize = 16;
         const NOTHING: f64 = 1e-6;
@@ -108,6 +142,7 @@ impl Beside<'_> {
         places.sort_by_key(|place| place.abs_diff(samples.start));
         places.truncate(ENOUGH);
         let count = places.len() as f64;
+        let is_known = !places.is_empty();
         let mut noise: Vec<f64> = data.psd.iter().map(|psd| NOTHING * psd).collect();
         for start in places {
             let place = start..start + len;
@@ -117,7 +152,7 @@ impl Beside<'_> {
                 *noise += mean(&quiet[group.clone()]) / count;
             }
         }
-        noise
+        (noise, is_known)
     }
 }
 
@@ -129,7 +164,7 @@ mod tests {
     use crate::model::random::{Gaussian, Generator, Seed};
 
     /// White noise of deviation 1 with a stretch from 20 000 to 21 000 in it, and the mean square of that.
-    fn moved(seed: u64, f_hz: f64, width_hz: f64, step: f64) -> (Option<Moved>, f64) {
+    fn moved(seed: u64, f_hz: f64, width_hz: f64, step: f64) -> (Result<Moved, NotMoved>, f64) {
         let seed = Seed { seed, stream: 0 };
         let mut values = vec![0.0; 40_000];
         Gaussian::new(seed, 1.0).add_to(&mut values);
@@ -190,5 +225,26 @@ mod tests {
         });
         // One in 16 000 each, and a scale that 38 places know to 13 %.
         assert_eq!(steps.count(), 0);
+    }
+
+    /// Noise that is louder for a while, from end to end of the band, is a burst of it.
+    #[test]
+    fn noise_that_is_louder_in_its_own_colour_is_no_motion() {
+        let seed = Seed {
+            seed: 40,
+            stream: 0,
+        };
+        let mut values = vec![0.0; 40_000];
+        Gaussian::new(seed, 1.0).add_to(&mut values);
+        values[20_000..21_000]
+            .iter_mut()
+            .for_each(|value| *value *= 3.0);
+        let beside = Beside {
+            values: &values,
+            quiet: &[0..20_000, 21_000..40_000],
+            own: &(0..40_000),
+        };
+        let found = Moved::new(&beside, &(20_000..21_000), None);
+        assert_eq!(found, Err(NotMoved::Louder), "{seed:?}");
     }
 }
