@@ -19,10 +19,6 @@ pub const LEAST: usize = 48;
 /// Standard deviations of what levels differ by anyway from which one has changed: a choice, one in 16 000.
 const CHANGED: f64 = 4.0;
 
-/// Part of what bands gain from which noise that is louder in its own colour explains a stretch as well: a choice. Bands have
-/// three numbers each, it has one.
-const OWN: f64 = 0.8;
-
 /// A stretch in samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Moved {
@@ -79,7 +75,10 @@ impl Moved {
             first: 0,
             expected: noise.clone(),
         };
-        if is_known && own.best(&data, &noise).1 > OWN * gain {
+        // Each number costs as by the information criterion of G. Schwarz, Ann. Stat. 6 (1978): a band has three, noise
+        // that is louder has one.
+        let cost_nats = 0.5 * (3 * bands.len() - 1) as f64 * (even.len() as f64 / 2.0).ln();
+        if is_known && own.best(&data, &noise).1 > gain - cost_nats {
             return Err(NotMoved::Louder);
         }
         Ok(Self {
