@@ -6,6 +6,7 @@ pub mod bridge;
 pub mod envelope;
 pub mod powers;
 pub mod residual;
+pub mod runs;
 pub mod samples;
 pub mod spill;
 pub mod wave;

@@ -5,3 +5,4 @@ pub mod matched_filter;
 pub mod p_value;
 pub mod spread;
 pub mod sums;
+pub mod tails;

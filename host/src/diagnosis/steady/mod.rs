@@ -2,9 +2,11 @@
 //! the noise, lines, and the strength of all of it.
 
 pub mod band_events;
+pub mod lasting;
 pub mod law;
 pub mod line;
 pub mod noise;
+pub mod prediction;
 pub mod strength;
 pub mod swing;
 pub mod tiles;

@@ -5,13 +5,17 @@ mod stretch;
 #[cfg(test)]
 mod tests;
 
+use std::ops::Range;
+
 use super::{Detector, coarse_grid, strength, telegraph};
 use crate::diagnosis::axis::{AxisState, NoFit};
 use crate::diagnosis::detect::look::{Look, Proposal};
 use crate::diagnosis::explanation::{Candidate, Change};
+use crate::diagnosis::record::runs::runs_of;
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
 use crate::diagnosis::steady::band_events::is_of_excluded;
+use crate::diagnosis::steady::lasting::Lasting;
 use crate::model::burst::KIND;
 use crate::model::{outliers, rounding};
 pub use stretch::{Burst, burst};
@@ -78,7 +82,16 @@ pub fn even(look: &Look<'_>) -> Option<Burst> {
         is_of_excluded(axis, std::slice::from_ref(range))
             || even::p_value(&seen, range) < look.level()
     };
-    (!is_law && !rests && !remains && !of_band()).then_some(burst)
+    (!is_law && !rests && !remains && !of_band() && !lasts(look, range)).then_some(burst)
+}
+
+/// Whether a stretch is as loud as noise whose strength lasts is anyway.
+fn lasts(look: &Look<'_>, range: &Range<usize>) -> bool {
+    let axis = look.axis;
+    let values = axis.residual.values();
+    let is_there = |n: usize| axis.usable(n) && !range.contains(&n) && values[n].is_finite();
+    let quiet = runs_of(values.len(), is_there);
+    Lasting::of(&values, &quiet, 0.0).is_some_and(|law| law.foretells(&values, range, look.level()))
 }
 
 /// A burst, or what is left of one that is known: noise that is switched behind the converter's filter leaves

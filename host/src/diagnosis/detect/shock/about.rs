@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use super::prediction::Prediction;
 use crate::diagnosis::record::bridge::block_means;
+use crate::diagnosis::steady::prediction::Prediction;
 use crate::model::random::{Gaussian, Generator, Seed};
 use crate::model::shock::Shock;
 

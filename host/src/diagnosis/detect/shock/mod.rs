@@ -11,11 +11,8 @@ mod event;
 mod fit;
 mod happened;
 mod moved;
-mod prediction;
-mod runs;
 mod scan;
 mod simplex;
-mod tails;
 #[cfg(test)]
 mod tests;
 mod usual;
@@ -27,10 +24,11 @@ use super::Detector;
 use crate::diagnosis::axis::NoFit;
 use crate::diagnosis::detect::look::{Look, Proposal};
 use crate::diagnosis::explanation::Candidate;
+use crate::diagnosis::record::runs::without;
+use crate::diagnosis::steady::lasting::Lasting;
 use crate::model::{motion, shock};
 use event::{Event, What};
 use happened::{Happened, Known};
-use runs::without;
 use scan::{Scan, Stretch, joined};
 
 /// Events of a record, at most: a choice. With more, they come all the time, and the noise is of another law.
@@ -88,13 +86,13 @@ fn found(mut scan: Scan<'_>, look: &Look<'_>) -> Vec<Candidate> {
             .filter(|one| one.z >= least)
             .cloned()
             .collect();
-        events(&scan, &plain)
+        events(&scan, &plain, look.level())
     });
     happened::candidates(look, &scan, all.unwrap_or_default())
 }
 
 /// What happened in some stretches; `None` where they are no events.
-fn events(scan: &Scan<'_>, stretches: &[Stretch]) -> Option<Vec<Happened>> {
+fn events(scan: &Scan<'_>, stretches: &[Stretch], level: f64) -> Option<Vec<Happened>> {
     if stretches.len() > MOST_STRETCHES {
         return None;
     }
@@ -112,6 +110,7 @@ fn events(scan: &Scan<'_>, stretches: &[Stretch]) -> Option<Vec<Happened>> {
             parts.count() > 1 && Event::new(scan, wide, &quiet).is_even(nats)
         });
     let louder: Vec<Stretch> = wider.collect();
+    let lasting = Lasting::of(scan.values(), &quiet, scan.faint());
     let mut events: Vec<Happened> = Vec::new();
     let mut jumps: Vec<f64> = Vec::new();
     for stretch in stretches {
@@ -119,6 +118,12 @@ fn events(scan: &Scan<'_>, stretches: &[Stretch]) -> Option<Vec<Happened>> {
             .iter()
             .any(|wide| wide.samples.contains(&stretch.samples.start))
         {
+            continue;
+        }
+        let foretold = lasting
+            .as_ref()
+            .is_some_and(|law| law.foretells(scan.values(), &stretch.samples, level));
+        if foretold {
             continue;
         }
         match Event::new(scan, stretch, &quiet).what() {

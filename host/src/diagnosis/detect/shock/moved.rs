@@ -78,9 +78,7 @@ impl Moved {
         // Each number costs as by the information criterion of G. Schwarz, Ann. Stat. 6 (1978): a band has three, noise
         // that is louder has one.
         let cost_nats = 0.5 * (3 * bands.len() - 1) as f64 * (even.len() as f64 / 2.0).ln();
-        // A band as wide as an eighth of the rate, half of what is seen at once, is about no frequency.
-        let is_broad = bands.iter().all(|band| band.width_hz > 0.125);
-        if is_broad || is_known && own.best(&data, &noise).1 > gain - cost_nats {
+        if is_known && own.best(&data, &noise).1 > gain - cost_nats {
             return Err(NotMoved::Louder);
         }
         Ok(Self {

@@ -7,11 +7,11 @@ use std::ops::Range;
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use super::runs::{middle, runs_of, without};
-use super::tails::normal_of_log;
 use super::usual::{Height, Usual};
 use super::windows::Windows;
+use crate::diagnosis::record::runs::{middle, runs_of, without};
 use crate::diagnosis::statistic::p_value;
+use crate::diagnosis::statistic::tails::normal_of_log;
 use crate::numeric::order::median;
 
 /// Samples of the shortest window, and the factor between lengths: choices. An event between two lengths keeps

@@ -7,8 +7,8 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::tails::{Rare, narrow, normal_of_log, normal_of_mean, tail};
 use super::windows::{Scratch, Windows};
+use crate::diagnosis::statistic::tails::{Rare, narrow, normal_of_log, normal_of_mean, tail};
 use crate::numeric::order::median;
 
 /// Powers that the usual strength is taken from, at most: a choice. A median of so many at one frequency and
