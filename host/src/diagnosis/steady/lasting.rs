@@ -2,13 +2,16 @@
 //!
 //! The square of each error of prediction is expected to be `h = c_0 + sum_k c_k s_k` of the squares before it, which
 //! the `s_k` average over some times (as in T. Bollerslev, J. Econometrics 31 (1986), with a law of several times).
-//! The weights maximise the likelihood of normal errors, by steps that keep them positive. What is
+//! The weights maximise the likelihood of normal errors. What is
 //! an event in such noise is what is loud beyond what was foretold.
 
 use std::ops::Range;
 
+use nalgebra::{DMatrix, DVector};
+
 use super::prediction::Prediction;
 use crate::diagnosis::statistic::tails::{Rare, normal_of_log, normal_of_mean};
+use crate::fit::likelihood::non_negative;
 use crate::model::random::{Gaussian, Generator, Seed};
 
 /// Samples that strengths are averaged over: choices. What changes within four is the law of single samples, what lasts
@@ -19,8 +22,12 @@ const TIMES: [f64; 3] = [4.0, 32.0, 256.0];
 const BEFORE: usize = 1024;
 
 /// Samples that the weights rest on, at most, and in one piece: choices between time and certainty.
-const SAMPLES: usize = 1 << 16;
+const SAMPLES: usize = 1 << 17;
 const PIECE: usize = 1 << 13;
+
+/// Gain in log-likelihood from which strength lasts: a choice. Steady noise gains as much once in ten thousand records,
+/// and its events are then asked to stand out of little more.
+const LASTS_NATS: f64 = 10.0;
 
 /// Windows of an event that are compared, samples: choices.
 const WINDOWS: [usize; 4] = [1, 8, 64, 512];
@@ -60,10 +67,10 @@ impl Lasting {
             .map(|(squares, averages)| over_foretold(squares, averages, &weights))
             .collect();
         let rare = WINDOWS.map(|len| {
-            let heights = over
-                .iter()
-                .flat_map(|one| one.chunks_exact(len).map(|window| height(window)));
-            Rare::of(heights.collect())
+            let windows = over.iter().flat_map(|one| one.chunks_exact(len));
+            let heights = windows.map(|window| height(window));
+            // Single samples are far off for many a reason: they are held against the normal law.
+            (len > 1).then(|| Rare::of(heights.collect())).flatten()
         });
         let quiet: usize = quiet.iter().map(Range::len).sum();
         Some(Self {
@@ -89,7 +96,15 @@ impl Lasting {
         let all = values[from..samples.end].iter().map(|value| value - level);
         let all: Vec<f64> = all.collect();
         let squares = squares(&self.prediction, &all);
-        let over = over_foretold(&squares, &averages(&squares), &self.weights);
+        // What is added to noise of another kind lasts by more when it is at its loudest.
+        let over = squares
+            .iter()
+            .zip(averages(&squares))
+            .map(|(square, averages)| {
+                let just_before = averages.into_iter().fold(0.0, f64::max);
+                square / foretold(&self.weights, &averages).max(just_before)
+            });
+        let over: Vec<f64> = over.collect();
         let own = &over[samples.start - from..];
         let mut windows = WINDOWS.iter().zip(&self.rare);
         windows.all(|(&len, rare)| {
@@ -168,28 +183,30 @@ fn height(squares: &[f64]) -> f64 {
     normal_of_mean(squares.iter().sum::<f64>() / count, 2.0 / (9.0 * count))
 }
 
-/// The weights of the largest likelihood: each step multiplies a weight by the root of how much more of the squares there
-/// is at its times than was foretold, by which the likelihood never falls (C. Fevotte, N. Bertin, J.-L. Durrieu, Neural
-/// Comput. 21 (2009) 793, for their beta of zero).
+/// The weights of the largest likelihood, by Fisher's scoring under `>= 0`.
 fn fitted<'a, I>(seen: impl Fn() -> I) -> Weights
 where
     I: Iterator<Item = (f64, &'a Averages)>,
 {
-    /// Steps after which a weight moves by less than it is known to: a choice.
-    const STEPS: usize = 40;
+    /// Steps, each halfway to what the last weights call for: a thousandth of the first error is left.
+    const STEPS: usize = 10;
+    const SIZE: usize = 1 + TIMES.len();
     let mut weights = [0.7, 0.1, 0.1, 0.1];
     for _ in 0..STEPS {
-        let (mut more, mut less) = ([0.0; 4], [0.0; 4]);
+        let (mut gram, mut right) = (DMatrix::zeros(SIZE, SIZE), DVector::zeros(SIZE));
         for (square, averages) in seen() {
             let h = foretold(&weights, averages);
-            let parts = std::iter::once(1.0).chain(averages.iter().copied());
-            for ((more, less), part) in more.iter_mut().zip(&mut less).zip(parts) {
-                *more += part * square / (h * h);
-                *less += part / h;
+            let part = |i: usize| if i == 0 { 1.0 } else { averages[i - 1] } / h;
+            for i in 0..SIZE {
+                right[i] += part(i) * square / h;
+                for j in 0..SIZE {
+                    gram[(i, j)] += part(i) * part(j);
+                }
             }
         }
-        for ((weight, more), less) in weights.iter_mut().zip(more).zip(less) {
-            *weight *= (more / less).sqrt();
+        let best = non_negative::solve(&gram, &right);
+        for (weight, best) in weights.iter_mut().zip(best.iter()) {
+            *weight = 0.5 * (*weight + best);
         }
     }
     weights
@@ -213,8 +230,7 @@ where
     let gain = score + 0.5 * count * (mean.ln() + 1.0);
     // Squares of a law with long tails scatter by more than by 2 times their mean squared.
     let scatter = (0.5 * (fourth / count / (mean * mean) - 1.0)).max(1.0);
-    // As by the information criterion of G. Schwarz, Ann. Stat. 6 (1978).
-    gain > scatter * 0.5 * TIMES.len() as f64 * f64::ln(count)
+    gain > scatter * LASTS_NATS
 }
 
 #[cfg(test)]
