@@ -57,8 +57,8 @@ impl Lasting {
             let pairs = squares.iter().zip(&averages);
             pairs.flat_map(|(squares, averages)| squares.iter().copied().zip(averages.iter()))
         };
-        let weights = fitted(&seen);
-        if !lasts(&seen, &weights) {
+        let weights = fitted(seen);
+        if !lasts(seen, &weights) {
             return None;
         }
         let over: Vec<Vec<f64>> = squares
@@ -68,7 +68,7 @@ impl Lasting {
             .collect();
         let rare = WINDOWS.map(|len| {
             let windows = over.iter().flat_map(|one| one.chunks_exact(len));
-            let heights = windows.map(|window| height(window));
+            let heights = windows.map(height);
             // Single samples are far off for many a reason: they are held against the normal law.
             (len > 1).then(|| Rare::of(heights.collect())).flatten()
         });
