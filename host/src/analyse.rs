@@ -2,10 +2,8 @@
 //!
 //! The result is what `--json` writes (schema 1). Absent knowledge is `None`, `null` in JSON.
 
-use std::panic::resume_unwind;
-use std::thread::{self, ScopedJoinHandle};
-
 use inm_allan::Statistic;
+use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 use serde::Serialize;
 
 use crate::bins::point::{self, Point};
@@ -200,17 +198,10 @@ pub fn analyse(
 /// The result for what a record holds so far; a live view asks for it again and again.
 pub fn summarise(signal: &Signal, record: &Record, options: &AnalysisOptions) -> Analysis {
     let account = record.account();
-    let axes = signal.axes.iter().zip(record.axes());
-    let analyse = |(axis, record)| analyse_axis(signal.rate_hz, axis, record, options);
-    // Each axis on a thread of its own.
-    let axes = thread::scope(|scope| {
-        let started: Vec<_> = axes
-            .map(|axis| scope.spawn(move || analyse(axis)))
-            .collect();
-        let joined = started.into_iter().map(ScopedJoinHandle::join);
-        let axes = joined.map(|one| one.unwrap_or_else(|panic| resume_unwind(panic)));
-        axes.collect()
-    });
+    // As many at once as there are processors: what a fit needs in between is some megabytes.
+    let axes = signal.axes.par_iter().zip(record.axes());
+    let axes = axes.map(|(axis, record)| analyse_axis(signal.rate_hz, axis, record, options));
+    let axes = axes.collect();
     Analysis {
         schema: SCHEMA,
         source: summary(signal, account),

@@ -34,6 +34,7 @@ mod live;
 mod model;
 mod navigate;
 mod numeric;
+mod plain;
 mod report;
 mod signal;
 mod simulate;

@@ -11,12 +11,13 @@ use crate::model::file::ModelError;
 use crate::model::published::DURATION_S;
 use crate::model::whole::{Model, SCHEMA};
 use crate::model::{Coefficient, PerCoefficient};
+use crate::plain::on_a_line;
 use crate::signal::Unit;
 
 /// A model and what is known about it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Input {
-    /// Where it comes from, for people.
+    /// Where it comes from, for people, on one line.
     pub name: String,
     /// The model. A coefficient that the analysis did not resolve from zero is zero.
     pub model: Model,
@@ -76,7 +77,7 @@ impl Input {
         }
         let model = Model::open(name)?;
         Ok(Self {
-            name: name.to_owned(),
+            name: on_a_line(name).into_owned(),
             bounds: vec![PerCoefficient::default(); model.axes.len()],
             model,
             longest_s,
@@ -150,7 +151,7 @@ impl Input {
         };
         model.check()?;
         Ok(Self {
-            name: name.to_owned(),
+            name: on_a_line(name).into_owned(),
             model,
             bounds,
             longest_s: analysis.source.duration_s / 2.0,

@@ -8,6 +8,7 @@ use crate::analyse::{
     Analysis, AxisAnalysis, CurvePoint, LikelihoodValue, PublishedValue, SourceSummary,
 };
 use crate::model::Coefficient;
+use crate::plain::on_a_line;
 
 /// Rows of the Allan table at most; JSON and HTML have every point.
 const MOST_ROWS: usize = 24;
@@ -37,7 +38,7 @@ pub(super) fn head(text: &mut String, source: &SourceSummary) -> std::fmt::Resul
     writeln!(
         text,
         "{}: {} samples an axis at {}/s, {}",
-        source.file,
+        on_a_line(&source.file),
         grouped(source.samples),
         plain(source.rate_hz),
         duration(source.duration_s),

@@ -8,7 +8,7 @@ use super::options::ArrayOptions;
 use super::stamps::{self, Stamps};
 use super::table::Table;
 use super::{Block, Chunk, Column, Gap, Source, SourceError, Values, columns};
-use crate::signal::Signal;
+use crate::signal::{LARGEST, POSSIBLE_RATE, POSSIBLE_RATE_HZ, Signal};
 
 /// Rows read at a time: some hundred kilobytes, whatever the length of the file.
 const ROWS: usize = 8192;
@@ -89,6 +89,7 @@ impl ArraySource {
             Some(columns) => columns,
             None => self.table.read(ROWS)?,
         };
+        self.check_sizes(&columns)?;
         let read = columns.first().map_or(0, Values::len) as u64;
         // A file that is still written to has more rows by now than were placed.
         let placed = self.stamps.as_ref().map_or(u64::MAX, |stamps| stamps.rows);
@@ -106,6 +107,28 @@ impl ArraySource {
             last = index;
         }
         Ok(last < self.part.end)
+    }
+
+    /// Refuses numbers whose squares would overflow: no quantity is as large, and one of them among
+    /// others would hide them all.
+    fn check_sizes(&self, columns: &[Values]) -> Result<(), SourceError> {
+        for (axis, values) in self.signal.axes.iter().zip(columns) {
+            let Values::Floats(floats) = values else {
+                continue;
+            };
+            let too_large = |value: &f64| value.is_finite() && value.abs() > LARGEST;
+            if let Some(at) = floats.iter().position(|value| too_large(value)) {
+                return Err(SourceError {
+                    place: self.table.place(self.row + at as u64),
+                    message: format!(
+                        "{:e} in column {}; expected numbers up to {LARGEST:e}",
+                        floats[at], axis.name
+                    ),
+                    remedy: "correct the cell, or mark the sample as missing (nan)".into(),
+                });
+            }
+        }
+        Ok(())
     }
 
     /// The parts of `rows` without a gap within, each with the index of its first.
@@ -191,10 +214,10 @@ fn rate(name: &str, options: &ArrayOptions) -> Result<f64, SourceError> {
         remedy: remedy.to_owned(),
     };
     match options.rate_hz {
-        Some(rate_hz) if rate_hz.is_finite() && rate_hz > 0.0 => Ok(rate_hz),
+        Some(rate_hz) if POSSIBLE_RATE_HZ.contains(&rate_hz) => Ok(rate_hz),
         Some(rate_hz) => Err(bad(
-            format!("a rate of {rate_hz} samples a second"),
-            "--rate takes a number above zero",
+            format!("a rate of {rate_hz:?} samples a second; expected {POSSIBLE_RATE}"),
+            "give --rate HZ as it is",
         )),
         None => Err(bad(
             "the file does not say how fast it was sampled".into(),
