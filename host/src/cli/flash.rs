@@ -33,8 +33,10 @@ impl FlashCommand {
     pub fn run(self) -> anyhow::Result<()> {
         let image = Image::read(&self.image)?;
         say(&format!(
-            "{}: {} bytes in {} segments from {FLASH_ORIGIN:#010x} for {CHIP}\n",
+            "{}: firmware {} of revision {}, {} bytes in {} segments from {FLASH_ORIGIN:#010x} for {CHIP}\n",
             self.image.display(),
+            image.version,
+            image.revision,
             image.len(),
             image.segments.len()
         ))?;
