@@ -66,6 +66,8 @@ pub struct SourceSummary {
     pub lost_samples: u64,
     /// Gaps in all axes.
     pub gaps: Vec<GapSummary>,
+    /// What does not count of one axis alone, for each axis that has any.
+    pub unusable: Vec<UnusableSummary>,
     /// What else was noticed while reading, in words, oldest first.
     pub news: Vec<String>,
     /// Signal chain of the first axis.
@@ -83,6 +85,21 @@ pub struct GapSummary {
     pub samples: Option<u64>,
     /// Why, in words.
     pub cause: String,
+}
+
+/// Samples of one axis alone that do not count: no numbers, infinite, clipped or torn.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct UnusableSummary {
+    /// Name of the axis.
+    pub axis: String,
+    /// How many.
+    pub samples: u64,
+    /// Stretches that they lie in.
+    pub stretches: u64,
+    /// Time of the first since the start, seconds.
+    pub first_s: f64,
+    /// Length of the longest stretch, seconds.
+    pub longest_s: f64,
 }
 
 /// One axis.
@@ -170,7 +187,7 @@ pub struct SpectrumPoint {
 /// Reads `source` to its end and analyses it. `progress` is called with the samples read so far.
 ///
 /// # Errors
-/// Whatever ends the source early.
+/// Whatever ends the source early; no sample that counts.
 ///
 /// ```
 /// use inm_host::{AnalysisOptions, Model, analyse, simulate};
@@ -192,6 +209,16 @@ pub fn analyse(
 ) -> Result<Analysis, SourceError> {
     let signal = source.signal().clone();
     let record = read(source, options.overlap, progress)?;
+    if record.axes().iter().all(|axis| axis.count() == 0) {
+        return Err(SourceError {
+            place: signal.name,
+            message: format!(
+                "none of the {} samples counts: all of them are missing (nan) or unusable",
+                record.account().samples
+            ),
+            remedy: "check the file, and which columns are axes".into(),
+        });
+    }
     Ok(summarise(&signal, &record, options))
 }
 
@@ -231,6 +258,7 @@ pub fn summary(signal: &Signal, account: &Account) -> SourceSummary {
                 }
             })
             .collect(),
+        unusable: unusable(signal, account),
         news: account.news.clone(),
         chain: signal
             .axes
@@ -238,6 +266,19 @@ pub fn summary(signal: &Signal, account: &Account) -> SourceSummary {
             .and_then(|axis| axis.chain.as_ref())
             .map(ToString::to_string),
     }
+}
+
+fn unusable(signal: &Signal, account: &Account) -> Vec<UnusableSummary> {
+    let axes = signal.axes.iter().zip(&account.unusable);
+    axes.filter(|(_, one)| one.samples > 0)
+        .map(|(axis, one)| UnusableSummary {
+            axis: axis.name.clone(),
+            samples: one.samples,
+            stretches: one.stretches,
+            first_s: one.first as f64 / signal.rate_hz,
+            longest_s: one.longest as f64 / signal.rate_hz,
+        })
+        .collect()
 }
 
 fn analyse_axis(

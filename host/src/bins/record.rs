@@ -5,6 +5,7 @@ use inm_allan::{BlockEstimate, Estimate, Statistic};
 use super::bridge::Bridge;
 use super::full::Segments;
 use super::strided::Strided;
+use super::unusable::Unusable;
 use crate::source::{Chunk, Column, Gap, Values};
 use crate::spectrum::{Cascade, Plan};
 
@@ -28,6 +29,8 @@ pub struct Account {
     pub lost: u64,
     /// Gaps in all axes.
     pub gaps: Vec<Gap>,
+    /// What does not count of one axis alone, axis by axis; empty before the first block.
+    pub unusable: Vec<Unusable>,
     /// News on the way, in words.
     pub news: Vec<String>,
 }
@@ -116,6 +119,7 @@ impl Record {
                 };
                 self.next = Some(block.end());
                 self.account.samples += block.len() as u64;
+                Unusable::enter(&mut self.account.unusable, &block);
                 (missing, block.columns)
             }
             Chunk::Gap(gap) => {

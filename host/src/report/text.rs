@@ -6,6 +6,7 @@ use super::number::{duration, grouped, plain, significant};
 use super::verdict;
 use crate::analyse::{
     Analysis, AxisAnalysis, CurvePoint, LikelihoodValue, PublishedValue, SourceSummary,
+    UnusableSummary,
 };
 use crate::model::Coefficient;
 use crate::plain::on_a_line;
@@ -54,8 +55,12 @@ pub(super) fn head(text: &mut String, source: &SourceSummary) -> std::fmt::Resul
 }
 
 fn gaps(text: &mut String, source: &SourceSummary) -> std::fmt::Result {
-    if source.gaps.is_empty() {
+    if source.gaps.is_empty() && source.unusable.is_empty() {
         return writeln!(text, "No gaps.");
+    }
+    if source.gaps.is_empty() {
+        writeln!(text, "No gaps that all axes share.")?;
+        return unusable(text, source);
     }
     writeln!(
         text,
@@ -80,7 +85,30 @@ fn gaps(text: &mut String, source: &SourceSummary) -> std::fmt::Result {
     if source.gaps.len() > MOST_GAPS {
         writeln!(text, "  and {} more", source.gaps.len() - MOST_GAPS)?;
     }
+    unusable(text, source)
+}
+
+/// What is missing of single axes.
+fn unusable(text: &mut String, source: &SourceSummary) -> std::fmt::Result {
+    for one in &source.unusable {
+        writeln!(text, "  {}", unusable_words(one))?;
+    }
     Ok(())
+}
+
+/// What is missing of one axis alone, in words.
+pub(super) fn unusable_words(one: &UnusableSummary) -> String {
+    let stretches = match one.stretches {
+        1 => "a stretch".to_owned(),
+        many => format!("{} stretches", grouped(many)),
+    };
+    format!(
+        "axis {} alone: {} samples in {stretches} do not count, the first at {} s, at most {} s on end",
+        one.axis,
+        grouped(one.samples),
+        significant(one.first_s, 6),
+        significant(one.longest_s, 3)
+    )
 }
 
 fn coefficients(text: &mut String, axis: &AxisAnalysis) -> std::fmt::Result {

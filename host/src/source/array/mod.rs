@@ -31,6 +31,8 @@ pub struct ArraySource {
     /// Index that the next sample should have; `None` before the first.
     expected: Option<u64>,
     ready: VecDeque<Chunk>,
+    /// Infinite numbers among the samples so far, and where the first one stands.
+    infinite: (u64, Option<String>),
 }
 
 impl ArraySource {
@@ -80,6 +82,7 @@ impl ArraySource {
             part,
             expected: None,
             ready: notes.into_iter().map(Chunk::News).collect(),
+            infinite: (0, None),
         })
     }
 
@@ -89,7 +92,7 @@ impl ArraySource {
             Some(columns) => columns,
             None => self.table.read(ROWS)?,
         };
-        self.check_sizes(&columns)?;
+        self.look(&columns)?;
         let read = columns.first().map_or(0, Values::len) as u64;
         // A file that is still written to has more rows by now than were placed.
         let placed = self.stamps.as_ref().map_or(u64::MAX, |stamps| stamps.rows);
@@ -97,6 +100,8 @@ impl ArraySource {
         if rows.is_empty() {
             let notes = self.table.notes().into_iter().map(Chunk::News);
             self.ready.extend(notes);
+            let infinite = self.infinite_words().map(Chunk::News);
+            self.ready.extend(infinite);
             return Ok(false);
         }
         self.row = rows.end;
@@ -109,13 +114,23 @@ impl ArraySource {
         Ok(last < self.part.end)
     }
 
-    /// Refuses numbers whose squares would overflow: no quantity is as large, and one of them among
-    /// others would hide them all.
-    fn check_sizes(&self, columns: &[Values]) -> Result<(), SourceError> {
+    /// Counts infinite numbers, and refuses those whose squares would overflow: no quantity is as
+    /// large, and one of them among others would hide them all.
+    fn look(&mut self, columns: &[Values]) -> Result<(), SourceError> {
         for (axis, values) in self.signal.axes.iter().zip(columns) {
             let Values::Floats(floats) = values else {
                 continue;
             };
+            let infinite = |value: &f64| value.is_infinite();
+            if let Some(at) = floats.iter().position(infinite) {
+                self.infinite.0 +=
+                    floats[at..].iter().filter(|value| infinite(value)).count() as u64;
+                let place = || {
+                    let place = self.table.place(self.row + at as u64);
+                    format!("{place}, column {}", axis.name)
+                };
+                self.infinite.1.get_or_insert_with(place);
+            }
             let too_large = |value: &f64| value.is_finite() && value.abs() > LARGEST;
             if let Some(at) = floats.iter().position(|value| too_large(value)) {
                 return Err(SourceError {
@@ -129,6 +144,13 @@ impl ArraySource {
             }
         }
         Ok(())
+    }
+
+    /// What there is to say of infinite numbers at the end, if there were any.
+    fn infinite_words(&mut self) -> Option<String> {
+        let (count, first) = std::mem::take(&mut self.infinite);
+        first
+            .map(|first| format!("{count} infinite numbers count as missing, the first in {first}"))
     }
 
     /// The parts of `rows` without a gap within, each with the index of its first.
