@@ -56,6 +56,9 @@ pub struct SourceSummary {
     pub file: String,
     /// Samples a second.
     pub rate_hz: f64,
+    /// Samples a second by the stamps of the board that recorded; `None` for other records, and for
+    /// less than a second.
+    pub measured_rate_hz: Option<f64>,
     /// Unit of the first axis.
     pub unit: Option<Unit>,
     /// Samples an axis that arrived.
@@ -241,6 +244,7 @@ pub fn summary(signal: &Signal, account: &Account) -> SourceSummary {
     SourceSummary {
         file: signal.name.clone(),
         rate_hz: signal.rate_hz,
+        measured_rate_hz: account.measured_rate_hz,
         unit: signal.axes.first().map(|axis| axis.unit),
         samples: account.samples,
         duration_s: (account.samples + account.lost) as f64 / signal.rate_hz,

@@ -48,6 +48,8 @@ pub struct Assembler {
     seq: Option<u32>,
     /// The present stream.
     line: Option<Line>,
+    /// Conversions and ticks of the longest stream so far.
+    longest: (u64, u64),
     /// Index that should come next, offset included.
     next: Option<u64>,
     /// By axis: samples before this index follow a clipped word.
@@ -75,6 +77,10 @@ impl Assembler {
             Some(line) => line.extend(batch),
             None => self.line = Some(Line::new(batch)),
         }
+        let length = self.line.as_ref().map_or((0, 0), Line::length);
+        if length.1 > self.longest.1 {
+            self.longest = length;
+        }
         self.seq = Some(batch.seq);
         self.next = Some(first + batch.codes.len() as u64);
         self.append(first, batch);
@@ -82,6 +88,11 @@ impl Assembler {
         if self.block.as_ref().is_some_and(long) {
             self.hand_on(HELD);
         }
+    }
+
+    /// Conversions and ticks from the first batch to the last of the longest stream.
+    pub fn longest_line(&self) -> (u64, u64) {
+        self.longest
     }
 
     /// Index of a batch in the record, once the gap ahead of it is told.

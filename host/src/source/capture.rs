@@ -82,10 +82,12 @@ impl CaptureSource {
         let reader = Reader::new(Input(input), name)?;
         let signal = reader.header().signal(name)?;
         let buf = vec![0; BUFFER];
+        let mut frames = Frames::default();
+        frames.begin(reader.header().board.clock);
         Ok(Self {
             reader,
             signal,
-            frames: Frames::default(),
+            frames,
             buf,
             ended: false,
             pace: None,
@@ -173,6 +175,10 @@ impl Source for CaptureSource {
 
     fn proof(&self) -> Option<Proof> {
         Some(self.frames.proof())
+    }
+
+    fn measured_rate_hz(&self) -> Option<f64> {
+        self.frames.measured_rate_hz(self.header().board.timer_hz)
     }
 
     fn next_chunk(&mut self) -> Result<Option<Chunk>, SourceError> {
