@@ -82,7 +82,7 @@ impl BoardSource {
     ) -> Result<Self, SourceError> {
         let mut client = {
             let port = open_to_record(connect.as_mut())?;
-            Client::new(port, connect.name(), plan.patience)
+            Client::new(port, connect.name(), plan.patience).by(connect.clock())
         };
         let Begun {
             identity,
@@ -96,6 +96,7 @@ impl BoardSource {
             let _ = client.tell(Request::Stop);
         })?;
 
+        let heard_at = client.now();
         let name = connect.name();
         let signal = header.signal(Path::new(&name))?;
         Ok(Self {
@@ -110,7 +111,7 @@ impl BoardSource {
             stop,
             ended: false,
             search: None,
-            heard: (0, Instant::now()),
+            heard: (0, heard_at),
             asked: None,
             failure: None,
         })
