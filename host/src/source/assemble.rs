@@ -48,7 +48,9 @@ pub struct Assembler {
     seq: Option<u32>,
     /// The present stream.
     line: Option<Line>,
-    /// Conversions and ticks of the longest stream so far.
+    /// First index and stamp of the present stretch without a gap, in the board's own count.
+    begun: (u64, u64),
+    /// Conversions and ticks of the longest such stretch so far.
     longest: (u64, u64),
     /// Index that should come next, offset included.
     next: Option<u64>,
@@ -72,14 +74,11 @@ impl Assembler {
     /// Takes the next batch that arrived intact.
     pub fn push(&mut self, batch: &Batch) {
         let first = self.place(batch);
+        self.measure(batch, self.next == Some(first));
         self.cause = None;
         match &mut self.line {
             Some(line) => line.extend(batch),
             None => self.line = Some(Line::new(batch)),
-        }
-        let length = self.line.as_ref().map_or((0, 0), Line::length);
-        if length.1 > self.longest.1 {
-            self.longest = length;
         }
         self.seq = Some(batch.seq);
         self.next = Some(first + batch.codes.len() as u64);
@@ -90,9 +89,20 @@ impl Assembler {
         }
     }
 
-    /// Conversions and ticks from the first batch to the last of the longest stream.
-    pub fn longest_line(&self) -> (u64, u64) {
+    /// Conversions and ticks from the first batch to the last of the longest stretch without a gap: over
+    /// one, converters may have been synchronised anew.
+    pub fn longest_stretch(&self) -> (u64, u64) {
         self.longest
+    }
+
+    fn measure(&mut self, batch: &Batch, goes_on: bool) {
+        if !goes_on {
+            self.begun = (batch.first, batch.stamp);
+        }
+        let ticks = batch.stamp.saturating_sub(self.begun.1);
+        if ticks > self.longest.1 {
+            self.longest = (batch.first.saturating_sub(self.begun.0), ticks);
+        }
     }
 
     /// Index of a batch in the record, once the gap ahead of it is told.

@@ -58,10 +58,10 @@ impl Frames {
         }
     }
 
-    /// Conversions a second by the stamps of the longest stream, whose timer has `timer_hz` ticks a
+    /// Conversions a second by the stamps of the longest stretch without a gap, whose timer has `timer_hz` ticks a
     /// second; `None` where it is shorter than a second.
     pub fn measured_rate_hz(&self, timer_hz: u32) -> Option<f64> {
-        let (conversions, ticks) = self.assembler.longest_line();
+        let (conversions, ticks) = self.assembler.longest_stretch();
         (ticks >= u64::from(timer_hz))
             .then(|| conversions as f64 / ticks as f64 * f64::from(timer_hz))
     }

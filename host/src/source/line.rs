@@ -44,14 +44,6 @@ impl Line {
         self.ends = false;
     }
 
-    /// Conversions and ticks from its first batch to its last.
-    pub fn length(&self) -> (u64, u64) {
-        (
-            self.to.0.saturating_sub(self.from.0),
-            self.to.1.saturating_sub(self.from.1),
-        )
-    }
-
     /// What comes next may be of another stream.
     pub fn announce(&mut self) {
         self.ends = true;
