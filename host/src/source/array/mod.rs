@@ -132,7 +132,7 @@ impl ArraySource {
                 self.infinite.1.get_or_insert_with(place);
             }
             let too_large = |value: &f64| value.is_finite() && value.abs() > LARGEST;
-            if let Some(at) = floats.iter().position(|value| too_large(value)) {
+            if let Some(at) = floats.iter().position(too_large) {
                 return Err(SourceError {
                     place: self.table.place(self.row + at as u64),
                     message: format!(
