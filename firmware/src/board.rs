@@ -154,7 +154,7 @@ pub fn start(bins: &'static mut ProofBins) -> (Machine<Attached>, [Axis; 3], PB0
     let analog = Analog::start(chip.ADC1, c.pc0.into_analog(), Delay { timer_hz }, &mut rcc);
 
     let machine = Machine {
-        board: describe("stm32f405", serial_number(), timer_hz, reason),
+        board: describe(serial_number(), timer_hz, reason),
         sensors: Attached { self_test, analog },
         link,
         bins,

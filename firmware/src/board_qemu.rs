@@ -114,7 +114,7 @@ pub fn start(
     start_pacemaker(chip.TIM3, divider);
 
     let machine = Machine {
-        board: describe("qemu", [0; 3], TIMER_HZ, restart::reason(false)),
+        board: describe([0; 3], TIMER_HZ, restart::reason(false)),
         sensors: Emulated {
             bench,
             allowed_ps: 0,

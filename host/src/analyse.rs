@@ -2,10 +2,8 @@
 //!
 //! The result is what `--json` writes (schema 1). Absent knowledge is `None`, `null` in JSON.
 
-use std::panic::resume_unwind;
-use std::thread::{self, ScopedJoinHandle};
-
 use inm_allan::Statistic;
+use rayon::iter::{IndexedParallelIterator, IntoParallelRefIterator, ParallelIterator};
 use serde::Serialize;
 
 use crate::bins::point::{self, Point};
@@ -58,6 +56,9 @@ pub struct SourceSummary {
     pub file: String,
     /// Samples a second.
     pub rate_hz: f64,
+    /// Samples a second by the stamps of the board that recorded; `None` for other records, and for
+    /// less than a second.
+    pub measured_rate_hz: Option<f64>,
     /// Unit of the first axis.
     pub unit: Option<Unit>,
     /// Samples an axis that arrived.
@@ -68,6 +69,8 @@ pub struct SourceSummary {
     pub lost_samples: u64,
     /// Gaps in all axes.
     pub gaps: Vec<GapSummary>,
+    /// What does not count of one axis alone, for each axis that has any.
+    pub unusable: Vec<UnusableSummary>,
     /// What else was noticed while reading, in words, oldest first.
     pub news: Vec<String>,
     /// Signal chain of the first axis.
@@ -85,6 +88,21 @@ pub struct GapSummary {
     pub samples: Option<u64>,
     /// Why, in words.
     pub cause: String,
+}
+
+/// Samples of one axis alone that do not count: no numbers, infinite, clipped or torn.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct UnusableSummary {
+    /// Name of the axis.
+    pub axis: String,
+    /// How many.
+    pub samples: u64,
+    /// Stretches that they lie in.
+    pub stretches: u64,
+    /// Time of the first since the start, seconds.
+    pub first_s: f64,
+    /// Length of the longest stretch, seconds.
+    pub longest_s: f64,
 }
 
 /// One axis.
@@ -172,7 +190,7 @@ pub struct SpectrumPoint {
 /// Reads `source` to its end and analyses it. `progress` is called with the samples read so far.
 ///
 /// # Errors
-/// Whatever ends the source early.
+/// Whatever ends the source early; no sample that counts.
 ///
 /// ```
 /// use inm_host::{AnalysisOptions, Model, analyse, simulate};
@@ -194,23 +212,26 @@ pub fn analyse(
 ) -> Result<Analysis, SourceError> {
     let signal = source.signal().clone();
     let record = read(source, options.overlap, progress)?;
+    if record.axes().iter().all(|axis| axis.count() == 0) {
+        return Err(SourceError {
+            place: signal.name,
+            message: format!(
+                "none of the {} samples counts: all of them are missing (nan) or unusable",
+                record.account().samples
+            ),
+            remedy: "check the file, and which columns are axes".into(),
+        });
+    }
     Ok(summarise(&signal, &record, options))
 }
 
 /// The result for what a record holds so far; a live view asks for it again and again.
 pub fn summarise(signal: &Signal, record: &Record, options: &AnalysisOptions) -> Analysis {
     let account = record.account();
-    let axes = signal.axes.iter().zip(record.axes());
-    let analyse = |(axis, record)| analyse_axis(signal.rate_hz, axis, record, options);
-    // Each axis on a thread of its own.
-    let axes = thread::scope(|scope| {
-        let started: Vec<_> = axes
-            .map(|axis| scope.spawn(move || analyse(axis)))
-            .collect();
-        let joined = started.into_iter().map(ScopedJoinHandle::join);
-        let axes = joined.map(|one| one.unwrap_or_else(|panic| resume_unwind(panic)));
-        axes.collect()
-    });
+    // As many at once as there are processors: what a fit needs in between is some megabytes.
+    let axes = signal.axes.par_iter().zip(record.axes());
+    let axes = axes.map(|(axis, record)| analyse_axis(signal.rate_hz, axis, record, options));
+    let axes = axes.collect();
     Analysis {
         schema: SCHEMA,
         source: summary(signal, account),
@@ -223,6 +244,7 @@ pub fn summary(signal: &Signal, account: &Account) -> SourceSummary {
     SourceSummary {
         file: signal.name.clone(),
         rate_hz: signal.rate_hz,
+        measured_rate_hz: account.measured_rate_hz,
         unit: signal.axes.first().map(|axis| axis.unit),
         samples: account.samples,
         duration_s: (account.samples + account.lost) as f64 / signal.rate_hz,
@@ -240,6 +262,7 @@ pub fn summary(signal: &Signal, account: &Account) -> SourceSummary {
                 }
             })
             .collect(),
+        unusable: unusable(signal, account),
         news: account.news.clone(),
         chain: signal
             .axes
@@ -247,6 +270,19 @@ pub fn summary(signal: &Signal, account: &Account) -> SourceSummary {
             .and_then(|axis| axis.chain.as_ref())
             .map(ToString::to_string),
     }
+}
+
+fn unusable(signal: &Signal, account: &Account) -> Vec<UnusableSummary> {
+    let axes = signal.axes.iter().zip(&account.unusable);
+    axes.filter(|(_, one)| one.samples > 0)
+        .map(|(axis, one)| UnusableSummary {
+            axis: axis.name.clone(),
+            samples: one.samples,
+            stretches: one.stretches,
+            first_s: one.first as f64 / signal.rate_hz,
+            longest_s: one.longest as f64 / signal.rate_hz,
+        })
+        .collect()
 }
 
 fn analyse_axis(

@@ -22,7 +22,9 @@ pub mod bins {
 }
 
 pub mod capture {
-    pub use crate::capture::Reader;
+    pub use crate::capture::{
+        CaptureError, ClockSource, Durable, Header, Reader, RegistersOf, SYNC_PERIOD, Writer,
+    };
 }
 
 pub mod export {

@@ -34,6 +34,7 @@ mod live;
 mod model;
 mod navigate;
 mod numeric;
+mod plain;
 mod report;
 mod signal;
 mod simulate;
@@ -43,8 +44,8 @@ mod virtual_board;
 
 pub use analyse::{
     Analysis, AnalysisOptions, AxisAnalysis, CurvePoint, Fits, GapSummary, LikelihoodFit,
-    LikelihoodValue, Overlap, PublishedValue, SourceSummary, SpectrumPoint, WeightedValue, analyse,
-    summarise,
+    LikelihoodValue, Overlap, PublishedValue, SourceSummary, SpectrumPoint, UnusableSummary,
+    WeightedValue, analyse, summarise,
 };
 pub use bins::{record::Record, taus::Taus};
 pub use chain::Chain;

@@ -1,6 +1,23 @@
 //! What a record is a record of: rate, axes, units, signal chain.
 
+use std::ops::RangeInclusive;
+
 use crate::chain::Chain;
+
+/// Rates that a record or a model may have, samples a second: from one a day to a billion. Sensors of
+/// motion have 10 to 100 000; what is far outside is a wrong field, and overflows in squares.
+pub const POSSIBLE_RATE_HZ: RangeInclusive<f64> = 1e-5..=1e9;
+
+/// [`POSSIBLE_RATE_HZ`] in words.
+pub const POSSIBLE_RATE: &str = "a number from 1e-5 to 1e9";
+
+/// Units a count, without the sign: the board's are 3.7e-8 m/s^2, a count of 1 in any unit that there
+/// is lies inside, and their squares do not overflow.
+pub const SCALE: RangeInclusive<f64> = 1e-30..=1e30;
+
+/// Largest number that a sample may be, in the unit of its file: far beyond any quantity, and its
+/// square, summed over any record and scaled by [`SCALE`], still a number.
+pub const LARGEST: f64 = 1e100;
 
 /// Description of a record, known before its first sample.
 #[derive(Debug, Clone, PartialEq)]

@@ -324,3 +324,35 @@ fn an_analysis_is_a_model_too() {
     }
     assert!(bounded > 0, "200 s do not show every ramp");
 }
+
+/// A diagnosis gives a value to what it could not tell from zero, and its export wrote it.
+#[test]
+fn what_a_diagnosis_could_not_tell_from_zero_is_left_out() {
+    let path = "../tests/golden/diagnosis.json";
+    let told = std::fs::read_to_string(path).expect("a diagnosis");
+    let told: Value = serde_json::from_str(&told).expect("JSON");
+    let input = Input::open(path).expect("a diagnosis");
+    let (mut left_out, mut kept) = (0, 0);
+    for (place, axis) in input.model.axes.iter().enumerate() {
+        let last = &told["axes"][place]["final"];
+        for one in Coefficient::ALL {
+            let (coefficient, bound) = (*axis.coefficients.get(one), *input.bounds[place].get(one));
+            let said = &last["coefficients"][one.symbol()];
+            if said["identified"] == true {
+                assert_eq!(said["value"].as_f64(), Some(coefficient), "{one:?}");
+                assert_eq!(bound, None, "{one:?}");
+                kept += 1;
+            } else {
+                assert_eq!(coefficient, 0.0, "{one:?}");
+                assert_eq!(bound, said["upper"].as_f64(), "{one:?}");
+                let fitted = last["model"]["coefficients"][one.symbol()].as_f64();
+                left_out += u32::from(fitted != Some(0.0));
+            }
+        }
+        assert!(!axis.effects.is_empty(), "what was found stays");
+    }
+    assert!(left_out > 0 && kept > 0, "{left_out} left out, {kept} kept");
+    // K would be a random walk among the states.
+    let states = text(&input, Format::StateSpace);
+    assert!(!states.contains("walk"), "{states}");
+}

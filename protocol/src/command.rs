@@ -35,8 +35,8 @@ pub enum Request {
     CalibrateGain,
     /// Drive the sensors' self-test pin and measure the step. Refused while streaming.
     SelfTest,
-    /// Read every register of every converter. Refused while streaming (the health record
-    /// carries the registers then).
+    /// Read every register of every converter; while streaming, tell what the start read back, and
+    /// each that has been read back since.
     ReadRegisters,
     /// Restart the microcontroller, after the reply has left.
     Reset,

@@ -22,6 +22,7 @@ mod command;
 mod decoder;
 mod frame;
 mod health;
+pub mod image;
 mod message;
 mod sample;
 mod settings;

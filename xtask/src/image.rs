@@ -2,10 +2,12 @@
 
 use std::fs;
 use std::path::PathBuf;
+use std::process::Command;
 
 use anyhow::{Context, Result};
 
-use crate::run::{cargo, run, target};
+use crate::mark;
+use crate::run::{cargo, output, root, run, target};
 use crate::tools::TARGET;
 
 /// Profile of the images; link-time optimisation cannot be set for one package.
@@ -50,7 +52,8 @@ impl Image {
 
     /// Builds it and returns its ELF.
     ///
-    /// Cargo gives both images one name, so each is copied to a place of its own.
+    /// Cargo gives both images one name, so each is copied to a place of its own, with revision and
+    /// checksum in its mark.
     ///
     /// # Errors
     /// The build fails, or the copy.
@@ -63,8 +66,27 @@ impl Image {
         let built = target.join(TARGET).join(PROFILE).join(self.program());
         let kept = target.join("image").join(self.name());
         fs::create_dir_all(target.join("image"))?;
-        fs::copy(&built, &kept)
-            .with_context(|| format!("cannot copy {} to {}", built.display(), kept.display()))?;
+        let linked =
+            fs::read(&built).with_context(|| format!("cannot read {}", built.display()))?;
+        let marked = mark::fill_in(linked, &revision())
+            .with_context(|| format!("{} cannot be marked", built.display()))?;
+        fs::write(&kept, marked).with_context(|| format!("cannot write {}", kept.display()))?;
         Ok(kept)
+    }
+}
+
+/// Revision of the source, with `, changed` behind it where files differ from it; `unknown` without git.
+fn revision() -> String {
+    let git = |arguments: &[&str]| {
+        let mut git = Command::new("git");
+        git.current_dir(root()).args(arguments);
+        output(&mut git).ok()
+    };
+    let head = git(&["rev-parse", "--short=12", "HEAD"]);
+    let changes = git(&["status", "--porcelain", "--untracked-files=no"]);
+    match (head, changes) {
+        (Some(head), Some(changes)) if changes.trim().is_empty() => head.trim().to_owned(),
+        (Some(head), _) => format!("{}, changed", head.trim()),
+        (None, _) => "unknown".to_owned(),
     }
 }

@@ -27,6 +27,7 @@ mod instructions;
 #[cfg(test)]
 mod layers;
 mod links;
+mod mark;
 #[cfg(test)]
 mod names;
 mod run;

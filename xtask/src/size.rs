@@ -23,10 +23,16 @@ struct Budget {
 /// The bins of three axes, 16 KiB each at most.
 const BINS: u64 = 3 * 16 * 1024;
 
+/// The board's program.
+const PROGRAM: u64 = 64 * 1024;
+
+/// What an image says of itself (`inm_protocol::image`), and the code that keeps it there.
+const MARK: u64 = 256;
+
 const fn budget(image: Image) -> Budget {
     match image {
         Image::Board => Budget {
-            flash: 64 * 1024,
+            flash: PROGRAM + MARK,
             ram: BINS + 16 * 1024,
         },
         // The emulator's filters and its tables come on top.

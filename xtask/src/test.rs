@@ -46,7 +46,7 @@ fn run_all(stages: &mut Stages) -> Result<()> {
     stages.run("lints", check_on_the_host)?;
     stages.run("tools", || ensure_target().and_then(|()| ensure_qemu()))?;
     stages.run("checks for the board", check_for_the_board)?;
-    stages.run("image of the board", || check_image(Image::Board))?;
+    let board = stages.run("image of the board", || check_image(Image::Board))?;
     let qemu = stages.run("image for QEMU", || check_image(Image::Qemu))?;
     stages.run("instructions", instructions::check)?;
     stages.run("documentation", || {
@@ -56,7 +56,13 @@ fn run_all(stages: &mut Stages) -> Result<()> {
     stages.run("tests", || {
         execute(cargo(&["test", "--workspace"]).env(PROPTEST_VARIABLE, PROPTEST_SEED))
     })?;
+    stages.run("image that `inm flash` takes", || flash_takes(&board))?;
     stages.run("tests under QEMU", || test_image(&qemu))
+}
+
+/// Has `inm flash` look at the image of the board; its own tests know images that are made up.
+fn flash_takes(image: &Path) -> Result<()> {
+    execute(cargo(&["run", "--package", "inm-host", "--", "flash", "--dry-run"]).arg(image))
 }
 
 /// What was run, and how long it took.

@@ -19,6 +19,7 @@ pub mod stack;
 pub mod stamps;
 
 use inm_firmware::Board;
+use inm_protocol::image::{MARK_LEN, mark};
 use inm_protocol::{Restart, SensorRange};
 use stm32f4xx_hal::gpio::PushPull;
 use stm32f4xx_hal::pac::{IWDG, USART1};
@@ -41,15 +42,22 @@ const BAUD: u32 = 921_600;
 /// A loop that hangs this long is restarted, milliseconds; one step takes 1 ms at most.
 const WATCHDOG_MS: u32 = 1000;
 
+/// What the image is built for.
+#[cfg(not(feature = "qemu"))]
+const PLATFORM: &str = inm_protocol::image::BOARD;
+#[cfg(feature = "qemu")]
+const PLATFORM: &str = inm_protocol::image::QEMU;
+
+/// What the image says of itself to `inm flash`.
+#[used]
+static MARK: [u8; MARK_LEN] = mark(PLATFORM, env!("CARGO_PKG_VERSION"));
+
 /// The board's description; both images claim the same analog side.
-pub fn describe(
-    platform: &'static str,
-    serial: [u32; 3],
-    timer_hz: u32,
-    restart: Restart,
-) -> Board {
+pub fn describe(serial: [u32; 3], timer_hz: u32, restart: Restart) -> Board {
+    // Nothing in the image reads it; the linker would leave it out.
+    core::hint::black_box(&MARK);
     Board {
-        platform,
+        platform: PLATFORM,
         serial,
         timer_hz,
         spi_hz: SPI_HZ,

@@ -9,3 +9,4 @@ pub mod read;
 pub mod record;
 pub mod strided;
 pub mod taus;
+pub mod unusable;

@@ -58,5 +58,6 @@ pub fn read(
         Ok::<_, SourceError>(axes.collect())
     })?;
     *record.axes_mut() = axes;
+    record.enter_rate(source.measured_rate_hz());
     Ok(record)
 }

@@ -5,6 +5,7 @@ use inm_allan::{BlockEstimate, Estimate, Statistic};
 use super::bridge::Bridge;
 use super::full::Segments;
 use super::strided::Strided;
+use super::unusable::Unusable;
 use crate::source::{Chunk, Column, Gap, Values};
 use crate::spectrum::{Cascade, Plan};
 
@@ -20,7 +21,7 @@ pub enum Overlap {
 }
 
 /// What a record consists of, for all axes.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Account {
     /// Samples that arrived, an axis.
     pub samples: u64,
@@ -28,6 +29,10 @@ pub struct Account {
     pub lost: u64,
     /// Gaps in all axes.
     pub gaps: Vec<Gap>,
+    /// Samples a second by the board's stamps; `None` where there are none, or too few.
+    pub measured_rate_hz: Option<f64>,
+    /// What does not count of one axis alone, axis by axis; empty before the first block.
+    pub unusable: Vec<Unusable>,
     /// News on the way, in words.
     pub news: Vec<String>,
 }
@@ -116,6 +121,7 @@ impl Record {
                 };
                 self.next = Some(block.end());
                 self.account.samples += block.len() as u64;
+                Unusable::enter(&mut self.account.unusable, &block);
                 (missing, block.columns)
             }
             Chunk::Gap(gap) => {
@@ -135,6 +141,11 @@ impl Record {
                 (Missing::Samples(0), Vec::new())
             }
         }
+    }
+
+    /// Enters what the source says of its rate.
+    pub fn enter_rate(&mut self, measured_rate_hz: Option<f64>) {
+        self.account.measured_rate_hz = measured_rate_hz;
     }
 
     /// Samples, losses and gaps so far.

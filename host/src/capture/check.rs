@@ -6,18 +6,14 @@ use std::ops::RangeInclusive;
 use inm_protocol::AXES;
 
 use super::header::Header;
-
-/// Samples a second: from one a day to a billion. The converters have 250 to 4000.
-const RATE_HZ: RangeInclusive<f64> = 1e-5..=1e9;
+use crate::plain::{PLAIN, is_plain};
+use crate::signal::{POSSIBLE_RATE, POSSIBLE_RATE_HZ, SCALE};
 
 /// Ticks of the stamps and cycles of the converters a second: a board has 100 kHz to 168 MHz.
 const CLOCK_HZ: RangeInclusive<u32> = 1000..=1_000_000_000;
 
 /// Reference and supply, volts: the parts' own limits are 5.5 V.
 const VOLTS: RangeInclusive<f64> = 0.1..=100.0;
-
-/// Units a count: the board's are 3.7e-8 m/s^2, a count of 1 in any unit that there is lies inside.
-const SCALE: RangeInclusive<f64> = 1e-30..=1e30;
 
 /// A field whose value cannot be.
 #[derive(Debug, PartialEq)]
@@ -31,12 +27,7 @@ impl Header {
     /// Looks at every number.
     pub(super) fn check(&self) -> Result<(), Impossible> {
         let board = &self.board;
-        within(
-            "rate_hz",
-            self.rate_hz,
-            &RATE_HZ,
-            "a number from 1e-5 to 1e9",
-        )?;
+        within("rate_hz", self.rate_hz, &POSSIBLE_RATE_HZ, POSSIBLE_RATE)?;
         for (field, value) in [
             ("board.timer_hz", board.timer_hz),
             ("board.converter_clock_hz", board.converter_clock_hz),
@@ -55,9 +46,8 @@ impl Header {
         for (place, axis) in self.axes.iter().enumerate() {
             let field = |name: &str| format!("axes[{place}].{name}");
             let name = &axis.name;
-            if name.is_empty() || name.chars().any(char::is_control) {
-                let expected = "a name without control characters";
-                return Err(impossible(field("name"), name.escape_debug(), expected));
+            if !is_plain(name) {
+                return Err(impossible(field("name"), name.escape_debug(), PLAIN));
             }
             within(
                 field("scale"),

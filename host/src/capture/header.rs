@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use inm_firmware::mma7331l::Scaling;
+use inm_protocol::image::BOARD;
 use inm_protocol::{AXES, Filter, Identity, REGISTERS, Restart, SensorRange, Settings, VERSION};
 use serde::{Deserialize, Serialize};
 
@@ -25,10 +26,59 @@ pub struct Header {
     pub board: BoardHeader,
     /// How the converters were set up.
     pub settings: Settings,
-    /// Registers 00h to 0Ah of each converter at the start.
+    /// Registers 00h to 0Ah of each converter.
     pub registers: [[u8; REGISTERS]; AXES],
+    /// What they are of.
+    #[serde(default)]
+    pub registers_of: RegistersOf,
     /// The axes in the order of the codes.
     pub axes: Vec<AxisHeader>,
+}
+
+/// What the registers of a header are of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum RegistersOf {
+    /// The record: read back behind its start, which writes the settings.
+    Record,
+    /// The time before its start, whose settings they may not hold: firmware that does not tell them
+    /// while it streams, and captures from before this was asked.
+    #[default]
+    BeforeTheStart,
+}
+
+/// What the board's own clock runs on, by which its stamps are counted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ClockSource {
+    /// Its crystal, good to some 50 parts in a million.
+    Crystal,
+    /// The oscillator inside the microcontroller, good to 1 %: the crystal did not start.
+    Internal,
+    /// An emulated board, whose time is exact.
+    Emulated,
+    /// Captures from before this was asked.
+    #[default]
+    Unknown,
+}
+
+impl ClockSource {
+    /// What the board says of itself.
+    fn of(identity: &Identity) -> Self {
+        match identity.restart {
+            Restart::ClockFallback => Self::Internal,
+            _ if identity.platform == BOARD => Self::Crystal,
+            _ => Self::Emulated,
+        }
+    }
+
+    /// What there is to say of it to who reads the record, in words.
+    pub fn warning(self) -> Option<&'static str> {
+        (self == Self::Internal).then_some(
+            "the board's crystal did not start: it ran on its internal oscillator, and rates by its \
+             stamps are good to 1 % only",
+        )
+    }
 }
 
 /// The board that recorded.
@@ -55,6 +105,9 @@ pub struct BoardHeader {
     /// Why the board had last started; `None` in captures from before this was asked.
     #[serde(default)]
     pub restart: Option<Restart>,
+    /// What its clock runs on.
+    #[serde(default)]
+    pub clock: ClockSource,
 }
 
 /// One axis: `value = scale * (code - zero)`.
@@ -77,7 +130,11 @@ const SENSOR_POLE_HZ: [f64; AXES] = [400.0, 400.0, 300.0];
 
 impl Header {
     /// The header of a recording by this board, from now on.
-    pub fn new(identity: &Identity, registers: [[u8; REGISTERS]; AXES], created: String) -> Self {
+    pub fn new(
+        identity: &Identity,
+        (registers, registers_of): ([[u8; REGISTERS]; AXES], RegistersOf),
+        created: String,
+    ) -> Self {
         let settings = identity.settings;
         let reference_v = f64::from(identity.reference_uv) * 1e-6;
         let supply_v = f64::from(identity.sensor_supply_uv) * 1e-6;
@@ -120,9 +177,11 @@ impl Header {
                 range: identity.range,
                 sensor_supply_v: supply_v,
                 restart: Some(identity.restart.clone()),
+                clock: ClockSource::of(identity),
             },
             settings,
             registers,
+            registers_of,
             axes: axes.collect(),
         }
     }

@@ -1,5 +1,6 @@
 //! Options of the subcommands that talk to a board.
 
+use std::ops::RangeInclusive;
 use std::process::ExitCode;
 use std::time::Duration;
 
@@ -46,7 +47,7 @@ pub struct BoardOptions {
     pub seed: u64,
 
     /// Virtual board only: seconds of board time in a second, or 0 for as fast as it goes.
-    #[arg(long, value_name = "FACTOR")]
+    #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, value_parser = parse_speed)]
     pub speed: Option<f64>,
 }
 
@@ -120,6 +121,20 @@ fn parse_reconnect(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Seconds of a record in a second that one can wait for, or that are no different from none.
+const SPEED: RangeInclusive<f64> = 1e-6..=1e6;
+
+/// How fast a record is played: seconds of it in a second, 0 for as fast as it goes.
+///
+/// # Errors
+/// In words, if it is neither 0 nor from 1e-6 to 1e6.
+pub fn parse_speed(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(speed) if speed == 0.0 || SPEED.contains(&speed) => Ok(speed),
+        _ => Err("a factor from 1e-6 to 1e6 is expected, or 0 for as fast as it goes".to_owned()),
+    }
+}
+
 fn parse_word(text: &str) -> Result<u16, String> {
     let parsed = match text.strip_prefix("0x") {
         Some(hex) => u16::from_str_radix(hex, 16),
@@ -128,7 +143,11 @@ fn parse_word(text: &str) -> Result<u16, String> {
     parsed.map_err(|_| "a number from 0 to 65535 or 0x0 to 0xffff is expected".to_owned())
 }
 
-fn parse_positive(text: &str) -> Result<f64, String> {
+/// A length of time, seconds.
+///
+/// # Errors
+/// In words, if it is no number above zero.
+pub fn parse_positive(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(seconds) if f64::is_finite(seconds) && seconds > 0.0 => Ok(seconds),
         _ => Err("a positive number of seconds is expected".to_owned()),

@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use clap::Args;
 
+use super::board::parse_positive;
 use super::interrupt;
-use super::output::write_to;
+use super::output::{say, write_to};
 use super::results::ResultOptions;
 use crate::analyse::{AnalysisOptions, summarise};
 use crate::bins::record::{Overlap, Record};
@@ -25,7 +26,13 @@ use crate::virtual_board::{Hidden, VirtualConnect, hide};
 #[derive(Debug, Args)]
 pub struct DemoCommand {
     /// Seconds of board time; the published experiment took 5400.
-    #[arg(long, value_name = "S", default_value_t = 1800.0)]
+    #[arg(
+        long,
+        value_name = "S",
+        default_value_t = 1800.0,
+        allow_negative_numbers = true,
+        value_parser = parse_positive
+    )]
     duration: f64,
     /// Folder for capture, JSON, HTML, PNG and model; what an earlier demo left there is replaced.
     #[arg(long, value_name = "FOLDER", default_value = "inm-demo")]
@@ -47,12 +54,12 @@ impl DemoCommand {
         let capture = place("demo.inmcap");
         forget(&capture)?;
 
-        println!(
+        say(&format!(
             "A virtual board: three MMA7331L with the published noise, three ADS1281 at register\n\
              level, the firmware's own code, a 921600 baud link. Seed {}, {} s at 2000/s.\n\
-             Something else acts on one of the sensors.\n",
+             Something else acts on one of the sensors.\n\n",
             self.seed, self.duration
-        );
+        ))?;
         let stop = interrupt::stop_on_signal()?;
         let plan = Plan {
             settings: Some(inm_protocol::Settings::default()),
@@ -69,16 +76,16 @@ impl DemoCommand {
         let mut record = Record::new(signal.axes.len(), Overlap::Strided);
         watch(&mut source, Some(&mut record), Screen::stderr())?;
 
-        println!();
+        say("\n")?;
         let results = self.results("demo");
         results.write(&summarise(&signal, &record, &AnalysisOptions::default()))?;
 
         let diagnosis = diagnosed(&text(&capture))?;
-        println!("\nWhat the five terms get wrong, and why:\n");
+        say("\nWhat the five terms get wrong, and why:\n\n")?;
         let pictures = self.results("diagnosis");
         pictures.write(&diagnosis)?;
         let [picture, model] = self.write_found(&hidden, &diagnosis)?;
-        print!(
+        let mut told = format!(
             "\n{}\n{}\n",
             reveal::render(&hidden, &diagnosis),
             capture.display()
@@ -88,14 +95,14 @@ impl DemoCommand {
             .chain([&pictures.json, &pictures.report, &pictures.png])
             .flatten()
         {
-            println!("{path}");
+            told += &format!("{path}\n");
         }
-        println!(
+        told += &format!(
             "{picture}\n{model}\n\nAgain from the file: inm analyze {file}, inm diagnose {file}\n\
-             Data of the model that was found: inm simulate --model {model} -o found.npy",
+             Data of the model that was found: inm simulate --model {model} -o found.npy\n",
             file = capture.display()
         );
-        Ok(())
+        Ok(say(&told)?)
     }
 
     /// Writes the picture of the axis with the hidden effect, and the model; their names.

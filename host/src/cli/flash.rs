@@ -6,6 +6,7 @@ use clap::Args;
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 use probe_rs::Permissions;
 
+use super::output::say;
 use crate::flash::{CHIP, FLASH_ORIGIN, FlashError, Image, Progress, choose_probe, program};
 
 /// Arguments of `inm flash`.
@@ -31,14 +32,16 @@ impl FlashCommand {
     /// What the image or the probe says.
     pub fn run(self) -> anyhow::Result<()> {
         let image = Image::read(&self.image)?;
-        println!(
-            "{}: {} bytes in {} segments from {FLASH_ORIGIN:#010x} for {CHIP}",
+        say(&format!(
+            "{}: firmware {} of revision {}, {} bytes in {} segments from {FLASH_ORIGIN:#010x} for {CHIP}\n",
             self.image.display(),
+            image.version,
+            image.revision,
             image.len(),
             image.segments.len()
-        );
+        ))?;
         if self.dry_run {
-            println!("dry run: the image is sound; nothing was written");
+            say("dry run: the image is sound; nothing was written\n")?;
             return Ok(());
         }
         let probe = choose_probe(self.probe.as_deref())?;
@@ -47,8 +50,7 @@ impl FlashCommand {
             .map_err(FlashError::Attach)?;
         let bars = Bars::new();
         program(&mut session, &image, false, |told| bars.show(told))?;
-        println!("programmed, verified, restarted");
-        Ok(())
+        Ok(say("programmed, verified, restarted\n")?)
     }
 }
 

@@ -20,9 +20,12 @@ pub mod replay;
 pub mod results;
 pub mod simulate;
 
+use std::io::Write;
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
+
+use crate::plain::on_a_line;
 
 /// Exit status of bad usage or input; clap uses the same.
 const BAD_INPUT: u8 = 2;
@@ -82,7 +85,9 @@ fn finish(result: anyhow::Result<ExitCode>) -> ExitCode {
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             // The whole chain of causes on one line.
-            eprintln!("inm: {error:#}");
+            let message = format!("inm: {error:#}");
+            // Where nobody listens, the exit status says it.
+            let _ = writeln!(std::io::stderr(), "{}", on_a_line(&message));
             ExitCode::from(BAD_INPUT)
         }
     }

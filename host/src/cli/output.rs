@@ -4,12 +4,13 @@
 //! was there before.
 
 use std::fs::{self, File, Metadata};
-use std::io::{BufWriter, Read, Write};
+use std::io::{BufWriter, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail, ensure};
 use tempfile::NamedTempFile;
 
+use crate::plain::shown;
 use crate::source::open::{CAPTURE_START, STANDARD_INPUT};
 
 /// Stands for standard output in place of a file name.
@@ -116,6 +117,22 @@ fn folder(path: &Path) -> &Path {
     match path.parent() {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
+    }
+}
+
+/// Shows text on standard output. A reader that went away, as `head` does, has had enough: that is no
+/// error, and what the program is doing goes on.
+///
+/// # Errors
+/// If it cannot be written, for instance because the disk is full.
+pub fn say(text: &str) -> std::io::Result<()> {
+    let mut output = std::io::stdout().lock();
+    let said = output
+        .write_all(shown(text).as_bytes())
+        .and_then(|()| output.flush());
+    match said {
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+        said => said,
     }
 }
 

@@ -7,6 +7,7 @@ use clap::Args;
 
 use super::board::BoardOptions;
 use super::interrupt;
+use super::output::say;
 use crate::live::{Screen, watch};
 use crate::source::Source;
 use crate::source::board::BoardSource;
@@ -32,23 +33,29 @@ impl RecordCommand {
         let mut source = BoardSource::start(connect, self.board.plan(), Some(&self.output), stop)?;
         let ended = watch(&mut source, None, Screen::stderr());
         // Said in either case: a recording that broke off is still a recording.
-        println!(
-            "{}: {} samples an axis, {} lost, {} bytes",
+        say(&self.told(&source))?;
+        ended?;
+        Ok(super::board::recorded(&source))
+    }
+
+    /// What there is to say of a recording that came to its end.
+    fn told(&self, source: &BoardSource) -> String {
+        let mut told = format!(
+            "{}: {} samples an axis, {} lost, {} bytes\n",
             self.output.display(),
             source.next_index(),
             source.losses().lost_samples,
             source.captured_bytes()
         );
         if let Some(proof) = source.proof() {
-            println!("{proof}");
+            told += &format!("{proof}\n");
         }
         for gap in source.unknown_gaps() {
-            println!(
-                "after sample {}: {}; how many are missing is not known",
+            told += &format!(
+                "after sample {}: {}; how many are missing is not known\n",
                 gap.from, gap.cause
             );
         }
-        ended?;
-        Ok(super::board::recorded(&source))
+        told
     }
 }

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
+use super::board::parse_speed;
 use super::output;
 use super::results::ResultOptions;
 use crate::analyse::{AnalysisOptions, summarise};
@@ -19,7 +20,13 @@ pub struct ReplayCommand {
     #[arg(value_name = "FILE")]
     capture: PathBuf,
     /// Seconds of the record in a second; 0 for as fast as it goes.
-    #[arg(long, value_name = "FACTOR", default_value_t = 0.0)]
+    #[arg(
+        long,
+        value_name = "FACTOR",
+        default_value_t = 0.0,
+        allow_negative_numbers = true,
+        value_parser = parse_speed
+    )]
     speed: f64,
     #[command(flatten)]
     results: ResultOptions,

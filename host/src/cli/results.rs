@@ -1,10 +1,8 @@
 //! Where the result of an analysis or a diagnosis goes, shared by the subcommands that make one.
 
-use std::io::Write;
-
 use clap::Args;
 
-use super::output::write_to;
+use super::output::{say, write_to};
 use crate::report::{self, Report};
 use crate::source::audit::Proof;
 
@@ -50,9 +48,7 @@ impl ResultOptions {
             write_to(path, |output| output.write_all(&bitmap))?;
         }
         if self.json.as_deref() != Some("-") {
-            let mut output = std::io::stdout().lock();
-            output.write_all(result.text().as_bytes())?;
-            output.flush()?;
+            say(&result.text())?;
         }
         Ok(())
     }
@@ -63,7 +59,7 @@ impl ResultOptions {
     /// If standard output cannot be written.
     pub fn write_proof(&self, proof: Option<Proof>) -> anyhow::Result<()> {
         if let Some(proof) = proof.filter(|_| self.json.as_deref() != Some("-")) {
-            writeln!(std::io::stdout().lock(), "{proof}")?;
+            say(&format!("{proof}\n"))?;
         }
         Ok(())
     }

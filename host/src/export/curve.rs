@@ -39,17 +39,23 @@ pub fn csv(input: &Input) -> String {
     for axis in &input.model.axes {
         let _ = write!(text, ", {} in {}", axis.name, axis.unit);
     }
-    text.push_str("\ntau_s");
-    for axis in &input.model.axes {
-        let _ = write!(text, ",{}", axis.name);
-    }
     text.push('\n');
+    text.push_str(&header(input));
     for row in rows(input) {
         let cells: Vec<String> = row.iter().map(|value| format!("{value:e}")).collect();
         text.push_str(&cells.join(","));
         text.push('\n');
     }
     text
+}
+
+/// The line with the names of the columns, those with a comma in quotes.
+fn header(input: &Input) -> String {
+    let names = input.model.axes.iter().map(|axis| axis.name.as_str());
+    let mut line = csv::Writer::from_writer(Vec::new());
+    // Memory takes what it is given, and what was text still is.
+    let _ = line.write_record(std::iter::once("tau_s").chain(names));
+    String::from_utf8(line.into_inner().unwrap_or_default()).unwrap_or_default()
 }
 
 /// As a NumPy array of doubles: a row for each averaging time, the time in the first column.

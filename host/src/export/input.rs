@@ -11,14 +11,15 @@ use crate::model::file::ModelError;
 use crate::model::published::DURATION_S;
 use crate::model::whole::{Model, SCHEMA};
 use crate::model::{Coefficient, PerCoefficient};
+use crate::plain::on_a_line;
 use crate::signal::Unit;
 
 /// A model and what is known about it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Input {
-    /// Where it comes from, for people.
+    /// Where it comes from, for people, on one line.
     pub name: String,
-    /// The model. A coefficient that the analysis did not resolve from zero is zero.
+    /// The model. A coefficient that analysis or diagnosis did not resolve from zero is zero.
     pub model: Model,
     /// 95 % bounds of the coefficients that could not be resolved from zero, one set an axis.
     pub bounds: Vec<PerCoefficient<Option<f64>>>,
@@ -54,6 +55,48 @@ struct AnalysisFits {
     weighted: Option<BTreeMap<String, Value>>,
 }
 
+/// The part of a diagnosis that says what it could tell from zero.
+#[derive(Deserialize)]
+struct Diagnosed {
+    axes: Vec<DiagnosedAxis>,
+}
+
+#[derive(Deserialize)]
+struct DiagnosedAxis {
+    #[serde(rename = "final")]
+    last: DiagnosedFinal,
+}
+
+#[derive(Deserialize)]
+struct DiagnosedFinal {
+    coefficients: BTreeMap<String, DiagnosedCoefficient>,
+}
+
+#[derive(Deserialize)]
+struct DiagnosedCoefficient {
+    identified: bool,
+    upper: Option<f64>,
+}
+
+/// Takes out of the `model` of a diagnosis the coefficients that it could not resolve from zero, which
+/// its fit gives a value all the same; their bounds, axis by axis.
+fn leave_out(model: &mut Model, diagnosed: Option<Diagnosed>) -> Vec<PerCoefficient<Option<f64>>> {
+    let mut bounds = vec![PerCoefficient::default(); model.axes.len()];
+    let told = diagnosed.map_or_else(Vec::new, |diagnosed| diagnosed.axes);
+    for ((axis, bounds), told) in model.axes.iter_mut().zip(&mut bounds).zip(told) {
+        let unresolved = |one: Coefficient| {
+            let told = told.last.coefficients.get(one.symbol());
+            told.filter(|told| !told.identified)
+        };
+        *bounds = PerCoefficient::from_fn(|one| unresolved(one)?.upper);
+        axis.coefficients = PerCoefficient::from_fn(|one| match unresolved(one) {
+            Some(_) => 0.0,
+            None => *axis.coefficients.get(one),
+        });
+    }
+    bounds
+}
+
 impl Input {
     /// Opens `published`, `published:X` (Y, Z), a model file, or the JSON of `inm analyze` or
     /// `inm diagnose`.
@@ -62,6 +105,7 @@ impl Input {
     /// [`ModelError`] if it is none of them.
     pub fn open(name: &str) -> Result<Self, ModelError> {
         let mut longest_s = DURATION_S / 2.0;
+        let mut diagnosed = None;
         if let Ok(text) = std::fs::read_to_string(name) {
             let value = serde_json::from_str(&text).unwrap_or(Value::Null);
             if value.pointer("/axes/0/fits").is_some() {
@@ -73,11 +117,12 @@ impl Input {
             }
             let duration_s = value.pointer("/source/duration_s").and_then(Value::as_f64);
             longest_s = duration_s.map_or(longest_s, |duration_s| duration_s / 2.0);
+            diagnosed = serde_json::from_value(value).ok();
         }
-        let model = Model::open(name)?;
+        let mut model = Model::open(name)?;
         Ok(Self {
-            name: name.to_owned(),
-            bounds: vec![PerCoefficient::default(); model.axes.len()],
+            name: on_a_line(name).into_owned(),
+            bounds: leave_out(&mut model, diagnosed),
             model,
             longest_s,
         })
@@ -150,7 +195,7 @@ impl Input {
         };
         model.check()?;
         Ok(Self {
-            name: name.to_owned(),
+            name: on_a_line(name).into_owned(),
             model,
             bounds,
             longest_s: analysis.source.duration_s / 2.0,

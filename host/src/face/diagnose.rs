@@ -87,7 +87,8 @@ pub fn diagnose(
         Some(reference) => Some(Samples::read(reference, |_| {})?.0),
         None => None,
     };
-    let (mut samples, account) = Samples::read(source, |_| {})?;
+    let (mut samples, mut account) = Samples::read(source, |_| {})?;
+    account.measured_rate_hz = source.measured_rate_hz();
     let family_level = options.family_level;
     let options = Options {
         family_level,

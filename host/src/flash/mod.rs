@@ -4,6 +4,8 @@
 //! it into the flash of a board behind a probe.
 
 mod image;
+mod image_error;
+mod map;
 mod program;
 
 pub use image::Image;

@@ -10,7 +10,7 @@ use inm_protocol::{
 };
 
 use super::port::is_wait;
-use super::{LinkError, Port};
+use super::{Clock, LinkError, Port};
 
 /// How long to wait for a reply, and how often to ask.
 #[derive(Debug, Clone, Copy)]
@@ -44,6 +44,7 @@ pub struct Client {
     name: String,
     next_id: u16,
     patience: Patience,
+    clock: Clock,
     /// What arrived behind the last reply and was not handed out yet.
     behind: Vec<u8>,
 }
@@ -56,8 +57,21 @@ impl Client {
             name,
             next_id: first_id(),
             patience,
+            clock: Clock::of_the_wall(),
             behind: Vec::new(),
         }
+    }
+
+    /// The same, with waits by this clock.
+    #[must_use]
+    pub fn by(mut self, clock: Clock) -> Self {
+        self.clock = clock;
+        self
+    }
+
+    /// The time by which it waits.
+    pub fn now(&self) -> Instant {
+        self.clock.now()
     }
 
     /// Closes the port: a lock of our own on it must not keep us out when it is opened again.
@@ -116,8 +130,8 @@ impl Client {
         let id = self.number();
         for _ in 0..self.patience.tries {
             self.send(id, request)?;
-            let deadline = Instant::now() + self.patience.wait;
-            while Instant::now() < deadline {
+            let deadline = self.clock.now() + self.patience.wait;
+            while self.clock.now() < deadline {
                 let len = self.read(&mut buf)?;
                 let mut handed = 0;
                 for part in buf[..len].split_inclusive(|&byte| byte == FRAME_END) {

@@ -1,6 +1,7 @@
 //! Talking to a board: a port that bytes come from, and commands with their replies.
 
 mod client;
+mod clock;
 mod error;
 mod intake;
 mod port;
@@ -9,6 +10,7 @@ mod words;
 
 pub(crate) use client::Expect;
 pub use client::{Client, Patience};
+pub use clock::Clock;
 pub use error::LinkError;
 pub use intake::open_to_record;
 pub use port::{Connect, Port};

@@ -3,7 +3,7 @@
 use std::io::{self, ErrorKind, Read, Write};
 use std::time::Duration;
 
-use super::LinkError;
+use super::{Clock, LinkError};
 
 /// A byte stream to and from a board.
 ///
@@ -22,6 +22,12 @@ pub trait Connect: Send {
     /// that is. No UART does.
     fn waits(&self) -> bool {
         false
+    }
+
+    /// The time by which waits for the board are measured. Where the board runs in a time of its own, a
+    /// busy machine must not make it look slow.
+    fn clock(&self) -> Clock {
+        Clock::of_the_wall()
     }
 
     /// Opens the port.

@@ -4,6 +4,8 @@ use std::io;
 
 use console::Term;
 
+use crate::plain::shown;
+
 /// A block of lines that is drawn over itself; where the output is not a terminal, one line
 /// now and then.
 #[derive(Debug)]
@@ -32,6 +34,7 @@ impl Screen {
     /// # Errors
     /// What the terminal says.
     pub fn show(&mut self, text: &str) -> io::Result<()> {
+        let text = &*shown(text);
         if !self.term.is_term() {
             return self.term.write_line(text.lines().nth(1).unwrap_or(text));
         }

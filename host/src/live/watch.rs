@@ -43,6 +43,9 @@ pub fn watch(
             view.show(scene(source, record.as_deref(), &news, false));
         }
     };
+    if let Some(record) = &mut record {
+        record.enter_rate(source.measured_rate_hz());
+    }
     view.finish(scene(source, record.as_deref(), &news, true));
     result
 }

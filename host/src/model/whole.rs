@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 use super::axis::ModelAxis;
 use super::correlation;
 use super::published::{PublishedAxis, RATE_HZ};
-use crate::signal::Unit;
+use crate::plain::{PLAIN, is_plain};
+use crate::signal::{POSSIBLE_RATE, POSSIBLE_RATE_HZ, Unit};
 
 /// Version of the file.
 pub const SCHEMA: u32 = 1;
@@ -62,9 +63,9 @@ impl Model {
                 self.schema
             ));
         }
-        if !(self.rate_hz > 0.0 && self.rate_hz.is_finite()) {
+        if !POSSIBLE_RATE_HZ.contains(&self.rate_hz) {
             return Err(format!(
-                "rate_hz is {}; expected samples a second, a number above zero",
+                "rate_hz is {:?}; expected samples a second, {POSSIBLE_RATE}",
                 self.rate_hz
             ));
         }
@@ -72,7 +73,11 @@ impl Model {
             return Err("axes is empty; expected one axis or more".to_owned());
         }
         let mut names = HashSet::new();
-        for axis in &self.axes {
+        for (place, axis) in self.axes.iter().enumerate() {
+            if !is_plain(&axis.name) {
+                let name = axis.name.escape_debug();
+                return Err(format!("axis {place} is called `{name}`; expected {PLAIN}"));
+            }
             if !names.insert(&axis.name) {
                 return Err(format!("two axes are called `{}`", axis.name));
             }

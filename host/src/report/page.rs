@@ -5,6 +5,7 @@ use std::fmt::{Result, Write};
 
 use super::number::{duration, grouped, plain, significant};
 use super::svg::escape;
+use super::text::{rate_words, unusable_words};
 use crate::analyse::SourceSummary;
 
 const STYLE: &str = include_str!("page.css");
@@ -53,6 +54,7 @@ pub fn source(page: &mut String, source: &SourceSummary) -> Result {
         rate_hz,
         lost_samples,
         gaps,
+        unusable,
         news,
         chain,
         ..
@@ -79,6 +81,13 @@ pub fn source(page: &mut String, source: &SourceSummary) -> Result {
         write!(page, "<div><dt>{name}</dt><dd>{value}</dd></div>")?;
     }
     write!(page, "</dl>")?;
+    if let Some(words) = rate_words(source) {
+        write!(page, "<p class=\"warning\">{}</p>", escape(&words))?;
+    }
+    for one in unusable {
+        let words = escape(&unusable_words(one));
+        write!(page, "<p class=\"warning\">{words}</p>")?;
+    }
     if !gaps.is_empty() {
         timeline(page, source)?;
         write!(

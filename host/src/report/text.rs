@@ -6,8 +6,10 @@ use super::number::{duration, grouped, plain, significant};
 use super::verdict;
 use crate::analyse::{
     Analysis, AxisAnalysis, CurvePoint, LikelihoodValue, PublishedValue, SourceSummary,
+    UnusableSummary,
 };
 use crate::model::Coefficient;
+use crate::plain::on_a_line;
 
 /// Rows of the Allan table at most; JSON and HTML have every point.
 const MOST_ROWS: usize = 24;
@@ -37,11 +39,14 @@ pub(super) fn head(text: &mut String, source: &SourceSummary) -> std::fmt::Resul
     writeln!(
         text,
         "{}: {} samples an axis at {}/s, {}",
-        source.file,
+        on_a_line(&source.file),
         grouped(source.samples),
         plain(source.rate_hz),
         duration(source.duration_s),
     )?;
+    if let Some(words) = rate_words(source) {
+        writeln!(text, "{words}")?;
+    }
     gaps(text, source)?;
     for news in source.news.iter().take(MOST_NEWS) {
         writeln!(text, "Note: {news}")?;
@@ -52,9 +57,30 @@ pub(super) fn head(text: &mut String, source: &SourceSummary) -> std::fmt::Resul
     Ok(())
 }
 
+/// Part of the rate that two sound crystals may differ by: some 50 parts in a million each.
+const CRYSTALS: f64 = 1e-4;
+
+/// That the stamps contradict the rate, in words, if they do.
+pub(super) fn rate_words(source: &SourceSummary) -> Option<String> {
+    let measured_hz = source.measured_rate_hz?;
+    let off = measured_hz / source.rate_hz - 1.0;
+    (off.abs() > CRYSTALS).then(|| {
+        format!(
+            "By the board's stamps the converters made {}/s, {:+.0} ppm from the rate: one of the two \
+             clocks is off.",
+            significant(measured_hz, 7),
+            off * 1e6
+        )
+    })
+}
+
 fn gaps(text: &mut String, source: &SourceSummary) -> std::fmt::Result {
-    if source.gaps.is_empty() {
+    if source.gaps.is_empty() && source.unusable.is_empty() {
         return writeln!(text, "No gaps.");
+    }
+    if source.gaps.is_empty() {
+        writeln!(text, "No gaps that all axes share.")?;
+        return unusable(text, source);
     }
     writeln!(
         text,
@@ -79,7 +105,30 @@ fn gaps(text: &mut String, source: &SourceSummary) -> std::fmt::Result {
     if source.gaps.len() > MOST_GAPS {
         writeln!(text, "  and {} more", source.gaps.len() - MOST_GAPS)?;
     }
+    unusable(text, source)
+}
+
+/// What is missing of single axes.
+fn unusable(text: &mut String, source: &SourceSummary) -> std::fmt::Result {
+    for one in &source.unusable {
+        writeln!(text, "  {}", unusable_words(one))?;
+    }
     Ok(())
+}
+
+/// What is missing of one axis alone, in words.
+pub(super) fn unusable_words(one: &UnusableSummary) -> String {
+    let stretches = match one.stretches {
+        1 => "a stretch".to_owned(),
+        many => format!("{} stretches", grouped(many)),
+    };
+    format!(
+        "axis {} alone: {} samples in {stretches} do not count, the first at {} s, at most {} s on end",
+        one.axis,
+        grouped(one.samples),
+        significant(one.first_s, 6),
+        significant(one.longest_s, 3)
+    )
 }
 
 fn coefficients(text: &mut String, axis: &AxisAnalysis) -> std::fmt::Result {

@@ -11,7 +11,7 @@ use inm_protocol::{
 use jiff::Timestamp;
 
 use super::source::Simulation;
-use crate::capture::{Header, Writer};
+use crate::capture::{Header, RegistersOf, Writer};
 use crate::signal::Unit;
 use crate::source::Source;
 
@@ -52,7 +52,8 @@ pub fn write_capture(simulation: &mut Simulation, path: &Path) -> anyhow::Result
         batches.frames.clear();
         if count == 0 {
             let unix_ms = Timestamp::now().as_millisecond();
-            return Ok(writer.note(Note::End { unix_ms })?);
+            writer.note(Note::End { unix_ms })?;
+            return Ok(writer.sync()?);
         }
     }
 }
@@ -114,7 +115,11 @@ fn header(simulation: &Simulation) -> anyhow::Result<Header> {
         restart: board.restart,
     };
     let created = Timestamp::now().to_string();
-    let mut header = Header::new(&identity, [[0; REGISTERS]; AXES], created);
+    let mut header = Header::new(
+        &identity,
+        ([[0; REGISTERS]; AXES], RegistersOf::BeforeTheStart),
+        created,
+    );
     for (axis, described) in header.axes.iter_mut().zip(&signal.axes) {
         axis.name.clone_from(&described.name);
         axis.chain = described

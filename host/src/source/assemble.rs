@@ -48,6 +48,10 @@ pub struct Assembler {
     seq: Option<u32>,
     /// The present stream.
     line: Option<Line>,
+    /// First index and stamp of the present stretch without a gap, in the board's own count.
+    begun: (u64, u64),
+    /// Conversions and ticks of the longest such stretch so far.
+    longest: (u64, u64),
     /// Index that should come next, offset included.
     next: Option<u64>,
     /// By axis: samples before this index follow a clipped word.
@@ -70,6 +74,7 @@ impl Assembler {
     /// Takes the next batch that arrived intact.
     pub fn push(&mut self, batch: &Batch) {
         let first = self.place(batch);
+        self.measure(batch, self.next == Some(first));
         self.cause = None;
         match &mut self.line {
             Some(line) => line.extend(batch),
@@ -81,6 +86,22 @@ impl Assembler {
         let long = |block: &Building| block.len() >= BLOCK + HELD;
         if self.block.as_ref().is_some_and(long) {
             self.hand_on(HELD);
+        }
+    }
+
+    /// Conversions and ticks from the first batch to the last of the longest stretch without a gap: over
+    /// one, converters may have been synchronised anew.
+    pub fn longest_stretch(&self) -> (u64, u64) {
+        self.longest
+    }
+
+    fn measure(&mut self, batch: &Batch, goes_on: bool) {
+        if !goes_on {
+            self.begun = (batch.first, batch.stamp);
+        }
+        let ticks = batch.stamp.saturating_sub(self.begun.1);
+        if ticks > self.longest.1 {
+            self.longest = (batch.first.saturating_sub(self.begun.0), ticks);
         }
     }
 

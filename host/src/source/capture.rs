@@ -1,6 +1,7 @@
 //! A capture file as a source.
 
-use std::io::Read;
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -11,15 +12,45 @@ use super::{Chunk, Source, SourceError};
 use crate::capture::{CaptureError, Header, Reader};
 use crate::signal::Signal;
 
+/// Bytes read at a time: some 400 frames.
+const BUFFER: usize = 1 << 16;
+
 /// Reads a capture down the path that live data take.
 #[derive(Debug)]
 pub struct CaptureSource {
-    reader: Reader,
+    reader: Reader<Input>,
     signal: Signal,
     frames: Frames,
     buf: Vec<u8>,
     ended: bool,
     pace: Option<Pace>,
+    /// That it holds no sample has been said.
+    said_empty: bool,
+}
+
+/// A file, or a stream.
+struct Input(Box<dyn BufRead>);
+
+impl std::fmt::Debug for Input {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Input")
+    }
+}
+
+impl Read for Input {
+    fn read(&mut self, buf: &mut [u8]) -> std::io::Result<usize> {
+        self.0.read(buf)
+    }
+}
+
+impl BufRead for Input {
+    fn fill_buf(&mut self) -> std::io::Result<&[u8]> {
+        self.0.fill_buf()
+    }
+
+    fn consume(&mut self, amount: usize) {
+        self.0.consume(amount);
+    }
 }
 
 /// Holds a replay back to the time of the record.
@@ -35,16 +66,32 @@ impl CaptureSource {
     /// # Errors
     /// As [`Reader::open`].
     pub fn open(path: &Path) -> Result<Self, CaptureError> {
-        let reader = Reader::open(path)?;
-        let signal = reader.header().signal(path)?;
-        let buf = vec![0; 1 << 16];
+        let file = File::open(path).map_err(|source| CaptureError::Io {
+            path: path.to_owned(),
+            doing: "opening the capture",
+            source,
+        })?;
+        Self::read(Box::new(BufReader::with_capacity(BUFFER, file)), path)
+    }
+
+    /// Reads a capture from a stream, which messages call `name`.
+    ///
+    /// # Errors
+    /// As [`Reader::new`].
+    pub fn read(input: Box<dyn BufRead>, name: &Path) -> Result<Self, CaptureError> {
+        let reader = Reader::new(Input(input), name)?;
+        let signal = reader.header().signal(name)?;
+        let buf = vec![0; BUFFER];
+        let mut frames = Frames::default();
+        frames.begin(reader.header().board.clock);
         Ok(Self {
             reader,
             signal,
-            frames: Frames::default(),
+            frames,
             buf,
             ended: false,
             pace: None,
+            said_empty: false,
         })
     }
 
@@ -83,6 +130,20 @@ impl CaptureSource {
         self.frames.status()
     }
 
+    /// Why there is nothing to make anything of.
+    fn empty(&self) -> SourceError {
+        SourceError {
+            place: self.signal.name.clone(),
+            message: format!(
+                "the capture holds no samples: behind its header are {} whole frames of other kinds \
+                 and {} damaged ones",
+                self.frames.intact(),
+                self.damaged().0
+            ),
+            remedy: "record again; the notes of `inm replay` say what the board said".into(),
+        }
+    }
+
     fn read_more(&mut self) -> Result<(), SourceError> {
         let len = self
             .reader
@@ -116,10 +177,18 @@ impl Source for CaptureSource {
         Some(self.frames.proof())
     }
 
+    fn measured_rate_hz(&self) -> Option<f64> {
+        self.frames.measured_rate_hz(self.header().board.timer_hz)
+    }
+
     fn next_chunk(&mut self) -> Result<Option<Chunk>, SourceError> {
         loop {
             if let Some(chunk) = self.frames.pop() {
                 return Ok(Some(chunk));
+            }
+            if self.ended && self.next_index() == 0 && !self.said_empty {
+                self.said_empty = true;
+                return Err(self.empty());
             }
             if self.ended {
                 return Ok(None);

@@ -1,9 +1,10 @@
 //! Which columns of a table are axes, which is the time, and in which unit they are.
 
+use super::npy_header::MOST_COLUMNS;
 use super::options::{ArrayOptions, Selector};
 use super::table::Table;
 use super::{SourceError, Values, header};
-use crate::signal::{Axis, Unit};
+use crate::signal::{Axis, SCALE, Unit};
 
 /// Steps upwards from which a column that does not fall is no noise: one that rises at every other
 /// step by chance would do so in one record of 256.
@@ -72,6 +73,16 @@ pub fn choose(
             place: table.name().to_owned(),
             message: "no column is left for an axis".into(),
             remedy: "choose one with --columns".into(),
+        });
+    }
+    if columns.len() > MOST_COLUMNS {
+        return Err(SourceError {
+            place: table.name().to_owned(),
+            message: format!(
+                "{} columns; expected one column per axis, {MOST_COLUMNS} at most",
+                columns.len()
+            ),
+            remedy: "choose the axes with --columns, or transpose the table".into(),
         });
     }
     Ok(columns)
@@ -229,10 +240,11 @@ fn check_scales(
             "give --scale once, or once for each column",
         ));
     }
-    match options.scales.iter().find(|scale| !scale.is_normal()) {
+    let is_one = |scale: &&f64| SCALE.contains(&scale.abs());
+    match options.scales.iter().find(|scale| !is_one(scale)) {
         Some(scale) => Err(bad(
-            format!("a scale of {scale}"),
-            "a scale is a number other than zero",
+            format!("a scale of {scale:?}"),
+            "a scale is a number of size 1e-30 to 1e30",
         )),
         None => Ok(()),
     }

@@ -66,6 +66,10 @@ impl Source for Excluding {
         self.inner.proof()
     }
 
+    fn measured_rate_hz(&self) -> Option<f64> {
+        self.inner.measured_rate_hz()
+    }
+
     fn next_chunk(&mut self) -> Result<Option<Chunk>, SourceError> {
         let mut chunk = self.inner.next_chunk()?;
         if let Some(Chunk::Samples(block)) = &mut chunk {

@@ -6,6 +6,7 @@ use super::assemble::{Assembler, Losses};
 use super::audit::{Audit, Proof, State};
 use super::interruption::{Clock, Interruption};
 use super::{Chunk, Gap};
+use crate::capture::ClockSource;
 use crate::link::{axis_name, describe};
 
 /// Conversions that may pass between a slipped bit and its notice: blocks of 32 words are
@@ -50,6 +51,21 @@ pub struct Status {
 }
 
 impl Frames {
+    /// The record begins: says what is to be said of the clock of its stamps.
+    pub fn begin(&mut self, clock: ClockSource) {
+        if let Some(warning) = clock.warning() {
+            self.assembler.news(warning.to_owned());
+        }
+    }
+
+    /// Conversions a second by the stamps of the longest stretch without a gap, whose timer has `timer_hz` ticks a
+    /// second; `None` where it is shorter than a second.
+    pub fn measured_rate_hz(&self, timer_hz: u32) -> Option<f64> {
+        let (conversions, ticks) = self.assembler.longest_stretch();
+        (ticks >= u64::from(timer_hz))
+            .then(|| conversions as f64 / ticks as f64 * f64::from(timer_hz))
+    }
+
     /// Takes bytes as they arrived.
     pub fn push(&mut self, mut bytes: &[u8]) {
         while let Some(result) = self.decoder.next(&mut bytes) {

@@ -129,6 +129,11 @@ pub trait Source {
         None
     }
 
+    /// Samples a second so far by the stamps of a board; `None` where there are none, or too few.
+    fn measured_rate_hz(&self) -> Option<f64> {
+        None
+    }
+
     /// The next chunk, `None` at the end.
     ///
     /// # Errors

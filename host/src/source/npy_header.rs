@@ -275,8 +275,9 @@ impl Dictionary<'_> {
     }
 }
 
-/// More columns than any instrument here has axes: a transposed array.
-const MOST_COLUMNS: usize = 64;
+/// Most columns that are taken for axes: more than any instrument here has; more are a transposed
+/// array. Each axis costs a megabyte and a thread.
+pub const MOST_COLUMNS: usize = 64;
 
 #[cfg(test)]
 mod tests {

@@ -65,7 +65,8 @@ fn whole(path: &str, options: &ArrayOptions) -> Result<Box<dyn Source>, SourceEr
         .read_to_end(&mut start)
         .map_err(io)?;
     if start.starts_with(CAPTURE_START) {
-        return capture(path, options);
+        let source = CaptureSource::open(Path::new(path))?;
+        return capture(path, source, options);
     }
     if start.starts_with(MAGIC) {
         let table = || Ok(Box::new(NpyTable::open(Path::new(path), path)?) as Box<dyn Table>);
@@ -80,7 +81,11 @@ fn whole(path: &str, options: &ArrayOptions) -> Result<Box<dyn Source>, SourceEr
 }
 
 /// A capture, which says itself what an array file does not.
-fn capture(path: &str, options: &ArrayOptions) -> Result<Box<dyn Source>, SourceError> {
+fn capture(
+    path: &str,
+    source: CaptureSource,
+    options: &ArrayOptions,
+) -> Result<Box<dyn Source>, SourceError> {
     let ArrayOptions {
         rate_hz,
         time,
@@ -111,7 +116,6 @@ fn capture(path: &str, options: &ArrayOptions) -> Result<Box<dyn Source>, Source
             remedy: format!("leave out {option}"),
         });
     }
-    let source = CaptureSource::open(Path::new(path))?;
     Ok(Box::new(Part::new(source, columns, *from_s, *to_s)?))
 }
 
@@ -128,6 +132,10 @@ fn stream(
         remedy: String::new(),
     };
     let start = reader.fill_buf().map_err(io)?.to_vec();
+    if start.starts_with(CAPTURE_START) {
+        let source = CaptureSource::read(reader, Path::new(name))?;
+        return capture(name, source, options);
+    }
     let is_npy = start.starts_with(MAGIC);
     if !is_npy {
         check_text(name, &start)?;

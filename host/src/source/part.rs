@@ -113,6 +113,10 @@ impl<S: Source> Source for Part<S> {
         self.inner.proof()
     }
 
+    fn measured_rate_hz(&self) -> Option<f64> {
+        self.inner.measured_rate_hz()
+    }
+
     fn next_chunk(&mut self) -> Result<Option<Chunk>, SourceError> {
         while !self.ended {
             let kept = match self.inner.next_chunk()? {

@@ -28,7 +28,7 @@ pub const LOWEST_CYCLES: f64 = 0.5 * LOWEST as f64;
 /// Bins beyond the highest ordinate that responses are evaluated in at every node.
 const NEAR: usize = 100;
 
-/// Places within a bin over which [`Run::mean_windows`] averages.
+/// Places within a bin over which [`Run::windows`] averages where they are far.
 const PLACES: usize = 6;
 
 /// Estimate at one frequency from one run.
@@ -59,6 +59,13 @@ struct Place {
     turn: [f64; 2],
     /// What a line of unit norm makes of `sin(2 pi x (n - centre))`.
     line: f64,
+}
+
+/// Frequencies at which the windows of all ordinates of a run are wanted.
+pub struct Places {
+    nodes: Vec<Place>,
+    /// [`PLACES`] for each bin.
+    far: Vec<Place>,
 }
 
 impl Run {
@@ -112,51 +119,33 @@ impl Run {
         panels
     }
 
-    /// Spectral windows (both signs of frequency together, per bin) of all ordinates at all
-    /// nodes: `[ordinate][node]`.
-    pub fn windows(&self, nodes: &Nodes) -> Vec<Vec<f64>> {
-        let places: Vec<Place> = nodes
-            .nodes
-            .iter()
-            .map(|node| self.place(nodes.place(node)))
-            .collect();
-        self.ordinates
-            .iter()
-            .map(|ordinate| {
-                let centre = self.centre(ordinate);
-                places
-                    .iter()
-                    .map(|place| self.window(ordinate, centre, place))
-                    .collect()
-            })
-            .collect()
-    }
-
-    /// Mean spectral windows of all ordinates over the bins around `centres`:
-    /// `[ordinate][centre]`.
-    pub fn mean_windows(&self, centres: &[f64]) -> Vec<Vec<f64>> {
+    /// What the windows of all ordinates share: at `nodes`, and over the bins around `far` centres.
+    pub fn places(&self, nodes: &Nodes, far: &[f64]) -> Places {
         let within =
             |centre: f64| (0..PLACES).map(move |i| centre + (i as f64 + 0.5) / PLACES as f64 - 0.5);
-        let places: Vec<Vec<Place>> = centres
-            .iter()
-            .map(|&centre| within(centre).map(|u| self.place(u)).collect())
-            .collect();
-        self.ordinates
-            .iter()
-            .map(|ordinate| {
-                let centre = self.centre(ordinate);
-                places
-                    .iter()
-                    .map(|places| {
-                        let total: f64 = places
-                            .iter()
-                            .map(|place| self.window(ordinate, centre, place))
-                            .sum();
-                        total / PLACES as f64
-                    })
-                    .collect()
-            })
-            .collect()
+        Places {
+            nodes: nodes
+                .nodes
+                .iter()
+                .map(|node| self.place(nodes.place(node)))
+                .collect(),
+            far: far
+                .iter()
+                .flat_map(|&centre| within(centre).map(|u| self.place(u)))
+                .collect(),
+        }
+    }
+
+    /// Spectral windows (both signs of frequency together, per bin) of an ordinate: at all nodes, then
+    /// the mean ones over the bins around the far centres.
+    ///
+    /// One ordinate after the other: those of a record of two seconds are 4000 at 12 000 nodes.
+    pub fn windows(&self, ordinate: &Ordinate, places: &Places) -> impl Iterator<Item = f64> {
+        let centre = self.centre(ordinate);
+        let at = move |place: &Place| self.window(ordinate, centre, place);
+        let mean = move |around: &[Place]| around.iter().map(at).sum::<f64>() / around.len() as f64;
+        let far = places.far.chunks_exact(PLACES).map(mean);
+        places.nodes.iter().map(at).chain(far)
     }
 
     /// Sine and cosine of `pi k / 2M`.

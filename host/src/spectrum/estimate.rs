@@ -182,7 +182,7 @@ fn record_kernels(
         let nodes = Nodes::new(run.near_bins());
         let far = run.far_panels();
         let centres: Vec<f64> = far.iter().map(|&(centre, _)| centre).collect();
-        let (near, distant) = (run.windows(&nodes), run.mean_windows(&centres));
+        let windowed = run.places(&nodes, &centres);
         let places = nodes
             .nodes
             .iter()
@@ -196,7 +196,7 @@ fn record_kernels(
             kernel.resize(from + shares.len(), 0.0);
             for &(_, index) in members.iter().filter(|(of_run, _)| *of_run == number) {
                 let share = 1.0 / members.len() as f64;
-                let windows = near[index].iter().chain(&distant[index]);
+                let windows = run.windows(&run.ordinates[index], &windowed);
                 let kernel = kernel[from..].iter_mut();
                 for ((total, (_, gain)), window) in kernel.zip(&shares).zip(windows) {
                     *total += share * gain * window;

@@ -7,7 +7,9 @@
 //!
 //! What the host writes reaches the board at an instant of virtual time that follows from what the
 //! host had read by then, never from how fast either thread ran: a record with the same seed and
-//! the same commands is the same on any machine, to the sample at which it ends.
+//! the same commands is the same on any machine, to the sample at which it ends. That holds for the
+//! host's patience, too: it counts parcels, so that a machine that leaves the board's thread no time does
+//! not make the board silent.
 //!
 //! ```text
 //!   board   parcel 0 .. parcel 7 | parcel 8 | parcel 9 ..
@@ -35,7 +37,7 @@ pub use shaken::Hidden;
 
 use self::port::VirtualPort;
 use self::shaken::Shaken;
-use crate::link::{Connect, LinkError, Port};
+use crate::link::{Clock, Connect, LinkError, Port};
 
 /// Transmit queue of the board, bytes; that of the image.
 const QUEUE: usize = 4096;
@@ -43,6 +45,9 @@ const QUEUE: usize = 4096;
 /// Steps of the instrument after which a parcel leaves, empty or not: 50 ms of a board at rest, of
 /// one that streams some 100 conversions. Much work compared with handing it over, and no long wait.
 const STEPS: u32 = 200;
+
+/// What a parcel counts as for who waits for the board: the time of one at rest.
+const PARCEL: Duration = Duration::from_millis(50);
 
 /// Parcels that the board is ahead of the host. Enough that neither thread waits for the other
 /// where both are as fast; a command waits 0.4 s of a board at rest, well inside the patience for
@@ -84,6 +89,8 @@ pub struct VirtualConnect {
     pub hidden: Option<Hidden>,
     /// Where the converters' words are noted down, if anywhere.
     pub witness: Option<Witness>,
+    /// The board's time as its host sees it: with every parcel that it reads.
+    pub clock: Clock,
 }
 
 impl VirtualConnect {
@@ -98,6 +105,7 @@ impl VirtualConnect {
             restarts: Vec::new(),
             hidden: None,
             witness: None,
+            clock: Clock::counted(),
         }
     }
 
@@ -122,6 +130,10 @@ impl Connect for VirtualConnect {
         true
     }
 
+    fn clock(&self) -> Clock {
+        self.clock.clone()
+    }
+
     fn open(&mut self) -> Result<Box<dyn Port>, LinkError> {
         let (to_host, from_board) = mpsc::channel();
         let (to_board, from_host) = mpsc::channel();
@@ -132,7 +144,11 @@ impl Connect for VirtualConnect {
             ahead: 0,
         };
         thread::spawn(move || power_on(&plan, &mut line));
-        Ok(Box::new(VirtualPort::new(from_board, to_board)))
+        Ok(Box::new(VirtualPort::new(
+            from_board,
+            to_board,
+            self.clock.clone(),
+        )))
     }
 }
 
@@ -174,11 +190,20 @@ fn power_on(plan: &VirtualConnect, line: &mut Line) {
             Some(End::Command) => Restart::Command,
             Some(End::Misfortune(Misfortune { cause, dark, .. })) => {
                 misfortunes.next();
-                thread::sleep(*dark);
+                stay_dark(*dark, &plan.clock);
                 cause.clone()
             }
             None => return,
         };
+    }
+}
+
+/// Nothing comes through the port for so long.
+fn stay_dark(dark: Duration, clock: &Clock) {
+    let until = Instant::now() + dark;
+    while Instant::now() < until {
+        thread::sleep(PARCEL);
+        clock.pass(PARCEL);
     }
 }
 
@@ -272,11 +297,15 @@ mod tests {
 
     /// A record of a second by a host that rests for so long after every chunk.
     fn record(rest: Duration) -> Vec<Chunk> {
+        record_of(VirtualConnect::published(SEED, 0.0), rest)
+    }
+
+    fn record_of(connect: VirtualConnect, rest: Duration) -> Vec<Chunk> {
         let plan = Plan {
             samples: Some(2000),
             ..Plan::default()
         };
-        let connect = Box::new(VirtualConnect::published(SEED, 0.0));
+        let connect = Box::new(connect);
         let mut source =
             BoardSource::start(connect, plan, None, Stop::default()).expect("a virtual board");
         let mut chunks = Vec::new();
@@ -301,5 +330,31 @@ mod tests {
         assert!(counts[0] >= 2000, "seed {SEED}: {counts:?} samples");
         // To the last sample: when the board stops follows from what the host had read.
         assert!(fast == slow, "seed {SEED}: {counts:?} samples");
+    }
+
+    /// A machine that left the board's thread no time for longer than the host is patient made the
+    /// board silent: it was asked again, and started again.
+    #[test]
+    fn a_board_that_gets_no_time_records_what_a_fast_one_does() {
+        /// Longer than the silence that a host bears, and than three waits for a reply.
+        const HELD_UP: Duration = Duration::from_millis(4700);
+        let witness = Witness::default();
+        let (held, holds) = mpsc::channel();
+        let holder = Arc::clone(&witness);
+        let holding = thread::spawn(move || {
+            let words = holder.lock();
+            held.send(()).expect("awaited");
+            thread::sleep(HELD_UP);
+            drop(words);
+        });
+        holds.recv().expect("held");
+        // The thread stands still at its first word.
+        let board = VirtualConnect {
+            witness: Some(witness),
+            ..VirtualConnect::published(SEED, 0.0)
+        };
+        let slow = record_of(board, Duration::ZERO);
+        holding.join().expect("no panic");
+        assert!(slow == record(Duration::ZERO), "seed {SEED}");
     }
 }

@@ -4,6 +4,9 @@ use std::io::{self, Read, Write};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
 use std::time::{Duration, Instant};
 
+use super::PARCEL;
+use crate::link::Clock;
+
 /// How long one read waits for the board's thread.
 const READ_TIMEOUT: Duration = Duration::from_millis(50);
 
@@ -17,12 +20,18 @@ pub(super) struct VirtualPort {
     asked: bool,
     parcel: Vec<u8>,
     at: usize,
+    clock: Clock,
 }
 
 impl VirtualPort {
     /// The end of a line on which nothing has been said.
-    pub(super) fn new(from_board: Receiver<Vec<u8>>, to_board: Sender<Vec<u8>>) -> Self {
+    pub(super) fn new(
+        from_board: Receiver<Vec<u8>>,
+        to_board: Sender<Vec<u8>>,
+        clock: Clock,
+    ) -> Self {
         Self {
+            clock,
             from_board,
             to_board,
             written: Vec::new(),
@@ -49,6 +58,7 @@ impl VirtualPort {
                 RecvTimeoutError::Disconnected => io::ErrorKind::BrokenPipe,
             })?;
         self.asked = false;
+        self.clock.pass(PARCEL);
         Ok(parcel)
     }
 }

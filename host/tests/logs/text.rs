@@ -142,13 +142,13 @@ fn damaged() -> Vec<Log> {
     vec![
         Log {
             samples: ROWS - 1,
-            news: "line 4001 is cut off by the end of the file and left out",
+            news: "line 9001 is cut off by the end of the file and left out",
             text: cut[..cut.len() - 12].to_owned(),
             ..Log::new("a last line that is cut off", "--time t", String::new())
         },
         Log {
             samples: ROWS - 1,
-            news: "line 4001 is cut off",
+            news: "line 9001 is cut off",
             text: cut[..cut.len() - 4].to_owned(),
             ..Log::new("a last number that is cut off", "--time t", String::new())
         },

@@ -229,8 +229,8 @@ fn delays() -> Vec<Log> {
             ..log("a real gap", &lacks(1000, 300), &even)
         },
         Log {
-            lost: 40,
-            gaps: 40,
+            lost: ROWS / 100,
+            gaps: ROWS / 100,
             ..log("every hundredth lost", &|index| index % 100 != 50, &even)
         },
     ]

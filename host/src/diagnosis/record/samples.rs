@@ -6,6 +6,7 @@
 use std::ops::Range;
 
 use crate::bins::record::Account;
+use crate::bins::unusable::Unusable;
 use crate::diagnosis::record::spill::Spilled;
 use crate::signal::Signal;
 use crate::source::{Block, Chunk, Source, SourceError, Values};
@@ -94,6 +95,7 @@ impl Samples {
                     samples.skip((place - length as i128) as usize);
                     samples.push(&block);
                     account.samples += block.len() as u64;
+                    Unusable::enter(&mut account.unusable, &block);
                     progress(samples.len() as u64);
                 }
                 Chunk::Gap(gap) => {

@@ -8,7 +8,7 @@ use super::options::ArrayOptions;
 use super::stamps::{self, Stamps};
 use super::table::Table;
 use super::{Block, Chunk, Column, Gap, Source, SourceError, Values, columns};
-use crate::signal::Signal;
+use crate::signal::{LARGEST, POSSIBLE_RATE, POSSIBLE_RATE_HZ, Signal};
 
 /// Rows read at a time: some hundred kilobytes, whatever the length of the file.
 const ROWS: usize = 8192;
@@ -31,6 +31,8 @@ pub struct ArraySource {
     /// Index that the next sample should have; `None` before the first.
     expected: Option<u64>,
     ready: VecDeque<Chunk>,
+    /// Infinite numbers among the samples so far, and where the first one stands.
+    infinite: (u64, Option<String>),
 }
 
 impl ArraySource {
@@ -80,6 +82,7 @@ impl ArraySource {
             part,
             expected: None,
             ready: notes.into_iter().map(Chunk::News).collect(),
+            infinite: (0, None),
         })
     }
 
@@ -89,6 +92,7 @@ impl ArraySource {
             Some(columns) => columns,
             None => self.table.read(ROWS)?,
         };
+        self.look(&columns)?;
         let read = columns.first().map_or(0, Values::len) as u64;
         // A file that is still written to has more rows by now than were placed.
         let placed = self.stamps.as_ref().map_or(u64::MAX, |stamps| stamps.rows);
@@ -96,6 +100,8 @@ impl ArraySource {
         if rows.is_empty() {
             let notes = self.table.notes().into_iter().map(Chunk::News);
             self.ready.extend(notes);
+            let infinite = self.infinite_words().map(Chunk::News);
+            self.ready.extend(infinite);
             return Ok(false);
         }
         self.row = rows.end;
@@ -106,6 +112,45 @@ impl ArraySource {
             last = index;
         }
         Ok(last < self.part.end)
+    }
+
+    /// Counts infinite numbers, and refuses those whose squares would overflow: no quantity is as
+    /// large, and one of them among others would hide them all.
+    fn look(&mut self, columns: &[Values]) -> Result<(), SourceError> {
+        for (axis, values) in self.signal.axes.iter().zip(columns) {
+            let Values::Floats(floats) = values else {
+                continue;
+            };
+            let infinite = |value: &f64| value.is_infinite();
+            if let Some(at) = floats.iter().position(infinite) {
+                self.infinite.0 +=
+                    floats[at..].iter().filter(|value| infinite(value)).count() as u64;
+                let place = || {
+                    let place = self.table.place(self.row + at as u64);
+                    format!("{place}, column {}", axis.name)
+                };
+                self.infinite.1.get_or_insert_with(place);
+            }
+            let too_large = |value: &f64| value.is_finite() && value.abs() > LARGEST;
+            if let Some(at) = floats.iter().position(too_large) {
+                return Err(SourceError {
+                    place: self.table.place(self.row + at as u64),
+                    message: format!(
+                        "{:e} in column {}; expected numbers up to {LARGEST:e}",
+                        floats[at], axis.name
+                    ),
+                    remedy: "correct the cell, or mark the sample as missing (nan)".into(),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// What there is to say of infinite numbers at the end, if there were any.
+    fn infinite_words(&mut self) -> Option<String> {
+        let (count, first) = std::mem::take(&mut self.infinite);
+        first
+            .map(|first| format!("{count} infinite numbers count as missing, the first in {first}"))
     }
 
     /// The parts of `rows` without a gap within, each with the index of its first.
@@ -191,10 +236,10 @@ fn rate(name: &str, options: &ArrayOptions) -> Result<f64, SourceError> {
         remedy: remedy.to_owned(),
     };
     match options.rate_hz {
-        Some(rate_hz) if rate_hz.is_finite() && rate_hz > 0.0 => Ok(rate_hz),
+        Some(rate_hz) if POSSIBLE_RATE_HZ.contains(&rate_hz) => Ok(rate_hz),
         Some(rate_hz) => Err(bad(
-            format!("a rate of {rate_hz} samples a second"),
-            "--rate takes a number above zero",
+            format!("a rate of {rate_hz:?} samples a second; expected {POSSIBLE_RATE}"),
+            "give --rate HZ as it is",
         )),
         None => Err(bad(
             "the file does not say how fast it was sampled".into(),

@@ -1,5 +1,6 @@
 //! A board as a source: on a serial port, or virtual.
 
+mod begin;
 mod plan;
 mod resume;
 mod same;
@@ -8,16 +9,16 @@ mod talk;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use inm_protocol::{AXES, Identity, Note, REGISTERS, Request, Settings};
-use jiff::Timestamp;
+use inm_protocol::{Identity, Note, Request};
 
+use self::begin::{Begun, begin, keep_from};
 use self::resume::{Broken, Search, now_ms};
-use self::talk::{Failed, Talk};
+use self::talk::{Failed, Keep, Talk};
 use super::assemble::Losses;
 use super::audit::Proof;
 use super::frames::{Frames, Status};
 use super::{Chunk, Gap, Source, SourceError};
-use crate::capture::{Header, Writer, note_frame};
+use crate::capture::{CaptureError, Header, Writer, note_frame};
 use crate::link::{Client, Connect, open_to_record};
 use crate::signal::Signal;
 
@@ -56,44 +57,46 @@ impl BoardSource {
     /// # Errors
     /// What the link or the capture file says.
     pub fn start(
-        mut connect: Box<dyn Connect>,
+        connect: Box<dyn Connect>,
         plan: Plan,
         capture: Option<&Path>,
         stop: Stop,
     ) -> Result<Self, SourceError> {
+        if let Some(path) = capture {
+            // Before the board is asked for anything; creating it asks again.
+            Writer::check_new(path)?;
+        }
+        let create = capture.map(|path| move |header: &Header| Writer::create(path, header));
+        Self::start_into(connect, plan, create, stop)
+    }
+
+    /// As [`BoardSource::start`], with the capture that `create` makes for its header.
+    ///
+    /// # Errors
+    /// As [`BoardSource::start`], and what `create` says.
+    pub fn start_into(
+        mut connect: Box<dyn Connect>,
+        plan: Plan,
+        create: Option<impl FnOnce(&Header) -> Result<Writer, CaptureError>>,
+        stop: Stop,
+    ) -> Result<Self, SourceError> {
         let mut client = {
             let port = open_to_record(connect.as_mut())?;
-            Client::new(port, connect.name(), plan.patience)
+            Client::new(port, connect.name(), plan.patience).by(connect.clock())
         };
-        let mut frames = Frames::default();
-        let mut talk = Talk {
-            client: &mut client,
-            frames: &mut frames,
-            capture: None,
-        };
+        let Begun {
+            identity,
+            header,
+            frames,
+            early,
+        } = begin(&mut client, &plan)?;
+        let capture = create.map(|create| keep_from(&header, &early, create));
+        let capture = capture.transpose().inspect_err(|_| {
+            // Nobody listens to what it streams.
+            let _ = client.tell(Request::Stop);
+        })?;
 
-        let _: Identity = talk.ask(Request::Identify)?;
-        // A board left streaming by an earlier host first comes to rest.
-        let () = talk.ask(Request::Stop)?;
-        if let Some(settings) = plan.settings {
-            let _: Settings = talk.ask(Request::Configure(settings))?;
-        }
-        let identity: Identity = talk.ask(Request::Identify)?;
-        let registers: [[u8; REGISTERS]; AXES] = talk.ask(Request::ReadRegisters)?;
-
-        let header = Header::new(&identity, registers, Timestamp::now().to_string());
-        let mut capture = capture
-            .map(|path| Writer::create(path, &header))
-            .transpose()?;
-        // Only what comes after the start command belongs to the record.
-        frames = Frames::default();
-        let mut talk = Talk {
-            client: &mut client,
-            frames: &mut frames,
-            capture: capture.as_mut(),
-        };
-        let _: Settings = talk.ask(Request::Start)?;
-
+        let heard_at = client.now();
         let name = connect.name();
         let signal = header.signal(Path::new(&name))?;
         Ok(Self {
@@ -108,7 +111,7 @@ impl BoardSource {
             stop,
             ended: false,
             search: None,
-            heard: (0, Instant::now()),
+            heard: (0, heard_at),
             asked: None,
             failure: None,
         })
@@ -155,6 +158,9 @@ impl BoardSource {
     }
 
     fn read_more(&mut self) -> Result<(), SourceError> {
+        if let Some(capture) = &mut self.capture {
+            capture.sync_if_due(Instant::now())?;
+        }
         if let Some(search) = self.search.take() {
             return self.look(search);
         }
@@ -192,6 +198,7 @@ impl BoardSource {
         // The board may be gone for good; what was recorded stands either way.
         let stopped: Result<(), Failed> = self.talk().ask(Request::Stop);
         self.note(Note::End { unix_ms: now_ms() })?;
+        self.bring_to_disk()?;
         self.frames.finish();
         Ok(stopped?)
     }
@@ -204,8 +211,15 @@ impl BoardSource {
             talk.capture = None;
             let _: Result<(), Failed> = talk.ask(Request::Stop);
         }
+        // Whatever broke the recording off, what it has stays; the first failure is the one to tell.
+        let _ = self.bring_to_disk();
         self.frames.finish();
         self.failure.get_or_insert(error);
+    }
+
+    /// All of the capture, at its end.
+    fn bring_to_disk(&mut self) -> Result<(), CaptureError> {
+        self.capture.as_mut().map_or(Ok(()), Writer::sync)
     }
 
     /// A note for the capture, which a replay hears as we do.
@@ -217,7 +231,10 @@ impl BoardSource {
         Talk {
             client: &mut self.client,
             frames: &mut self.frames,
-            capture: self.capture.as_mut(),
+            capture: self
+                .capture
+                .as_mut()
+                .map(|capture| capture as &mut dyn Keep),
         }
     }
 
@@ -247,6 +264,10 @@ impl Source for BoardSource {
 
     fn proof(&self) -> Option<Proof> {
         Some(self.frames.proof())
+    }
+
+    fn measured_rate_hz(&self) -> Option<f64> {
+        self.frames.measured_rate_hz(self.header.board.timer_hz)
     }
 
     /// The next chunk. What arrived before an error is delivered before the error is.

@@ -68,9 +68,9 @@ impl BoardSource {
     pub(super) fn trouble(&mut self) -> Option<Broken> {
         let intact = self.frames.intact();
         if intact != self.heard.0 {
-            self.heard = (intact, Instant::now());
+            self.heard = (intact, self.client.now());
         }
-        let since = self.heard.1.elapsed();
+        let since = self.client.now().duration_since(self.heard.1);
         if self.frames.status().stopped {
             Some(Broken::Stopped)
         } else {
@@ -126,7 +126,8 @@ impl BoardSource {
             self.ask_to_stream()
         } else {
             let port = open_to_record(self.connect.as_mut())?;
-            self.client = Client::new(port, self.connect.name(), self.plan.patience);
+            self.client =
+                Client::new(port, self.connect.name(), self.plan.patience).by(self.connect.clock());
             *open = true;
             self.recognise().and_then(|()| self.ask_to_stream())
         };
@@ -148,7 +149,7 @@ impl BoardSource {
             }
         }
         streams?;
-        self.heard = (self.frames.intact(), Instant::now());
+        self.heard = (self.frames.intact(), self.client.now());
         self.note(Note::StreamBack { unix_ms: now_ms() })
     }
 
@@ -188,9 +189,9 @@ impl BoardSource {
     /// Whether the board streams on, as it does when only the cable was away.
     fn hears_samples(&mut self) -> Result<bool, Failed> {
         let before = self.frames.next_index();
-        let deadline = Instant::now() + NEXT_BATCH;
+        let deadline = self.client.now() + NEXT_BATCH;
         let mut buf = [0; 4096];
-        while Instant::now() < deadline {
+        while self.client.now() < deadline {
             let len = self.client.read(&mut buf)?;
             self.talk().arrived(&buf[..len])?;
             if self.frames.next_index() != before {

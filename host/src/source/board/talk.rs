@@ -31,7 +31,26 @@ impl From<Failed> for SourceError {
 pub(super) struct Talk<'a> {
     pub(super) client: &'a mut Client,
     pub(super) frames: &'a mut Frames,
-    pub(super) capture: Option<&'a mut Writer>,
+    pub(super) capture: Option<&'a mut dyn Keep>,
+}
+
+/// Where the bytes of a record go.
+pub(super) trait Keep {
+    fn keep(&mut self, bytes: &[u8]) -> Result<(), CaptureError>;
+}
+
+impl Keep for Writer {
+    fn keep(&mut self, bytes: &[u8]) -> Result<(), CaptureError> {
+        self.append(bytes)
+    }
+}
+
+/// What comes before the header of the capture is known.
+impl Keep for Vec<u8> {
+    fn keep(&mut self, bytes: &[u8]) -> Result<(), CaptureError> {
+        self.extend_from_slice(bytes);
+        Ok(())
+    }
 }
 
 impl Talk<'_> {
@@ -42,7 +61,7 @@ impl Talk<'_> {
             capture,
         } = self;
         let answer = client.request(request, |bytes, id| -> Result<Option<Reply>, Failed> {
-            keep(bytes, frames, capture.as_deref_mut())?;
+            keep(bytes, frames, capture)?;
             Ok(frames.take_reply(id))
         });
         let answer = match (answer, frames.status().foreign_version) {
@@ -53,16 +72,22 @@ impl Talk<'_> {
     }
 
     pub(super) fn arrived(&mut self, bytes: &[u8]) -> Result<(), Failed> {
-        keep(bytes, self.frames, self.capture.as_deref_mut())
+        keep(bytes, self.frames, &mut self.capture)
     }
 }
 
 /// Into the capture first: what cannot be decoded is worth keeping too.
-fn keep(bytes: &[u8], frames: &mut Frames, capture: Option<&mut Writer>) -> Result<(), Failed> {
+fn keep(
+    bytes: &[u8],
+    frames: &mut Frames,
+    capture: &mut Option<&mut dyn Keep>,
+) -> Result<(), Failed> {
     if bytes.is_empty() {
         return Ok(());
     }
-    let written = capture.map_or(Ok(()), |capture| capture.append(bytes));
+    let written = capture
+        .as_mut()
+        .map_or(Ok(()), |capture| capture.keep(bytes));
     frames.push(bytes);
     Ok(written?)
 }

@@ -5,6 +5,7 @@ use super::super::{SourceError, header};
 use super::cells::{Separator, is_row, is_words};
 use super::lines::Line;
 use super::way::way;
+use crate::plain::is_plain;
 
 /// How a file is written.
 #[derive(Debug, Clone, PartialEq)]
@@ -100,8 +101,9 @@ impl Shape {
 
     fn check_names(&mut self, name: &str, line: Option<u64>) -> Result<(), SourceError> {
         let place = || line.map_or(name.to_owned(), |line| format!("{name}:{line}"));
-        let is_plain = |one: &String| !one.chars().any(char::is_control);
-        if !self.names.iter().flatten().all(is_plain) {
+        // Columns without a name go by their number.
+        let is_named = |one: &String| one.is_empty() || is_plain(one);
+        if !self.names.iter().flatten().all(is_named) {
             return Err(SourceError {
                 place: place(),
                 message: "a column's name holds control characters".into(),

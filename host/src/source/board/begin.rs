@@ -1,0 +1,73 @@
+//! The beginning of a recording: the board is set up and started, and the header says what it then
+//! says of itself.
+
+use inm_protocol::{AXES, Identity, REGISTERS, Request, Settings};
+use jiff::Timestamp;
+
+use super::plan::Plan;
+use super::talk::{Failed, Keep, Talk};
+use crate::capture::{CaptureError, Header, RegistersOf, Writer};
+use crate::link::{Client, LinkError};
+use crate::source::frames::Frames;
+
+/// A board that streams.
+pub(super) struct Begun {
+    pub(super) identity: Identity,
+    pub(super) header: Header,
+    pub(super) frames: Frames,
+    /// What has arrived since the start command.
+    pub(super) early: Vec<u8>,
+}
+
+/// Checks the version, sets the board up and starts it.
+pub(super) fn begin(client: &mut Client, plan: &Plan) -> Result<Begun, Failed> {
+    let mut frames = Frames::default();
+    let mut talk = Talk {
+        client,
+        frames: &mut frames,
+        capture: None,
+    };
+    let _: Identity = talk.ask(Request::Identify)?;
+    // A board left streaming by an earlier host first comes to rest.
+    let () = talk.ask(Request::Stop)?;
+    if let Some(settings) = plan.settings {
+        let _: Settings = talk.ask(Request::Configure(settings))?;
+    }
+    let identity: Identity = talk.ask(Request::Identify)?;
+    let before: [[u8; REGISTERS]; AXES] = talk.ask(Request::ReadRegisters)?;
+
+    // Only what comes after the start command belongs to the record.
+    let (mut frames, mut early) = (Frames::default(), Vec::new());
+    let created = Timestamp::now().to_string();
+    let mut talk = Talk {
+        client,
+        frames: &mut frames,
+        capture: Some(&mut early as &mut dyn Keep),
+    };
+    let _: Settings = talk.ask(Request::Start)?;
+    // The start resets the converters and writes the settings.
+    let registers = match talk.ask(Request::ReadRegisters) {
+        Ok(registers) => (registers, RegistersOf::Record),
+        Err(Failed::Link(LinkError::Refused { .. })) => (before, RegistersOf::BeforeTheStart),
+        Err(failed) => return Err(failed),
+    };
+    let header = Header::new(&identity, registers, created);
+    frames.begin(header.board.clock);
+    Ok(Begun {
+        identity,
+        header,
+        frames,
+        early,
+    })
+}
+
+/// The capture that `create` makes, with what has arrived before its header was known.
+pub(super) fn keep_from(
+    header: &Header,
+    early: &[u8],
+    create: impl FnOnce(&Header) -> Result<Writer, CaptureError>,
+) -> Result<Writer, CaptureError> {
+    let mut capture = create(header)?;
+    capture.append(early)?;
+    Ok(capture)
+}

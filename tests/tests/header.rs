@@ -1,0 +1,129 @@
+//! What the header of a capture says is what was: of the record itself, not of a time before it.
+
+use std::path::Path;
+
+use inm_host::internals::capture::{ClockSource, Reader, RegistersOf};
+use inm_host::internals::source::Source;
+use inm_host::internals::source::board::{BoardSource, Plan, Stop};
+use inm_host::internals::source::capture::CaptureSource;
+use inm_host::internals::virtual_board::VirtualConnect;
+use inm_host::{AnalysisOptions, Report, analyse};
+use inm_protocol::{Decoder, Filter, Phase, Rate, Restart, Settings, ToHost};
+use inm_tests::record::Record;
+
+/// Not the board's own: its registers differ from those of a board that has just been switched on.
+const SETTINGS: Settings = Settings {
+    rate: Rate::Sps500,
+    filter: Filter::Fir {
+        phase: Phase::Minimum,
+        high_pass: Some(0x1234),
+    },
+};
+
+fn record(path: &Path) {
+    let plan = Plan {
+        settings: Some(SETTINGS),
+        samples: Some(2000),
+        ..Plan::default()
+    };
+    let board = Box::new(VirtualConnect::published(4, 0.0));
+    let mut live = BoardSource::start(board, plan, Some(path), Stop::default())
+        .expect("the virtual board starts");
+    assert!(Record::read(&mut live).error.is_none());
+}
+
+/// The capture with a text of its header replaced.
+fn edited(path: &Path, from: &str, to: &str) {
+    let bytes = std::fs::read(path).expect("a capture");
+    let at = bytes
+        .windows(from.len())
+        .position(|part| part == from.as_bytes());
+    let at = at.unwrap_or_else(|| panic!("`{from}` is in the header"));
+    let whole = [&bytes[..at], to.as_bytes(), &bytes[at + from.len()..]].concat();
+    std::fs::write(path, whole).expect("written");
+}
+
+#[test]
+fn the_registers_are_those_of_the_record() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("run.inmcap");
+    record(&path);
+    let header = Reader::open(&path).expect("a capture").header().clone();
+    // What the board read back while it streamed, as its health records say.
+    let bytes = std::fs::read(&path).expect("a capture");
+    let mut frames = bytes
+        .splitn(3, |&byte| byte == b'\n')
+        .nth(2)
+        .expect("frames");
+    let mut decoder: Decoder = Decoder::default();
+    let mut told = Vec::new();
+    while let Some(message) = decoder.next(&mut frames) {
+        if let Ok(ToHost::Health(health)) = message
+            && health.streaming
+        {
+            told.push(health.registers);
+        }
+    }
+    assert!(!told.is_empty(), "four seconds have health records");
+    for registers in told {
+        assert_eq!(header.registers, registers);
+    }
+    assert_eq!(header.registers_of, RegistersOf::Record);
+    assert_eq!(header.board.restart, Some(Restart::Power));
+    assert_eq!(header.board.clock, ClockSource::Emulated);
+}
+
+#[test]
+fn a_clock_that_is_good_to_a_hundredth_is_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("run.inmcap");
+    record(&path);
+    let told = |path: &Path| {
+        let mut source = CaptureSource::open(path).expect("a capture");
+        Record::read(&mut source).tells("internal oscillator")
+    };
+    assert!(!told(&path));
+    edited(&path, "\"clock\":\"emulated\"", "\"clock\":\"internal\"");
+    assert!(told(&path));
+}
+
+#[test]
+fn the_rate_by_the_stamps_is_measured_and_compared() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("run.inmcap");
+    record(&path);
+    let analysis = || {
+        let mut source = CaptureSource::open(&path).expect("a capture");
+        let analysis = analyse(&mut source, &AnalysisOptions::default(), |_| {});
+        let analysis = analysis.expect("an analysis");
+        assert_eq!(source.measured_rate_hz(), analysis.source.measured_rate_hz);
+        analysis
+    };
+    let sound = analysis();
+    let measured_hz = sound
+        .source
+        .measured_rate_hz
+        .expect("four seconds of stamps");
+    // A tick of the stamps at either end, of four seconds.
+    assert!((measured_hz / 500.0 - 1.0).abs() < 1e-6, "{measured_hz}");
+    assert!(!sound.text().contains("stamps"), "{}", sound.text());
+
+    // The same stamps by a timer that is 1000 ppm faster.
+    let header = Reader::open(&path).expect("a capture").header().clone();
+    let timer_hz = header.board.timer_hz;
+    let faster = timer_hz + timer_hz / 1000;
+    edited(
+        &path,
+        &format!("\"timer_hz\":{timer_hz}"),
+        &format!("\"timer_hz\":{faster}"),
+    );
+    let off = analysis();
+    let measured_hz = off.source.measured_rate_hz.expect("four seconds of stamps");
+    assert!((measured_hz / 500.5 - 1.0).abs() < 1e-6, "{measured_hz}");
+    let told = off.text();
+    assert!(
+        told.contains("500.5000/s, +1000 ppm from the rate"),
+        "{told}"
+    );
+    assert!(off.page().contains("+1000 ppm from the rate"));
+}
