@@ -23,8 +23,13 @@ const GUARD_BEFORE: u64 = 31;
 /// Samples after a clipped word until the converter is clean again (SBAS378D, page 12).
 const GUARD_AFTER: u64 = 62;
 
-/// Samples that are held where the board says nothing of itself: twice what a notice may spoil.
-pub const HELD: u64 = 2 * UNPROVEN_PERIODS;
+/// Conversions that may have passed between a slipped bit and its notice on a board of 0.1.0, whose
+/// captures stay readable; since then it is [`UNPROVEN_PERIODS`], which this includes.
+pub const SLIP_NOTICE: u64 = 540;
+
+/// Samples that are held where the board says nothing of itself: what a notice may spoil, and some
+/// batches on their way.
+pub const HELD: u64 = 640;
 
 /// Samples that are held at most until the board has confirmed that all its notices have arrived,
 /// as it does once a second: two seconds at 4000/s, so that one health record may be lost, too.
@@ -186,7 +191,7 @@ impl Assembler {
     /// about them.
     pub fn confirm(&mut self, index: u64, to_the_end: bool) {
         let index = index.wrapping_add(self.offset).min(self.next_index());
-        let late = if to_the_end { 0 } else { UNPROVEN_PERIODS };
+        let late = if to_the_end { 0 } else { SLIP_NOTICE };
         self.confirmed = Some(index.saturating_sub(late));
         self.lossy = false;
     }

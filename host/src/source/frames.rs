@@ -1,10 +1,10 @@
 //! The one path from bytes to samples: live, from a capture, from the virtual board.
 
 use inm_protocol::{
-    Answer, Batch, Decoder, Event, Fault, Health, Note, Reply, ToHost, UNPROVEN_PERIODS,
+    Answer, Batch, Decoder, Event, Fault, Health, Note, Reply, ToHost, Trouble, UNPROVEN_PERIODS,
 };
 
-use super::assemble::{Assembler, Losses};
+use super::assemble::{Assembler, Losses, SLIP_NOTICE};
 use super::audit::{Audit, Proof, State};
 use super::interruption::{Clock, Interruption};
 use super::told::Told;
@@ -171,7 +171,11 @@ impl Frames {
     fn event(&mut self, event: Event) {
         self.told.event(&event);
         if let (true, Some(axis)) = (event.trouble.is_reset_for(), event.axis) {
-            self.assembler.spoil(axis, event.index, UNPROVEN_PERIODS);
+            let words = match event.trouble {
+                Trouble::Slipped { .. } => SLIP_NOTICE,
+                _ => UNPROVEN_PERIODS,
+            };
+            self.assembler.spoil(axis, event.index, words);
         }
         let axis = event
             .axis

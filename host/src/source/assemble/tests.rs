@@ -177,22 +177,19 @@ fn a_notice_that_was_lost_spoils_all_since_the_last_confirmation() {
     assembler.miss_notice([false, false, true]);
     assembler.confirm(1280, true);
     assembler.finish();
-    let from = 640 - UNPROVEN_PERIODS;
+    let from = 640 - SLIP_NOTICE;
     assert_eq!(spoilt(&mut assembler), (from..1280).collect::<Vec<_>>());
 }
 
 /// A board that confirms what it says is taken at its word: no confirmation, no trust.
 #[test]
 fn an_end_that_the_board_has_not_confirmed_is_spoilt() {
-    for (lossy, from) in [
-        (false, 640 - UNPROVEN_PERIODS),
-        (true, 320 - UNPROVEN_PERIODS),
-    ] {
+    for (lossy, from) in [(false, 640 - UNPROVEN_PERIODS), (true, 608 - SLIP_NOTICE)] {
         let mut assembler = Assembler::default();
         for seq in 0..20 {
             assembler.push(&batch(seq, 32 * u64::from(seq), 32));
-            if seq == 9 {
-                assembler.confirm(320, false);
+            if seq == 18 {
+                assembler.confirm(608, false);
             }
         }
         if lossy {
