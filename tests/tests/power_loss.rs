@@ -147,7 +147,7 @@ fn after_a_loss_of_power_all_frames_up_to_the_last_sync_are_read() {
     assert!(whole.len() as u64 >= 2000 * SECONDS);
     let syncs = steps.iter().filter(|step| matches!(step, Step::Synced));
     // One a second, the header's and the end's.
-    assert!(syncs.count() as u64 >= SECONDS + 1, "once a second");
+    assert!(syncs.count() as u64 > SECONDS, "once a second");
 
     let (mut synced, mut waiting) = (Vec::new(), Vec::new());
     for step in &steps {
