@@ -40,7 +40,7 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     if !look.is_open(KIND) {
         return Ok(Vec::new());
     }
-    let Some(burst) = even(look) else {
+    let Some(burst) = even(look).filter(|burst| !lasts(look, &burst.range)) else {
         return Ok(Vec::new());
     };
     let axis = look.axis;
@@ -82,7 +82,7 @@ pub fn even(look: &Look<'_>) -> Option<Burst> {
         is_of_excluded(axis, std::slice::from_ref(range))
             || even::p_value(&seen, range) < look.level()
     };
-    (!is_law && !rests && !remains && !of_band() && !lasts(look, range)).then_some(burst)
+    (!is_law && !rests && !remains && !of_band()).then_some(burst)
 }
 
 /// Whether a stretch is as loud as noise whose strength lasts is anyway.
