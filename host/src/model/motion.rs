@@ -2,7 +2,10 @@
 //!
 //! A hand on the block or its cable, people who walk past, a lorry outside. It has no course that a later
 //! record would have again; what stays the same is how strong it was, about which frequencies, and for how long:
-//! bands of noise that are let in between two times.
+//! bands of noise that are let in between two times. What is at rest before and after comes back on the whole: the noise of
+//! a stretch has no mean.
+
+use std::f64::consts::PI;
 
 use super::effect::{Effect, Parameter, Part, Quantity};
 use super::kind::Kind;
@@ -13,7 +16,10 @@ use super::unnamed::Band;
 use super::{Seed, Term};
 
 /// Numbers that describe one band of a stretch.
-const ROW: usize = 6;
+pub const ROW: usize = 6;
+
+/// Place of the step among them.
+pub const STEP: usize = 2;
 
 /// A band of noise that is let in for a while, and a change of the level meanwhile.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -34,7 +40,7 @@ impl Stretch {
         Self {
             time_s: row[0],
             duration_s: row[1],
-            step: row[2],
+            step: row[STEP],
             band: Band::of(&row[3..ROW]),
         }
     }
@@ -46,36 +52,80 @@ impl Stretch {
         (from, to.max(from + 1))
     }
 
-    /// Two-sided density at `f_hz` while it lasts: that of the band, which a stretch of `T` seconds widens by `1/T`.
+    /// Two-sided density at `f_hz` while it lasts: that of the band, which a stretch of `T` seconds widens by `1/T`, less
+    /// that of its mean.
     pub fn density(&self, f_hz: f64, rate_hz: f64) -> f64 {
         let width_hz = self.band.width_hz.hypot(self.duration_s.recip());
-        Band {
+        let band = Band {
             width_hz,
             ..self.band
-        }
-        .spectrum(f_hz, rate_hz)
+        };
+        let half_turn = PI * f_hz * self.duration_s;
+        let of_mean = if half_turn == 0.0 {
+            1.0
+        } else {
+            half_turn.sin() / half_turn
+        };
+        band.spectrum(f_hz, rate_hz) * (1.0 - of_mean * of_mean)
     }
 
     /// What its noise adds to the Allan variance over `m` samples of a record of `samples`, in the mean, where it is
     /// further from both ends than that.
     ///
-    /// Averaged over all places in the record, noise of covariance `c` that lasts for `L` samples has sums over `k`
-    /// samples with a square of `sum over lags t of (k - |t|) (L - |t|) c(t)`, over the number of places.
+    /// Averaged over all places in the record, `(4 S(m) - S(2 m)) / (2 m^2)` of the squares `S(k)` of sums over `k`
+    /// samples, over the number of places.
     fn allan_variance(&self, m: u64, samples: u64, rate_hz: f64) -> f64 {
         let (from, to) = self.samples(rate_hz);
-        let length = (to - from).min(samples);
+        let sums = Sums::new(&self.band, (to - from).min(samples) as usize, rate_hz);
         let places = samples.saturating_sub(2 * m) + 1;
-        // Twice the sum over one side, the middle counted once.
-        let [mut one, mut both] = [0.0, 0.0];
-        for lag in 0..length.min(2 * m) {
-            let sides = if lag == 0 { 1.0 } else { 2.0 };
-            let weighed =
-                sides * (length - lag) as f64 * self.band.covariance(lag as f64 / rate_hz);
-            one += m.saturating_sub(lag) as f64 * weighed;
-            both += (2 * m - lag) as f64 * weighed;
-        }
-        let square = (4.0 * one - both) / places as f64;
+        let m = m as usize;
+        let square = (4.0 * sums.over(m) - sums.over(2 * m)) / places as f64;
         (square / (2.0 * (m as f64).powi(2))).max(0.0)
+    }
+}
+
+/// Sums of the noise of a stretch, whose mean is none.
+struct Sums {
+    /// Mean square of a sum over as many samples of noise that always was there.
+    squares: Vec<f64>,
+}
+
+impl Sums {
+    fn new(band: &Band, length: usize, rate_hz: f64) -> Self {
+        /// Of a covariance that is a part of the first one this small, nothing is left to add: a choice.
+        const NOTHING: f64 = 1e-12;
+        let first = band.covariance(0.0);
+        let (mut squares, mut square, mut growth) = (vec![0.0], 0.0, first);
+        let mut is_over = false;
+        for lag in 1..=length {
+            square += growth;
+            squares.push(square);
+            let lag_s = lag as f64 / rate_hz;
+            is_over |= band.bound(lag_s) < NOTHING * first;
+            if !is_over {
+                growth += 2.0 * band.covariance(lag_s);
+            }
+        }
+        Self { squares }
+    }
+
+    /// Mean square of the sum over `count` samples from `first` on, less their share of the sum over all.
+    fn square(&self, first: usize, count: usize) -> f64 {
+        let v = &self.squares;
+        let length = v.len() - 1;
+        let share = count as f64 / length as f64;
+        let last = first + count;
+        let with_all = v[last] - v[first] + v[length - first] - v[length - last];
+        (v[count] + share * share * v[length] - share * with_all).max(0.0)
+    }
+
+    /// Sum of the squares of the sums over `k` samples at all places.
+    fn over(&self, k: usize) -> f64 {
+        let length = self.squares.len() - 1;
+        // On both ends only a part of the samples is of the stretch.
+        let ends = (1..k.min(length)).map(|count| self.square(0, count));
+        let within = (0..(length + 1).saturating_sub(k)).map(|first| self.square(first, k));
+        2.0 * ends.sum::<f64>() + within.sum::<f64>()
     }
 }
 
@@ -109,6 +159,7 @@ impl Once for Motion {
                 from,
                 to,
                 step: one.step,
+                mean: mean(one.band.generator(rate_hz, own), to - from),
                 noise: one.band.generator(rate_hz, own),
             }
         };
@@ -123,7 +174,20 @@ struct Passing {
     from: u64,
     to: u64,
     step: f64,
+    mean: f64,
     noise: Box<dyn Generator>,
+}
+
+/// Mean of the first `count` samples of some noise.
+fn mean(mut noise: Box<dyn Generator>, count: u64) -> f64 {
+    /// Samples that are made at once: a choice.
+    const BLOCK: u64 = 4096;
+    let blocks = (0..count).step_by(BLOCK as usize).map(|from| {
+        let mut block = vec![0.0; (count - from).min(BLOCK) as usize];
+        noise.add_to(&mut block);
+        block.iter().sum::<f64>()
+    });
+    blocks.sum::<f64>() / count as f64
 }
 
 struct Moved {
@@ -140,6 +204,7 @@ impl Generator for Moved {
             if from < to {
                 let part = &mut samples[(from - first) as usize..(to - first) as usize];
                 one.noise.add_to(part);
+                part.iter_mut().for_each(|sample| *sample -= one.mean);
             }
             // The level goes over in the middle of it.
             let middle = one.from.midpoint(one.to).clamp(first, end);

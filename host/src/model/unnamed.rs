@@ -50,9 +50,13 @@ impl Band {
 
     /// Its covariance at a distance of `lag_s` seconds.
     pub fn covariance(&self, lag_s: f64) -> f64 {
+        self.bound(lag_s) * (TAU * self.f_hz * lag_s).cos()
+    }
+
+    /// What the covariance is at most at that distance and beyond.
+    pub fn bound(&self, lag_s: f64) -> f64 {
         let decayed = self.decay_per_s() * lag_s.abs();
-        let turned = (TAU * self.f_hz * lag_s).cos();
-        self.amplitude.powi(2) * (1.0 + decayed) * (-decayed).exp() * turned
+        self.amplitude.powi(2) * (1.0 + decayed) * (-decayed).exp()
     }
 
     /// Its decay, 1/s.

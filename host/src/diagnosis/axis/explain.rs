@@ -10,8 +10,10 @@ use crate::diagnosis::record::bins::SpectralBins;
 use crate::diagnosis::record::residual::TakenOut;
 use crate::diagnosis::record::wave::Wave;
 use crate::diagnosis::result::estimate::Estimate;
+use crate::diagnosis::result::value::Value;
 use crate::fit::likelihood::{Data, Fit};
 use crate::model::kind::Kind;
+use crate::model::motion;
 
 /// Samples over which a converter's filter spreads a jump, on either side: those of the ADS1281
 /// settle within 63 conversions.
@@ -144,6 +146,19 @@ impl AxisState {
             number += usize::from(is_law);
             !(is_law && numbers.contains(&(number - 1)))
         });
+    }
+
+    /// Takes the levels back that stretches of motion leave; they stay what they are otherwise.
+    pub fn withdraw_levels(&mut self) {
+        let motions = self.explanations.iter_mut();
+        for one in motions.filter(|one| one.kind() == motion::KIND) {
+            if let Change::Happened { waves, .. } = &mut one.change {
+                waves.clear();
+            }
+            for row in one.effect.values.chunks_mut(motion::ROW) {
+                row[motion::STEP] = Some(Value::exact(0.0));
+            }
+        }
     }
 
     /// Leaves out of an explanation's waveforms those of which `is_gone` is true, and the explanation with its last

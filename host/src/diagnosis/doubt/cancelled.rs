@@ -7,10 +7,12 @@
 use super::{Doubt, Hearing};
 use crate::bins::point::Point;
 use crate::diagnosis::axis::{AxisState, NoFit};
+use crate::diagnosis::explanation::Explanation;
 use crate::diagnosis::record::wave::Wave;
 use crate::diagnosis::result::verdict::{GOOD_PERCENT, LEAST_INTERVALS};
 use crate::diagnosis::statistic::allan_curve;
 use crate::model::kind::Kind;
+use crate::model::motion;
 
 /// Standard deviations of the record's own variance by which the sum may be larger: the product of
 /// two independent series strays by one.
@@ -21,6 +23,11 @@ const SIGMAS: f64 = 3.0;
 pub static DOUBT: Doubt = Doubt { tests: 0, hear };
 
 fn hear(hearing: &mut Hearing<'_>) -> Result<(), NoFit> {
+    if levels_are_cancelled(hearing.axis) {
+        // What moved the sensor did so, wherever it lay afterwards.
+        hearing.axis.withdraw_levels();
+        hearing.axis.refresh()?;
+    }
     while let Some(kind) = most_cancelled(hearing.axis) {
         hearing.axis.withdraw(kind);
         hearing.axis.refresh()?;
@@ -30,7 +37,7 @@ fn hear(hearing: &mut Hearing<'_>) -> Result<(), NoFit> {
 
 /// The kind whose courses are largest where the rest cancels most of them, if it does so anywhere.
 fn most_cancelled(axis: &AxisState) -> Option<Kind> {
-    let has_waves = |one: &&crate::diagnosis::explanation::Explanation| !one.waves().is_empty();
+    let has_waves = |one: &&Explanation| !one.waves().is_empty();
     axis.explanations().iter().find(has_waves)?;
     let left = axis.residual.values();
     let curve = |values: &mut [f64]| {
@@ -49,15 +56,7 @@ fn most_cancelled(axis: &AxisState) -> Option<Kind> {
     };
     let all = course(&mut axis.residual.waves().iter());
     let most = (left.len() as u64) / LEAST_INTERVALS;
-    let beyond = measured
-        .iter()
-        .filter(|point| point.m <= most)
-        .map(|point| {
-            let sum = at(&rest, point.m) + at(&all, point.m);
-            let allowed = (1.0 + GOOD_PERCENT / 100.0).powi(2) + SIGMAS * (2.0 / point.edf).sqrt();
-            (point.m, sum / (allowed * point.variance))
-        });
-    let (m, worst) = beyond.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let (m, worst) = loudest(&measured, [&rest, &all], most)?;
     if worst <= 1.0 {
         return None;
     }
@@ -67,6 +66,41 @@ fn most_cancelled(axis: &AxisState) -> Option<Kind> {
     });
     let largest = sizes.max_by(|a, b| a.1.total_cmp(&b.1));
     largest.map(|(kind, _)| kind)
+}
+
+/// Whether the levels that stretches of motion leave are taken back by what is between the stretches: a sensor that
+/// settles slowly to where it was.
+fn levels_are_cancelled(axis: &AxisState) -> bool {
+    let motions = axis.explanations().iter();
+    let motions = motions.filter(|one| one.kind() == motion::KIND);
+    let waves: Vec<&Wave> = motions.flat_map(Explanation::waves).collect();
+    if waves.is_empty() {
+        return false;
+    }
+    let mut levels = vec![0.0; axis.filled.len()];
+    // Taken out of nothing: what is put back, with the other sign.
+    waves.iter().for_each(|wave| wave.take_out(&mut levels));
+    let both: Vec<f64> = levels
+        .iter()
+        .zip(axis.filled.iter())
+        .map(|(level, rest)| rest - level)
+        .collect();
+    let [both, rest, levels] =
+        [&both, &*axis.filled, &levels].map(|values| allan_curve::allan(values, axis.rate_hz));
+    let most = (axis.filled.len() as u64) / LEAST_INTERVALS;
+    loudest(&both, [&rest, &levels], most).is_some_and(|(_, worst)| worst > 1.0)
+}
+
+/// Where two parts together are loudest beside what was measured, up to means over `most` samples, and how loud beside
+/// what may be.
+fn loudest(measured: &[Point], parts: [&[Point]; 2], most: u64) -> Option<(u64, f64)> {
+    let points = measured.iter().filter(|point| point.m <= most);
+    let beyond = points.map(|point| {
+        let sum: f64 = parts.iter().map(|part| at(part, point.m)).sum();
+        let allowed = (1.0 + GOOD_PERCENT / 100.0).powi(2) + SIGMAS * (2.0 / point.edf).sqrt();
+        (point.m, sum / (allowed * point.variance))
+    });
+    beyond.max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// Variance of a curve at `m` samples; zero where it has no such point.

@@ -8,7 +8,7 @@ mod tests;
 use crate::diagnosis::axis::profile::Noise;
 use crate::diagnosis::detect::look::{Lesson, Look, Proposal};
 use crate::diagnosis::detect::{burst, telegraph};
-use crate::diagnosis::explanation::{Candidate, Change};
+use crate::diagnosis::explanation::{Candidate, Change, Explanation};
 use crate::diagnosis::record::wave::{Jump, Wave};
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
@@ -34,7 +34,7 @@ pub fn find(look: &Look<'_>, noise: Noise) -> Option<Jump> {
 pub fn proposals(look: &Look<'_>, first: Jump) -> Vec<Proposal> {
     let axis = look.axis;
     let place = known(look);
-    let mut jumps: Vec<Jump> = axis.residual.jumps().copied().collect();
+    let mut jumps = place.map_or_else(Vec::new, |place| jumps_of(&axis.explanations()[place]));
     let mut pursuit = Pursuit::new(look);
     let new = pursuit.all(first, jumps.len());
     if new.is_empty() {
@@ -83,14 +83,19 @@ pub fn proposals(look: &Look<'_>, first: Jump) -> Vec<Proposal> {
     }))]
 }
 
-/// Number of the explanation that jumps of an axis belong to.
+/// Number of the explanation that jumps of an axis belong to; the levels that a stretch of motion leaves are its own.
 fn known(look: &Look<'_>) -> Option<usize> {
     let mut explanations = look.axis.explanations().iter();
-    explanations.position(|one| {
-        one.waves()
-            .iter()
-            .any(|wave| matches!(wave, Wave::Steps(_)))
-    })
+    explanations.position(|one| !one.happened() && !jumps_of(one).is_empty())
+}
+
+/// Jumps of an explanation.
+fn jumps_of(one: &Explanation) -> Vec<Jump> {
+    let jumps = one.waves().iter().filter_map(|wave| match wave {
+        Wave::Steps(jumps) => Some(jumps.as_slice()),
+        _ => None,
+    });
+    jumps.flatten().copied().collect()
 }
 
 /// Joins new jumps with those that are known: within `reach` samples it is the same one again.
