@@ -280,8 +280,12 @@ impl Effect for Entry {
 
     fn marks(&self, values: &[f64]) -> Vec<Mark> {
         let rows = values.chunks_exact(ROW).map(Stretch::of);
-        rows.map(|one| Mark::Stretch(one.time_s, one.time_s + one.duration_s))
-            .collect()
+        let mut marks: Vec<Mark> = rows
+            .map(|one| Mark::Stretch(one.time_s, one.time_s + one.duration_s))
+            .collect();
+        // The bands of a stretch lie side by side.
+        marks.dedup();
+        marks
     }
 
     fn part(&self, values: &[f64]) -> Part {
