@@ -27,7 +27,9 @@ struct WanderingLine {
 pub fn draw(scene: &Scene, draw: &mut Draw) -> Box<dyn Effect> {
     let f_hz = loop {
         let f_hz = frequency(scene, draw);
-        if (2.0..0.2 * scene.rate_hz).contains(&f_hz) {
+        // In slow records from a twentieth of the rate on: there may be no frequency of 2 Hz.
+        let least_hz = (0.05 * scene.rate_hz).min(2.0);
+        if (least_hz..0.2 * scene.rate_hz).contains(&f_hz) {
             break f_hz;
         }
     };
