@@ -41,7 +41,6 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
-mod alignment;
 mod bench;
 pub mod channel;
 mod command;

@@ -22,8 +22,6 @@ pub enum Image {
     Qemu,
     /// The same, counting its instructions.
     Count,
-    /// The machine below it, filling its stack.
-    Overflow,
 }
 
 impl Image {
@@ -33,7 +31,6 @@ impl Image {
             Self::Board => "inm-board",
             Self::Qemu => "inm-board-qemu",
             Self::Count => "inm-count",
-            Self::Overflow => "inm-overflow",
         }
     }
 
@@ -42,7 +39,6 @@ impl Image {
         match self {
             Self::Board | Self::Qemu => "inm-board",
             Self::Count => "inm-count",
-            Self::Overflow => "inm-overflow",
         }
     }
 
@@ -50,7 +46,7 @@ impl Image {
     pub fn features(self) -> &'static [&'static str] {
         match self {
             Self::Board => &[],
-            Self::Qemu | Self::Count | Self::Overflow => &["--features", "qemu"],
+            Self::Qemu | Self::Count => &["--features", "qemu"],
         }
     }
 

@@ -25,7 +25,6 @@ pub mod part;
 mod stamps;
 pub mod table;
 pub mod text;
-mod told;
 
 pub use error::SourceError;
 
