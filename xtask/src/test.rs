@@ -62,7 +62,8 @@ fn run_all(stages: &mut Stages) -> Result<()> {
 
 /// Has `inm flash` look at the image of the board; its own tests know images that are made up.
 fn flash_takes(image: &Path) -> Result<()> {
-    execute(cargo(&["run", "--package", "inm-host", "--", "flash", "--dry-run"]).arg(image))
+    // The program that the tests have built: a package by itself would be built anew, with other features.
+    execute(cargo(&["run", "--bin", "inm", "--", "flash", "--dry-run"]).arg(image))
 }
 
 /// What was run, and how long it took.
