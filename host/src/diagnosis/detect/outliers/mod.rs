@@ -1,5 +1,6 @@
 //! Outliers: single samples that do not belong.
 
+mod edges;
 pub mod filter;
 mod pursuit;
 mod size_law;
@@ -137,10 +138,24 @@ fn sought(look: &Look<'_>, whole: &Transform, density: &[f64], powers: &Powers) 
             local * look.axis.envelope(n).max(1.0)
         },
     );
-    if look.character.level_switches && !found.outliers.is_empty() {
+    if !look.character.level_switches {
+        let usable = |n| look.axis.usable(n);
+        found = edges::with_edges(found, &with_outliers(look), usable, look.level());
+    } else if !found.outliers.is_empty() {
         // A jump is larger as a jump than as a single sample.
         let jumps = steps::statistic(whole, density);
         found.outliers.retain(|one| !steps::is_jump(&jumps, one));
     }
     found
+}
+
+/// What is left of the record, with its outliers.
+fn with_outliers(look: &Look<'_>) -> Arc<Vec<f64>> {
+    let mut values = look.axis.residual.values();
+    let known = look.axis.residual.outliers();
+    if !known.is_empty() {
+        let values = Arc::make_mut(&mut values);
+        known.iter().for_each(|one| values[one.index] += one.size);
+    }
+    values
 }
