@@ -1,47 +1,29 @@
 //! The bands of noise that a model lacks: one after the other, the one that explains most first.
 //!
-//! A dictionary of peaks, some about zero, is held against the spectrum: how much likelier each would make it with the
+//! A [dictionary](Dictionary) of peaks, some about zero, is held against the spectrum: how much likelier each would make it with the
 //! size that suits it best. The best one is moved until nothing gains and taken in, then all sizes are fitted
 //! together; until the best of the dictionary is worth less than it costs (a matching pursuit, S. Mallat and
 //! Z. Zhang, IEEE Trans. Signal Process. 41, 1993, by likelihood).
 
 use rayon::prelude::*;
 
+use super::dictionary::{Band, Dictionary};
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::laws::gain::Local;
-use crate::diagnosis::laws::rise::Rise;
 use crate::diagnosis::laws::{Law, components};
 use crate::fit::likelihood::scoring::{Range, greatest_beside, maximise_beside};
 use crate::fit::likelihood::{Data, Fit, log_likelihood};
-use crate::model::unnamed;
 use crate::numeric::mixture::add_mixture;
 
 /// Bands, at most: a choice. Twenty octaves with two and a half bands each.
 const MOST: usize = 48;
 
-/// Widths over middle that are tried at first: from hardly a peak to what a bin of the spectrum, 4.4 % wide,
-/// just shows.
-const SHARES: [f64; 6] = [1.0, 0.5, 0.25, 0.12, 0.06, 0.03];
-
-/// Bands about zero an octave of their widths.
-const SHELVES_PER_OCTAVE: f64 = 2.0;
-
-/// Width over frequency of a bin of the spectrum, and a little.
-const BIN_SHARE: f64 = 0.05;
-
-/// Bands of the dictionary that look alike: neighbours are half a width apart, and the next width is twice as large.
-const OVERLAP: f64 = 4.0;
-
 /// Probability of a band too many in a spectrum that has all it needs. That something is missing at all is
 /// known by then, at the family's level.
 const NEEDLESS: f64 = 0.05;
 
-/// Least width over frequency: a quarter of a bin's. The spectrum's bins do not distinguish narrower ones.
-const NARROWEST: f64 = 0.25 * BIN_SHARE;
-
-/// Share of what is measured, over that where it is largest, below which a band does not count in a bin while it is
-/// searched for.
-const COUNTS: f64 = 1e-3;
+/// Least width over frequency: a quarter of that of a bin of the spectrum, 5 %. Its bins do not distinguish narrower ones.
+const NARROWEST: f64 = 0.25 * 0.05;
 
 /// Moves of a band's middle and width, in widths and as logarithms: the coarse first.
 const MOVES: [f64; 3] = [0.25, 0.1, 0.04];
@@ -51,30 +33,6 @@ const MULTIPLIED: usize = 30;
 
 /// Turns of moving, at most, for each size of a move.
 const TURNS: usize = 8;
-
-/// A band about `f_hz`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Band {
-    f_hz: f64,
-    width_hz: f64,
-}
-
-impl Band {
-    fn term(self) -> unnamed::Band {
-        unnamed::Band {
-            f_hz: self.f_hz,
-            width_hz: self.width_hz,
-            amplitude: 1.0,
-        }
-    }
-
-    fn law(self) -> Law {
-        Law {
-            effect: unnamed::KIND,
-            values: vec![self.f_hz, self.width_hz, 1.0],
-        }
-    }
-}
 
 /// A model that lacks nothing.
 pub struct Completed {
@@ -90,8 +48,8 @@ pub struct Completed {
 /// band is worth its cost.
 pub fn fitted(axis: &AxisState, data: &Data, tones: &[Vec<f64>]) -> Option<Completed> {
     let mut search = Search::new(axis, data, tones);
-    let dictionary = search.dictionary();
-    let cost_nats = (dictionary.len() as f64 / (OVERLAP * NEEDLESS)).ln();
+    let dictionary = Dictionary::new(axis, data);
+    let cost_nats = (dictionary.trials() / NEEDLESS).ln();
     while search.bands.len() < MOST && search.add_best(&dictionary, cost_nats).is_some() {}
     search.finish()
 }
@@ -166,50 +124,6 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Bands to begin with, and how they look.
-    fn dictionary(&self) -> Vec<(Band, Local)> {
-        let frequencies = &self.data.f_hz;
-        let (from_hz, to_hz) = (frequencies[0], frequencies[frequencies.len() - 1]);
-        let shelves = (to_hz / from_hz).log2() * SHELVES_PER_OCTAVE;
-        let mut bands: Vec<Band> = (0..=shelves as usize)
-            .map(|step| Band {
-                f_hz: 0.0,
-                width_hz: 2.0 * from_hz * (step as f64 / SHELVES_PER_OCTAVE).exp2(),
-            })
-            .collect();
-        for share in SHARES {
-            let mut f_hz = from_hz;
-            while f_hz < to_hz {
-                bands.push(Band {
-                    f_hz,
-                    width_hz: share * f_hz,
-                });
-                f_hz *= 1.0 + 0.5 * share;
-            }
-        }
-        bands
-            .into_par_iter()
-            .map(|band| (band, self.local(band)))
-            .collect()
-    }
-
-    /// What the bins are expected to be for a band of square 1, where it counts.
-    fn local(&self, band: Band) -> Local {
-        let mut all = self.component(band);
-        // What is far below the peak may stand out of what is measured there.
-        let over = all.iter().zip(&self.data.psd).map(|(own, psd)| own / psd);
-        let over: Vec<f64> = over.collect();
-        let most = over.iter().copied().fold(0.0, f64::max);
-        let counts = |one: &f64| *one >= COUNTS * most;
-        let first = over.iter().position(counts).unwrap_or(0);
-        let end = over.iter().rposition(counts).map_or(0, |last| last + 1);
-        all.truncate(end);
-        Local {
-            first,
-            expected: all.split_off(first),
-        }
-    }
-
     fn expected(&self) -> Vec<f64> {
         let mut expected = vec![0.0; self.data.len()];
         add_mixture(&mut expected, &self.components, &self.squared);
@@ -217,9 +131,10 @@ impl<'a> Search<'a> {
     }
 
     /// Takes in the band that gains most, if that is more than `cost_nats`.
-    fn add_best(&mut self, dictionary: &[(Band, Local)], cost_nats: f64) -> Option<()> {
+    fn add_best(&mut self, dictionary: &Dictionary, cost_nats: f64) -> Option<()> {
         let expected = self.expected();
-        let tried = self.promising(dictionary, &expected)?;
+        let (components, squared) = (&self.components, &self.squared);
+        let tried = dictionary.promising(self.data, &expected, components, squared);
         let before = log_likelihood(self.data, &expected);
         let fits = tried
             .into_par_iter()
@@ -246,37 +161,9 @@ impl<'a> Search<'a> {
         Some(())
     }
 
-    /// Some bands of the dictionary that may gain most: the best by itself, and the best of each breadth where all that
-    /// is there makes room for it.
-    fn promising(&self, dictionary: &[(Band, Local)], expected: &[f64]) -> Option<Vec<Band>> {
-        let rise = Rise::beside_squares(self.data, expected, &self.components, &self.squared);
-        let gains: Vec<[f64; 2]> = dictionary
-            .par_iter()
-            .map(|(_, local)| {
-                let (_, alone) = local.best(self.data, expected);
-                let whole = local.whole(expected.len());
-                [alone, rise.as_ref().map_or(0.0, |rise| rise.of(&whole))]
-            })
-            .collect();
-        let mut best: Vec<Band> = Vec::new();
-        let numbered = || dictionary.iter().zip(&gains);
-        let greatest = |way: usize, own: &dyn Fn(&Band) -> bool| {
-            let own = numbered().filter(|((band, _), gains)| own(band) && gains[way] > 0.0);
-            own.max_by(|a, b| a.1[way].total_cmp(&b.1[way]))
-                .map(|((band, _), _)| *band)
-        };
-        best.extend(greatest(0, &|_| true));
-        best.extend(greatest(1, &|band| band.f_hz == 0.0));
-        for share in SHARES {
-            let is_own = |band: &Band| (band.width_hz / band.f_hz / share - 1.0).abs() < 1e-6;
-            best.extend(greatest(1, &is_own));
-        }
-        (!best.is_empty()).then_some(best)
-    }
-
     /// The likeliest sizes with one more band.
     fn with(&self, band: Band, expected: &[f64]) -> Option<Longer> {
-        let component = self.component(band);
+        let component = band.component(self.axis);
         let whole = Local {
             first: 0,
             expected: component.clone(),
@@ -297,7 +184,7 @@ impl<'a> Search<'a> {
     fn moved(&self, longer: &Longer) -> Band {
         let mut others = vec![0.0; self.data.len()];
         add_mixture(&mut others, &self.components, &longer.squared);
-        let gain = |band: Band| self.local(band).best(self.data, &others).1;
+        let gain = |band: Band| band.local(self.axis, self.data).best(self.data, &others).1;
         let (least_hz, most_hz) = (self.data.f_hz[0], 0.5 * self.axis.rate_hz);
         let mut best = (longer.band, gain(longer.band));
         for size in MOVES {
@@ -325,12 +212,6 @@ impl<'a> Search<'a> {
             }
         }
         best.0
-    }
-
-    /// Expectations of all bins for a band of square 1.
-    fn component(&self, band: Band) -> Vec<f64> {
-        let (bins, term) = (&self.axis.bins, band.term());
-        bins.expect(|f_hz| bins.term_density(&term, f_hz) * self.axis.filters(f_hz))
     }
 
     /// Leaves out bands that are not needed any more.

@@ -6,6 +6,7 @@
 //! model that is right already, and what a name does not explain is not missing from the model.
 
 mod bands;
+mod dictionary;
 
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::laws::departure::departure;
