@@ -42,6 +42,8 @@ const USAGE: &str = "\
 usage: cargo xtask <command>
 
   test       every check and every test; adds the thumb target and unpacks QEMU where they are missing
+  test --quick
+             formatting, lints and the tests of the workspace: no image, no QEMU, nothing installed
   firmware   builds the image for the board and says where it is
   size       flash and RAM of both images, by section and symbol, held to their budgets
   instructions
@@ -71,6 +73,7 @@ fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let result = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["test"] => test::run(),
+        ["test", "--quick"] => test::quick(),
         ["firmware"] => firmware::run(),
         ["size"] => size::run(),
         ["instructions"] => instructions::run(),
