@@ -54,9 +54,11 @@ pub mod fit {
     }
 }
 
-#[cfg(feature = "flash")]
+#[cfg(feature = "image")]
 pub mod flash {
-    pub use crate::flash::{CHIP, Image, program};
+    #[cfg(feature = "flash")]
+    pub use crate::flash::program;
+    pub use crate::flash::{CHIP, Image};
 }
 
 pub mod link {
@@ -123,6 +125,9 @@ pub mod source {
     }
     pub mod capture {
         pub use crate::source::capture::CaptureSource;
+    }
+    pub mod open {
+        pub use crate::source::open::stream;
     }
 }
 

@@ -8,5 +8,6 @@
 pub mod golden;
 pub mod hidden;
 pub mod port;
+pub mod promise;
 pub mod qemu;
 pub mod record;

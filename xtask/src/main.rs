@@ -10,6 +10,8 @@
 //!   bench     the estimators beside other programs, the simulator
 //!   docs      what the README shows of `inm demo`, by `excerpt`
 //!   study     simulations too long for every test run
+//!   fuzz      bytes that a reader does not bear, looked for
+//!   deny      licences of what is linked, and defects that are known
 //!
 //!   image     building an image          elf    reading one
 //!   tools     the target and QEMU        run    running a command
@@ -18,10 +20,12 @@
 //! ```
 
 mod bench;
+mod deny;
 mod docs;
 mod elf;
 mod excerpt;
 mod firmware;
+mod fuzz;
 mod image;
 mod instructions;
 #[cfg(test)]
@@ -52,6 +56,9 @@ usage: cargo xtask <command>
   bench simulator
              samples a second of the simulator alone
   docs       the README's figures and picture of `inm demo`, from the program; a minute
+  fuzz [TARGET] [--seconds N]
+             looks for bytes that a reader does not bear, a minute a target; needs nightly and cargo-fuzz
+  deny       licences of all dependencies, sources, and known defects where their list is at hand
   study intervals
              coverage of the 95 % intervals over thousands of simulated records; minutes
   study diagnose [--seeds N] [--part PART] [--kind KIND] [--strength M]
@@ -80,6 +87,8 @@ fn main() -> ExitCode {
         ["bench"] => bench::run(),
         ["bench", "simulator"] => bench::simulator(),
         ["docs"] => docs::run(),
+        ["fuzz", ref options @ ..] => fuzz::run(options),
+        ["deny"] => deny::run(),
         ["study", "intervals"] => study::intervals(),
         ["study", "diagnose", ref options @ ..] => study::diagnose(options),
         ["study", "everyday", ref options @ ..] => study::everyday(options),

@@ -11,10 +11,10 @@ use anyhow::{Context, Result};
 
 use crate::elf::Elf;
 use crate::image::Image;
-use crate::instructions;
 use crate::run::{cargo, run as execute};
 use crate::size;
 use crate::tools::{QEMU_VARIABLE, TARGET, ensure_qemu, ensure_target, qemu};
+use crate::{deny, fuzz, instructions};
 
 /// Crates that run on the board. Each is checked alone: in a build of the workspace the host's
 /// features leak into what they share.
@@ -83,7 +83,9 @@ fn run_all(stages: &mut Stages) -> Result<()> {
     })?;
     test_workspace(stages)?;
     stages.run("image that `inm flash` takes", || flash_takes(&board))?;
-    stages.run("tests under QEMU", || test_image(&qemu))
+    stages.run("tests under QEMU", || test_image(&qemu))?;
+    stages.run("dependencies", deny::check)?;
+    stages.run("fuzzing", fuzz::check)
 }
 
 /// Has `inm flash` look at the image of the board; its own tests know images that are made up.
