@@ -136,5 +136,5 @@ pub mod spectrum {
 }
 
 pub mod virtual_board {
-    pub use crate::virtual_board::{Misfortune, VirtualConnect, Witness};
+    pub use crate::virtual_board::{AxisWitness, Misfortune, VirtualConnect, Witness};
 }
