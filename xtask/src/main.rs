@@ -59,6 +59,9 @@ usage: cargo xtask <command>
   fuzz [TARGET] [--seconds N]
              looks for bytes that a reader does not bear, a minute a target; needs nightly and cargo-fuzz
   deny       licences of all dependencies, sources, and known defects where their list is at hand
+  night [--hours H] [--seed S] [options]
+             a virtual board at 4000/s to which everything happens, recorded by `inm live`: every sample
+             accounted for, memory flat; 12 hours of samples in some twenty minutes
   study intervals
              coverage of the 95 % intervals over thousands of simulated records; minutes
   study diagnose [--seeds N] [--part PART] [--kind KIND] [--strength M]
@@ -89,6 +92,7 @@ fn main() -> ExitCode {
         ["docs"] => docs::run(),
         ["fuzz", ref options @ ..] => fuzz::run(options),
         ["deny"] => deny::run(),
+        ["night", ref options @ ..] => study::night(options),
         ["study", "intervals"] => study::intervals(),
         ["study", "diagnose", ref options @ ..] => study::diagnose(options),
         ["study", "everyday", ref options @ ..] => study::everyday(options),
