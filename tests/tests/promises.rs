@@ -88,3 +88,11 @@ fn stamps_that_jump_further_than_numbers_go_do_not_run_over() {
     let seed = fs::read(corpus.join("stamps-jump")).expect("the seed");
     promise::of("npy")(&seed);
 }
+
+/// Found by `cargo xtask fuzz npy`: the rate of a record was no number.
+#[test]
+fn stamps_without_a_rate_are_refused() {
+    let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("../fuzz/corpus/npy");
+    let seed = fs::read(corpus.join("no-rate")).expect("the seed");
+    promise::of("npy")(&seed);
+}

@@ -118,7 +118,7 @@ impl FarBench {
                 self.happened.cables_out += 1;
                 let path = cable.path.clone();
                 drop(cable);
-                self.into_the_void(board.as_mut())?;
+                self.send_unheard(board.as_mut())?;
                 cable = Cable::plug(&path)?;
                 out_at = now + self.after(self.weather.cable_s);
             }
@@ -211,7 +211,7 @@ impl FarBench {
     }
 
     /// What the board sends while the cable is out.
-    fn into_the_void(&mut self, board: &mut dyn Port) -> io::Result<()> {
+    fn send_unheard(&mut self, board: &mut dyn Port) -> io::Result<()> {
         let until = Instant::now() + self.away();
         let mut buf = [0; 1 << 14];
         while Instant::now() < until {

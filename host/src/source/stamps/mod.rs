@@ -5,6 +5,7 @@ use super::header;
 use super::options::{ArrayOptions, TimeUnit};
 use super::table::Table;
 use super::{SourceError, Values};
+use crate::signal::{POSSIBLE_RATE, POSSIBLE_RATE_HZ};
 
 /// Rows read at a time: some hundred kilobytes, whatever the length of the file.
 const ROWS: usize = 8192;
@@ -95,6 +96,13 @@ pub fn read(
         .unit(unit, &mut notes)
         .map_err(|(message, remedy)| bad(message, remedy))?;
     let rate_hz = rounded(unit.per_second() / grid.period);
+    // Stamps as far apart as numbers go have no rate, and NaN is none.
+    if !POSSIBLE_RATE_HZ.contains(&rate_hz) {
+        return Err(bad(
+            format!("the time stamps give {rate_hz:?} samples a second; expected {POSSIBLE_RATE}"),
+            "correct the stamps, or give --rate HZ in place of --time".into(),
+        ));
+    }
     let rate_hz = agreed(rate_hz, options.rate_hz, &mut notes)
         .map_err(|(message, remedy)| bad(message, remedy))?;
     let mut lost = 0_u64;
