@@ -1,4 +1,4 @@
-//! Serialised states that were tampered with. `allan/fuzz` tries the same without end.
+//! Serialised states that were tampered with. `cargo xtask fuzz state` tries the same without end.
 
 mod any_state;
 mod size;

@@ -54,9 +54,11 @@ pub mod fit {
     }
 }
 
-#[cfg(feature = "flash")]
+#[cfg(feature = "image")]
 pub mod flash {
-    pub use crate::flash::{CHIP, Image, program};
+    #[cfg(feature = "flash")]
+    pub use crate::flash::program;
+    pub use crate::flash::{CHIP, Image};
 }
 
 pub mod link {
@@ -124,6 +126,9 @@ pub mod source {
     pub mod capture {
         pub use crate::source::capture::CaptureSource;
     }
+    pub mod open {
+        pub use crate::source::open::stream;
+    }
 }
 
 pub mod spectrum {
@@ -131,5 +136,5 @@ pub mod spectrum {
 }
 
 pub mod virtual_board {
-    pub use crate::virtual_board::{Misfortune, VirtualConnect, Witness};
+    pub use crate::virtual_board::{AxisWitness, Misfortune, VirtualConnect, Witness};
 }

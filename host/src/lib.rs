@@ -24,7 +24,7 @@ mod export;
 mod face;
 mod fft;
 mod fit;
-#[cfg(feature = "flash")]
+#[cfg(feature = "image")]
 mod flash;
 #[doc(hidden)]
 #[allow(missing_docs, reason = "each is documented where it is")]

@@ -7,6 +7,9 @@
 
 pub mod golden;
 pub mod hidden;
+#[cfg(unix)]
+pub mod night;
 pub mod port;
+pub mod promise;
 pub mod qemu;
 pub mod record;

@@ -150,7 +150,10 @@ fn a_diagnosis_of_then_is_the_model_that_was_written_beside_it() {
         model.unwrap_or_else(|error| panic!("{error}"))
     };
     let (model, diagnosis) = (open("diagnosis.model.json"), open("diagnosis.json"));
-    assert_eq!(diagnosis, model);
+    // One of them was once written by a program that read numbers a bit beside what was written.
+    let [then, beside] =
+        [diagnosis, model.clone()].map(|one| serde_json::to_value(one).expect("JSON"));
+    assert_same(&beside, &then);
     assert!(!model.axes[0].effects.is_empty(), "it found something");
 }
 

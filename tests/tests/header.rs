@@ -73,6 +73,23 @@ fn the_registers_are_those_of_the_record() {
     assert_eq!(header.board.clock, ClockSource::Emulated);
 }
 
+/// A seed of the fuzz target `header`: the scale of a recording came back one bit off.
+#[test]
+fn the_numbers_of_a_header_are_read_as_they_were_written() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("run.inmcap");
+    let plan = Plan {
+        samples: Some(100),
+        ..Plan::default()
+    };
+    let board = Box::new(VirtualConnect::published(4, 0.0));
+    let mut live = BoardSource::start(board, plan, Some(&path), Stop::default())
+        .expect("the virtual board starts");
+    assert!(Record::read(&mut live).error.is_none());
+    let read = CaptureSource::open(&path).expect("a capture");
+    assert_eq!(read.header(), live.header());
+}
+
 #[test]
 fn a_clock_that_is_good_to_a_hundredth_is_told() {
     let folder = tempfile::tempdir().expect("a folder");

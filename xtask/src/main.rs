@@ -10,6 +10,8 @@
 //!   bench     the estimators beside other programs, the simulator
 //!   docs      what the README shows of `inm demo`, by `excerpt`
 //!   study     simulations too long for every test run
+//!   fuzz      bytes that a reader does not bear, looked for
+//!   deny      licences of what is linked, and defects that are known
 //!
 //!   image     building an image          elf    reading one
 //!   tools     the target and QEMU        run    running a command
@@ -18,10 +20,12 @@
 //! ```
 
 mod bench;
+mod deny;
 mod docs;
 mod elf;
 mod excerpt;
 mod firmware;
+mod fuzz;
 mod image;
 mod instructions;
 #[cfg(test)]
@@ -42,6 +46,8 @@ const USAGE: &str = "\
 usage: cargo xtask <command>
 
   test       every check and every test; adds the thumb target and unpacks QEMU where they are missing
+  test --quick
+             formatting, lints and the tests of the workspace: no image, no QEMU, nothing installed
   firmware   builds the image for the board and says where it is
   size       flash and RAM of both images, by section and symbol, held to their budgets
   instructions
@@ -50,6 +56,12 @@ usage: cargo xtask <command>
   bench simulator
              samples a second of the simulator alone
   docs       the README's figures and picture of `inm demo`, from the program; a minute
+  fuzz [TARGET] [--seconds N]
+             looks for bytes that a reader does not bear, a minute a target; needs nightly and cargo-fuzz
+  deny       licences of all dependencies, sources, and known defects where their list is at hand
+  night [--hours H] [--seed S] [options]
+             a virtual board at 4000/s to which everything happens, recorded by `inm live`: every sample
+             accounted for, memory flat; 12 hours of samples in some twenty minutes
   study intervals
              coverage of the 95 % intervals over thousands of simulated records; minutes
   study diagnose [--seeds N] [--part PART] [--kind KIND] [--strength M]
@@ -71,12 +83,16 @@ fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let result = match arguments.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["test"] => test::run(),
+        ["test", "--quick"] => test::quick(),
         ["firmware"] => firmware::run(),
         ["size"] => size::run(),
         ["instructions"] => instructions::run(),
         ["bench"] => bench::run(),
         ["bench", "simulator"] => bench::simulator(),
         ["docs"] => docs::run(),
+        ["fuzz", ref options @ ..] => fuzz::run(options),
+        ["deny"] => deny::run(),
+        ["night", ref options @ ..] => study::night(options),
         ["study", "intervals"] => study::intervals(),
         ["study", "diagnose", ref options @ ..] => study::diagnose(options),
         ["study", "everyday", ref options @ ..] => study::everyday(options),

@@ -50,6 +50,15 @@ pub fn everyday(options: &[&str]) -> Result<()> {
     judge("study_everyday", options)
 }
 
+/// Whether every sample of a night at the bench is right, flagged or known to be missing; prints a
+/// table. `options` go to the study: `--help` lists them.
+///
+/// # Errors
+/// It does not build, the options are wrong, a sample is wrong, or memory grows.
+pub fn night(options: &[&str]) -> Result<()> {
+    judge("study_night", options)
+}
+
 /// Runs an example of the tests that judges `inm`, in release.
 fn judge(name: &str, options: &[&str]) -> Result<()> {
     let build = [

@@ -11,10 +11,10 @@ use anyhow::{Context, Result};
 
 use crate::elf::Elf;
 use crate::image::Image;
-use crate::instructions;
 use crate::run::{cargo, run as execute};
 use crate::size;
 use crate::tools::{QEMU_VARIABLE, TARGET, ensure_qemu, ensure_target, qemu};
+use crate::{deny, fuzz, instructions};
 
 /// Crates that run on the board. Each is checked alone: in a build of the workspace the host's
 /// features leak into what they share.
@@ -33,17 +33,46 @@ const PROPTEST_SEED: &str = "20261121";
 /// # Errors
 /// Something could not be installed, or failed.
 pub fn run() -> Result<()> {
+    listed(run_all)
+}
+
+/// What needs neither an image nor QEMU, and nothing installed: while one works on the host.
+///
+/// # Errors
+/// Something failed.
+pub fn quick() -> Result<()> {
+    listed(|stages| {
+        check_sources(stages)?;
+        test_workspace(stages)
+    })
+}
+
+/// Runs stages, and lists them at the end, whatever came of them.
+fn listed(all: impl FnOnce(&mut Stages) -> Result<()>) -> Result<()> {
     let mut stages = Stages::default();
-    let result = run_all(&mut stages);
+    let result = all(&mut stages);
     eprint!("\n{}", stages.table());
     result
 }
 
-fn run_all(stages: &mut Stages) -> Result<()> {
+/// Whatever the compiler sees on any machine.
+fn check_sources(stages: &mut Stages) -> Result<()> {
     stages.run("format", || {
         execute(&mut cargo(&["fmt", "--all", "--check"]))
     })?;
-    stages.run("lints", check_on_the_host)?;
+    stages.run("lints", check_on_the_host)
+}
+
+/// Every test of the workspace but those of the image.
+fn test_workspace(stages: &mut Stages) -> Result<()> {
+    eprintln!("\nproperty tests: {PROPTEST_VARIABLE}={PROPTEST_SEED}");
+    stages.run("tests", || {
+        execute(cargo(&["test", "--workspace"]).env(PROPTEST_VARIABLE, PROPTEST_SEED))
+    })
+}
+
+fn run_all(stages: &mut Stages) -> Result<()> {
+    check_sources(stages)?;
     stages.run("tools", || ensure_target().and_then(|()| ensure_qemu()))?;
     stages.run("checks for the board", check_for_the_board)?;
     let board = stages.run("image of the board", || check_image(Image::Board))?;
@@ -52,12 +81,11 @@ fn run_all(stages: &mut Stages) -> Result<()> {
     stages.run("documentation", || {
         execute(cargo(&["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "--deny warnings"))
     })?;
-    eprintln!("\nproperty tests: {PROPTEST_VARIABLE}={PROPTEST_SEED}");
-    stages.run("tests", || {
-        execute(cargo(&["test", "--workspace"]).env(PROPTEST_VARIABLE, PROPTEST_SEED))
-    })?;
+    test_workspace(stages)?;
     stages.run("image that `inm flash` takes", || flash_takes(&board))?;
-    stages.run("tests under QEMU", || test_image(&qemu))
+    stages.run("tests under QEMU", || test_image(&qemu))?;
+    stages.run("dependencies", deny::check)?;
+    stages.run("fuzzing", fuzz::check)
 }
 
 /// Has `inm flash` look at the image of the board; its own tests know images that are made up.

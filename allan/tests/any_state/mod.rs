@@ -15,14 +15,8 @@ pub fn try_state(bytes: &[u8]) -> bool {
     let again: Bins<LEVELS> = postcard::from_bytes(&written).expect("what was written can be read");
     assert!(again == state, "reading back gives another state");
 
-    let mut used = state.clone();
-    used.push_slice(&[i32::MIN, i32::MAX, 0, 1]);
-    used.push_slice(&[i32::MAX; 300]);
-    used.skip(3);
-    used.push(7);
-    let mut right = Bins::starting_at(used.next_index());
-    right.push_slice(&[5; 100]);
-    used.merge(&right).expect("the parts are adjacent");
+    let [used, same] = [state, again].map(continued);
+    assert!(used == same, "what was read back goes on in another way");
     for statistic in [Statistic::Allan, Statistic::Modified, Statistic::Hadamard] {
         assert!(
             used.points(statistic)
@@ -30,4 +24,16 @@ pub fn try_state(bytes: &[u8]) -> bool {
         );
     }
     true
+}
+
+/// The state after more samples, a gap and a merge.
+fn continued(mut used: Bins<LEVELS>) -> Bins<LEVELS> {
+    used.push_slice(&[i32::MIN, i32::MAX, 0, 1]);
+    used.push_slice(&[i32::MAX; 300]);
+    used.skip(3);
+    used.push(7);
+    let mut right = Bins::starting_at(used.next_index());
+    right.push_slice(&[5; 100]);
+    used.merge(&right).expect("the parts are adjacent");
+    used
 }

@@ -46,7 +46,10 @@ impl Image {
     }
 
     /// As [`Image::read`], from bytes.
-    fn parse(data: &[u8]) -> Result<Self, Problem> {
+    ///
+    /// # Errors
+    /// What is wrong with them.
+    pub fn parse(data: &[u8]) -> Result<Self, Problem> {
         let segments = segments(data)?;
         check_places(&segments)?;
         check_vectors(&segments)?;

@@ -6,9 +6,11 @@
 mod image;
 mod image_error;
 mod map;
+#[cfg(feature = "flash")]
 mod program;
 
 pub use image::Image;
+#[cfg(feature = "flash")]
 pub use program::{FlashError, Progress, choose_probe, program};
 
 /// The board's microcontroller, as probe-rs calls it.

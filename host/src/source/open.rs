@@ -121,7 +121,10 @@ fn capture(
 
 /// A stream is read once, so the place of its rows must not depend on the last of them: with stamps it
 /// is a file first.
-fn stream(
+///
+/// # Errors
+/// As [`open`].
+pub fn stream(
     name: &str,
     mut reader: Box<dyn BufRead>,
     options: &ArrayOptions,

@@ -57,6 +57,9 @@ const AHEAD: usize = 8;
 /// Words that the converters produced, X Y Z, as witnessed at their pins.
 pub type Witness = Arc<Mutex<Vec<[u32; AXES]>>>;
 
+/// The same, a list an axis: a converter that was reset has made fewer than the others.
+pub type AxisWitness = Arc<Mutex<[Vec<u32>; AXES]>>;
+
 /// A restart that nobody asked for: the board says no word of it, and what it had still to send is
 /// lost.
 #[derive(Debug, Clone)]
@@ -89,6 +92,8 @@ pub struct VirtualConnect {
     pub hidden: Option<Hidden>,
     /// Where the converters' words are noted down, if anywhere.
     pub witness: Option<Witness>,
+    /// The same, for each axis by itself.
+    pub axis_witness: Option<AxisWitness>,
     /// The board's time as its host sees it: with every parcel that it reads.
     pub clock: Clock,
 }
@@ -105,6 +110,7 @@ impl VirtualConnect {
             restarts: Vec::new(),
             hidden: None,
             witness: None,
+            axis_witness: None,
             clock: Clock::counted(),
         }
     }
@@ -228,6 +234,7 @@ fn run<'p>(
     let mut parcel = Vec::new();
     let mut steps = 0;
     let mut words = 0;
+    let mut noted = [0; AXES];
     let mut faults = &plan.faults[..];
     let mut streams_from = None;
     loop {
@@ -247,6 +254,9 @@ fn run<'p>(
         }
         if let Some(witness) = &plan.witness {
             note_words(bench, &mut words, witness);
+        }
+        if let Some(witness) = &plan.axis_witness {
+            note_by_axis(bench, &mut noted, witness);
         }
         let now_ps = bench.now_ps();
         let link = instrument.platform_mut().environment_mut();
@@ -285,6 +295,22 @@ fn note_words(bench: &Bench<Shaken>, words: &mut u64, witness: &Witness) {
         list.push([0, 1, 2].map(|axis| bench.word(axis, index).unwrap_or(0)));
     }
     *words = made;
+}
+
+/// Notes down the words that each converter has made since the last time.
+fn note_by_axis(bench: &Bench<Shaken>, noted: &mut [u64; AXES], witness: &AxisWitness) {
+    let made = [0, 1, 2].map(|axis| bench.sent(axis).words());
+    if made == *noted {
+        return;
+    }
+    let Ok(mut lists) = witness.lock() else {
+        return;
+    };
+    for (axis, list) in lists.iter_mut().enumerate() {
+        let new = noted[axis]..made[axis];
+        list.extend(new.map(|index| bench.word(axis, index).unwrap_or(0)));
+    }
+    *noted = made;
 }
 
 #[cfg(test)]

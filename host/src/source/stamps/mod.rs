@@ -5,6 +5,7 @@ use super::header;
 use super::options::{ArrayOptions, TimeUnit};
 use super::table::Table;
 use super::{SourceError, Values};
+use crate::signal::{POSSIBLE_RATE, POSSIBLE_RATE_HZ};
 
 /// Rows read at a time: some hundred kilobytes, whatever the length of the file.
 const ROWS: usize = 8192;
@@ -26,6 +27,9 @@ const CLOCK: f64 = 1e-4;
 
 /// Digits of the rate that stamps in doubles can give.
 const DIGITS: i32 = 12;
+
+/// Samples that can be missing: with more, an index is no exact `f64` any more.
+const MOST_LOST: u64 = 1 << 53;
 
 /// Counters of 32 bits start again after so many.
 const WRAP: f64 = 4_294_967_296.0;
@@ -92,12 +96,28 @@ pub fn read(
         .unit(unit, &mut notes)
         .map_err(|(message, remedy)| bad(message, remedy))?;
     let rate_hz = rounded(unit.per_second() / grid.period);
+    // Stamps as far apart as numbers go have no rate, and NaN is none.
+    if !POSSIBLE_RATE_HZ.contains(&rate_hz) {
+        return Err(bad(
+            format!("the time stamps give {rate_hz:?} samples a second; expected {POSSIBLE_RATE}"),
+            "correct the stamps, or give --rate HZ in place of --time".into(),
+        ));
+    }
     let rate_hz = agreed(rate_hz, options.rate_hz, &mut notes)
         .map_err(|(message, remedy)| bad(message, remedy))?;
-    let mut lost = 0;
+    let mut lost = 0_u64;
     let mut runs = vec![(0, 0)];
     for loss in &grid.losses {
-        lost += loss.samples;
+        lost = lost.saturating_add(loss.samples);
+        if lost > MOST_LOST {
+            return Err(bad(
+                format!(
+                    "the time stamps jump ahead of row {} by more samples than a record can hold",
+                    loss.row
+                ),
+                "correct the stamp, or delete the rows behind it".into(),
+            ));
+        }
         runs.push((loss.row as u64, loss.row as u64 + lost));
     }
     Ok(Stamps {

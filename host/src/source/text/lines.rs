@@ -89,7 +89,7 @@ impl Lines {
             if !text.trim().is_empty() || !comment.is_empty() {
                 return Ok(Some(Line {
                     number: self.number,
-                    comment: text.is_empty().then(|| comment.to_owned()),
+                    comment: text.trim().is_empty().then(|| comment.to_owned()),
                     text: text.to_owned(),
                     is_whole,
                 }));

@@ -1,0 +1,8 @@
+//! `tests/src/promise/frames.rs`, without end.
+
+#![no_main]
+
+use inm_tests::promise;
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| promise::of("frames")(bytes));
