@@ -85,7 +85,9 @@ pub struct Emulated {
     bench: &'static Bench<Record>,
     /// How far the bench may run.
     allowed_ps: u64,
-    /// Latest edge of X that was stamped.
+    /// The axis whose edges are stamped.
+    trigger: usize,
+    /// Latest edge that was stamped.
     stamped_ps: Option<u64>,
 }
 
@@ -118,6 +120,7 @@ pub fn start(
         sensors: Emulated {
             bench,
             allowed_ps: 0,
+            trigger: 0,
             stamped_ps: None,
         },
         link,
@@ -182,14 +185,18 @@ impl Sensors for Emulated {
         self.bench.now_ps() / PS_PER_TICK
     }
 
+    fn trigger_on(&mut self, axis: usize) {
+        self.trigger = axis;
+    }
+
     fn take_edge_stamp(&mut self) -> Option<u64> {
         if let Some(stamp) = stamps::take() {
             self.allowed_ps = stamp * PS_PER_TICK;
         }
         // An edge may have come while a word was read; else the bench runs to the next.
-        let mut edge_ps = self.bench.last_edge_ps(0);
+        let mut edge_ps = self.bench.last_edge_ps(self.trigger);
         if edge_ps == self.stamped_ps {
-            edge_ps = Some(self.bench.run_until_edge(0, self.allowed_ps)?);
+            edge_ps = Some(self.bench.run_until_edge(self.trigger, self.allowed_ps)?);
         }
         self.stamped_ps = edge_ps;
         edge_ps.map(|ps| ps / PS_PER_TICK)
