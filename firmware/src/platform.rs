@@ -3,7 +3,7 @@
 //! One super-loop calls [`Instrument::step`](crate::Instrument::step) for ever. Interrupts
 //! only stamp DRDY edges and move link bytes through queues; they are the far ends of
 //! [`Platform::take_edge_stamp`], [`Platform::receive`] and [`Platform::transmit`]. All
-//! methods return at once.
+//! methods return at once. A loop with nothing to do may sleep for [`LONGEST_SLEEP_US`].
 
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::OutputPin;
@@ -12,6 +12,10 @@ use inm_protocol::{Restart, SensorRange};
 
 use crate::ads1281::DataReady;
 use crate::proof::ProofBins;
+
+/// Longest sleep between two steps, microseconds: a deadline alone wakes nobody. As long as the
+/// shortest wait that the instrument has, the millisecond after RESET.
+pub const LONGEST_SLEEP_US: u32 = 1000;
 
 /// Machine under the instrument.
 pub trait Platform {

@@ -22,10 +22,10 @@ mod outbox;
 mod prove;
 mod read_back;
 mod recover;
+mod settle;
 mod stream;
 
-use embedded_hal::digital::OutputPin;
-use inm_protocol::{AXES, BinsMark, Decoder, REGISTERS, Settings, Trouble};
+use inm_protocol::{AXES, BinsMark, Decoder, REGISTERS, Settings};
 
 use crate::ads1281::calibrate::Calibration;
 use crate::ads1281::config::Config;
@@ -61,7 +61,7 @@ enum Stage {
     Rest { until: u64, job: Job },
     /// RESET was sent to all converters.
     Reset { until: u64, job: Job },
-    /// The filters fill after a common SYNC; for a job, or to go on streaming. Shortly before they
+    /// The filters fill after a common SYNC; for a job, or to go on streaming. In time before they
     /// are full the converters are `looked` at.
     Settle {
         since: u64,
@@ -212,19 +212,7 @@ impl<P: Platform> Instrument<P> {
                 }
                 self.watch_trigger(now) | self.recover(now)
             }
-            Stage::Settle {
-                since,
-                job,
-                looked: false,
-            } if now >= since + self.clock.periods(LOOK_READINGS) => {
-                self.stage = Stage::Settle {
-                    since,
-                    job,
-                    looked: true,
-                };
-                self.look_ahead(job, now)
-            }
-            Stage::Settle { since, job, .. } => self.settle(edge, now, since, job),
+            Stage::Settle { since, job, looked } => self.settle(edge, now, since, job, looked),
             Stage::Idle | Stage::Halted => false,
             Stage::SelfTest(test) => self.self_test(test, edge, now),
             Stage::Calibrate { until, job, done } => self.await_calibration(now, until, job, done),
@@ -241,79 +229,6 @@ impl<P: Platform> Instrument<P> {
             Stage::Rest { job, .. } => self.reset_all(job, now),
             Stage::Reset { job, .. } => self.configure_all(job, now),
             Stage::Restart { until } => self.restart(now, until),
-        }
-    }
-
-    /// One rising edge on the common SYNC: the converters start anew together.
-    #[inline(never)]
-    fn synchronise(&mut self, job: Option<Job>) {
-        // Two converter clocks (0.5 us) each; a pin that cannot fail is the rule, and one that
-        // does shows as stalled converters.
-        let [x, ..] = &mut self.converters;
-        let _ = self.sync.set_low();
-        x.pause_us(1);
-        let _ = self.sync.set_high();
-        x.pause_us(1);
-        for converter in &mut self.converters {
-            converter.forget_edge();
-        }
-        self.stage = Stage::Settle {
-            since: self.platform.now(),
-            job,
-            looked: false,
-        };
-    }
-
-    /// Waits until the filters are full. Words within 63 data periods of SYNC are dropped
-    /// whether or not DRDY announces them.
-    fn settle(&mut self, edge: Option<u64>, now: u64, since: u64, job: Option<Job>) -> bool {
-        use crate::ads1281::SETTLING_READINGS;
-        let settled = since + self.clock.periods(SETTLING_READINGS) - self.clock.periods(1) / 2;
-        // 0.46 periods more at 4000/s, and 1 % on the internal oscillator.
-        let late = settled + self.clock.periods(2) - self.clock.periods(1) / 4;
-        match edge {
-            // It was restarted since SYNC, and no more converts with the others.
-            Some(stamp) if stamp > late => self.trigger_failed(now, job),
-            Some(stamp) if stamp >= settled => self.settled(stamp, now, job),
-            Some(_) => {
-                for converter in &mut self.converters {
-                    converter.forget_edge();
-                }
-            }
-            None if now > settled + self.clock.periods(2 * axis::STALLED) => {
-                self.trigger_failed(now, job);
-            }
-            None => return job.is_none() && self.recover(now),
-        }
-        true
-    }
-
-    fn settled(&mut self, stamp: u64, now: u64, job: Option<Job>) {
-        self.fresh = true;
-        match job.map(|job| (job, job.task)) {
-            None => {
-                self.stage = Stage::Stream;
-                self.conversion(stamp);
-            }
-            Some((job, job::Task::Start)) => {
-                self.begin_stream(job);
-                self.conversion(stamp);
-            }
-            Some((job, job::Task::Calibrate(kind))) => self.begin_calibration(job, kind, now),
-            Some((job, job::Task::SelfTest)) => self.begin_self_test(job, now),
-        }
-    }
-
-    /// There was no edge after SYNC, or too late.
-    fn trigger_failed(&mut self, now: u64, job: Option<Job>) {
-        match job {
-            Some(job) => self.refuse_job(job, 0, Trouble::Stalled),
-            None => {
-                self.stage = Stage::Stream;
-                if self.axes[self.trigger].is_running() {
-                    self.fail(self.trigger, Trouble::Stalled, now);
-                }
-            }
         }
     }
 
@@ -350,10 +265,6 @@ impl<P: Platform> Instrument<P> {
         gone
     }
 }
-
-/// Data periods after SYNC at which the converters are looked at: late, and with time for three of
-/// them before the first word.
-const LOOK_READINGS: u32 = crate::ads1281::SETTLING_READINGS - 2;
 
 /// How long [`Request::Reset`](inm_protocol::Request::Reset) waits for its reply to leave, microseconds.
 const RESTART_US: u32 = 200_000;

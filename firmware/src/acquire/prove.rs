@@ -10,7 +10,6 @@ use inm_protocol::{AXES, Trouble, UNPROVEN_PERIODS};
 
 use super::Instrument;
 use super::axis::STALLED;
-use super::job::Job;
 use crate::Platform;
 use crate::ads1281::config::Config;
 use crate::ads1281::register::Address;
@@ -74,25 +73,6 @@ impl<P: Platform> Instrument<P> {
                 self.prove(axis);
             }
         }
-    }
-
-    /// Looks at the converters before their first word after a silence, in which a bit may have
-    /// slipped: the silence would end it with the first clock, of which that word were spoilt.
-    pub(super) fn look_ahead(&mut self, job: Option<Job>, now: u64) -> bool {
-        for axis in 0..AXES {
-            if job.is_none() && !self.axes[axis].is_running() {
-                continue;
-            }
-            match (self.look(axis), job) {
-                (Ok(()), _) => {}
-                (Err(trouble), None) => self.fail(axis, trouble, now),
-                (Err(trouble), Some(job)) => {
-                    self.attempt_failed(job, axis, trouble, now);
-                    break;
-                }
-            }
-        }
-        true
     }
 
     /// The board was late, or DRDY was: `lost` conversions are missing ahead of the one that is
