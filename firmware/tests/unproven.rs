@@ -193,3 +193,24 @@ fn x_without_drdy_costs_y_and_z_nothing_but_the_notice() {
     assert!(last.iter().all(|c| c.flags.iter().all(|f| f.is_none())));
     assert_eq!(rig.bench.violation(), None);
 }
+
+/// X restarts within a period after SYNC, and its first edge is late by less than that: its words and
+/// those of the others are not of the same moment, and no register tells.
+#[test]
+fn a_brown_out_right_behind_the_sync_leaves_no_axis_out_of_step() {
+    for later_us in (100..1000).step_by(100) {
+        let bench = bench(OFFSETS);
+        let mut rig = Rig::new(&bench);
+        rig.configure(settings(Rate::Sps1000, inm_protocol::Phase::Linear, None));
+        rig.start();
+        rig.run_ms(500);
+        rig.inject(2, Fault::BusError);
+        // X has no edge behind it only after SYNC.
+        rig.run_until(3000, "SYNC", |rig| rig.bench.last_edge_ps(0).is_none());
+        rig.bench.advance_ps(later_us * 1_000_000);
+        rig.inject(0, Fault::BrownOut);
+        rig.run_ms(1500);
+        assert_eq!(rig.wrong_and_not_told(), [], "{later_us} us");
+        assert!(rig.recoveries() >= 2, "{later_us} us: {:?}", rig.events);
+    }
+}

@@ -23,6 +23,11 @@ pub(super) struct Clock {
     period: u64,
     /// Intervals that it is the mean of, up to [`MEMORY`].
     learned: u64,
+    /// From SYNC to the first edge when it was first seen, ticks; 0 before.
+    first_settling: u64,
+    /// The same in data periods with [`FRACTION`] bits, once their length is learned; 0 before. The
+    /// shortest seen: what restarts a converter behind SYNC makes it late.
+    settling: u64,
     /// Latest start of the reading of one word after its stamp, ticks.
     latest_reading: u64,
     /// Latest start of a register check after its stamp, ticks.
@@ -37,6 +42,11 @@ const FRACTION: u32 = 16;
 /// sixteenth remains, 2e-4 of a period.
 const MEMORY: u64 = 1 << FORGET;
 const FORGET: u32 = 8;
+
+/// By how much SYNC, the first edge behind it and their stamps may be apart from one time to the next,
+/// microseconds: two interrupts of 1 us that come between, and the converter's clock of 0.25 us. A
+/// thirty-second of a period comes on top, for 63 periods of a length that is good to 2e-4.
+const STEP_US: u32 = 5;
 
 /// What lies between two edges of X's DRDY.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -74,6 +84,8 @@ impl Clock {
             latest: period + period / 8 + 1,
             period: (timer_hz << FRACTION) / conversions_hz,
             learned: 0,
+            first_settling: 0,
+            settling: 0,
             latest_reading: period.saturating_sub(reading),
             latest_check: period.saturating_sub(check),
         }
@@ -112,9 +124,37 @@ impl Clock {
         if self.learned < MEMORY {
             self.learned += 1;
             self.period = (self.period * (self.learned - 1) + ticks) / self.learned;
+            if self.learned == MEMORY {
+                self.settling = self.in_periods(self.first_settling);
+            }
         } else {
             self.period = self.period - (self.period >> FORGET) + (ticks >> FORGET);
         }
+    }
+
+    fn in_periods(&self, ticks: u64) -> u64 {
+        (ticks << (2 * FRACTION)) / self.period
+    }
+
+    /// Whether the first edge after SYNC, so many ticks behind it, is where it was before, or whole
+    /// periods later: a converter that was restarted since is out of step with the others. True
+    /// while that is not known.
+    #[cold]
+    pub(super) fn is_in_step(&mut self, ticks: u64) -> bool {
+        if self.first_settling == 0 {
+            self.first_settling = ticks;
+        }
+        if self.settling == 0 {
+            return true;
+        }
+        let period = self.period >> FRACTION;
+        let slack = period / 32 + self.micros(STEP_US);
+        let expected = (self.settling * self.period) >> (2 * FRACTION);
+        if ticks + slack < expected {
+            self.settling = self.in_periods(ticks);
+            return true;
+        }
+        (ticks + slack - expected) % period <= 2 * slack
     }
 
     /// Whether a word can be read before the next conversion ends.

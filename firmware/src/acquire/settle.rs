@@ -74,7 +74,11 @@ impl<P: Platform> Instrument<P> {
             }
             // It was restarted since SYNC and no more converts with the others, or the board was held
             // up between the look and the first word.
-            Some(stamp) if stamp > late => self.came_late(now, job),
+            Some(stamp)
+                if stamp > late || stamp >= settled && !self.clock.is_in_step(stamp - since) =>
+            {
+                self.came_late(now, job);
+            }
             Some(stamp) if stamp >= settled => self.settled(stamp, now, job),
             Some(_) => self.forget_edges(),
             None if now > settled + self.clock.periods(2 * STALLED) => {

@@ -3,16 +3,20 @@
 //! converter's own word at that moment is the truth.
 //!
 //! ```text
-//!   plan (from a seed) --> bench, firmware --> frames --> losses --> host's Frames --> samples
+//!   plan (from a seed) --> bench, firmware --> frames --> link ----> host's Frames --> samples
 //!                            |                   |                                        |
 //!                            +--> words by stamp +--> stamp by index ----> truth ---> equal, or flagged?
 //! ```
 
 mod bench;
+mod channel;
+mod class;
 mod judge;
 mod plan;
 
 pub use bench::run;
+pub use channel::Link;
+pub use class::{Class, Kind};
 pub use judge::{Outcome, Wrong};
 pub use plan::{Act, Ending, Misfortune, Plan};
 

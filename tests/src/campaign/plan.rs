@@ -1,9 +1,10 @@
 //! What happens in one run, drawn from its seed.
 
-use inm_emulator::{Fault, Slip};
+use inm_emulator::Fault;
 use inm_protocol::Rate;
 
-use super::Dice;
+use super::class::COMPANY;
+use super::{Class, Dice, Link};
 
 /// Offsets of the axes, steps of the 31-bit value: around zero, where a word tells nothing of a
 /// slip, and 0.16 g, -0.26 g and 1 g on the 4 g range.
@@ -11,6 +12,10 @@ const OFFSETS: [i32; 4] = [0, 21_000_000, -34_000_000, 132_000_000];
 
 /// Longest run, conversions: room for several proofs between any two misfortunes.
 const LONGEST: u64 = 5000;
+
+/// Conversions after a single misfortune: the longest death, and the rests between the attempts to
+/// recover from it, the last of which may be as long as all before.
+const TO_RECOVER: u64 = 4500;
 
 /// One thing that happens.
 #[derive(Debug, Clone, Copy)]
@@ -58,24 +63,44 @@ pub struct Plan {
     pub length: u64,
     /// In the order of time.
     pub misfortunes: Vec<Misfortune>,
-    /// One frame in so many is lost, one in as many damaged; `None` for a sound link.
-    pub loss: Option<u64>,
+    /// The link to the host.
+    pub link: Link,
     /// The end.
     pub ending: Ending,
 }
 
 impl Plan {
-    /// The plan of this seed.
+    /// The plan of this seed: some misfortunes, on a link that loses frames one time in three.
     #[must_use]
     pub fn new(seed: u64) -> Self {
+        Self::of(Class::Company, seed)
+    }
+
+    /// The plan of this class and seed.
+    #[must_use]
+    pub fn of(class: Class, seed: u64) -> Self {
         let mut dice = Dice::new(seed);
         let offsets = [(); 3].map(|()| dice.pick(&OFFSETS));
         let rate = dice.pick(&Rate::ALL);
+        if let Class::Single(kind) = class {
+            let at = 100 + dice.below(600);
+            let act = kind.act(&mut dice, &offsets);
+            return Self {
+                seed,
+                rate,
+                offsets,
+                length: at + TO_RECOVER,
+                misfortunes: vec![Misfortune { at, act }],
+                link: Link::Sound,
+                ending: Ending::Stopped,
+            };
+        }
         let count = 1 + dice.below(6);
         let mut misfortunes = Vec::new();
         let mut at = 100 + dice.below(600);
         for _ in 0..count {
-            let act = act(&mut dice, &offsets);
+            let kind = dice.pick(&COMPANY);
+            let act = kind.act(&mut dice, &offsets);
             misfortunes.push(Misfortune { at, act });
             // Many fall into the time before the last one is noticed.
             at += if dice.one_in(3) {
@@ -84,7 +109,7 @@ impl Plan {
                 dice.below(160)
             };
         }
-        let loss = dice.one_in(3).then(|| 10 + dice.below(100));
+        let link = class.link(&mut dice);
         let ending = dice.pick(&[Ending::Stopped, Ending::Stopped, Ending::Cut, Ending::Again]);
         // Some streams end before the last misfortune is noticed.
         let after = if dice.one_in(3) {
@@ -98,39 +123,8 @@ impl Plan {
             offsets,
             length: (at + after).min(LONGEST),
             misfortunes,
-            loss,
+            link,
             ending,
         }
-    }
-}
-
-fn act(dice: &mut Dice, offsets: &[i32; 3]) -> Act {
-    let axis = dice.below(3) as usize;
-    let slip = dice.pick(&[Slip::Early, Slip::Late]);
-    match dice.below(16) {
-        0..=5 => Act::Fault(axis, Fault::Slip(slip)),
-        6 => Act::Fault(axis, Fault::DrdyStops),
-        7 => Act::Fault(axis, Fault::BusError),
-        8 => Act::Fault(axis, Fault::BrownOut),
-        9 => {
-            let high = dice.one_in(2);
-            // Around zero one word of zeros is as good as any.
-            let short = offsets[axis] != 0 && dice.one_in(2);
-            let conversions = short.then(|| 1 + dice.below(12) as u32);
-            Act::Fault(axis, Fault::BusStuck { high, conversions })
-        }
-        10 => {
-            let bits = 1 + dice.below(31) as u8;
-            Act::Fault(axis, Fault::LateRead { bits })
-        }
-        11 => Act::Fault(axis, Fault::WrongId(dice.pick(&[0x20, 0x5A, 0x00]))),
-        12 => {
-            let conversions = 1 + dice.below(50) as u32;
-            let input = dice.pick(&[1_200_000_000, -1_200_000_000]);
-            Act::Fault(axis, Fault::Overload { input, conversions })
-        }
-        13 => Act::Dead(axis, 50 + dice.below(1500)),
-        14 => Act::HeldUp(1 + dice.below(200)),
-        _ => Act::Outage(1 + dice.below(400)),
     }
 }
