@@ -256,10 +256,14 @@ impl Frames {
             // To a start: what was said of an idle board before is no news any more.
             Ok(Answer::Settings(_)) => {
                 self.status.stopped = false;
-                // The first one tells of the stream that is there, and so does one that comes twice.
-                let before = self.settled.replace(reply.id);
-                if before.is_some_and(|before| before != reply.id) {
-                    self.assembler.announce();
+                // The first one tells of the stream that is there, and so does one that comes twice
+                // or too late: commands are numbered upwards.
+                let age = self.settled.map(|last| last.wrapping_sub(reply.id));
+                if age.is_none_or(|age| usize::from(age) > REPLIES) {
+                    if age.is_some() {
+                        self.assembler.announce();
+                    }
+                    self.settled = Some(reply.id);
                 }
             }
             _ => {}
