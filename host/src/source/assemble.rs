@@ -8,7 +8,7 @@ mod ranges;
 use std::collections::VecDeque;
 use std::ops::Range;
 
-use inm_protocol::{AXES, Batch, Flags, UNPROVEN_PERIODS};
+use inm_protocol::{AXES, Batch, Flags};
 
 use self::held::Held;
 use self::ranges::mark;
@@ -24,7 +24,7 @@ const GUARD_BEFORE: u64 = 31;
 const GUARD_AFTER: u64 = 62;
 
 /// Conversions that may have passed between a slipped bit and its notice on a board of 0.1.0, whose
-/// captures stay readable; since then it is [`UNPROVEN_PERIODS`], which this includes.
+/// captures stay readable; since then it is [`inm_protocol::UNPROVEN_PERIODS`], which this includes.
 pub const SLIP_NOTICE: u64 = 540;
 
 /// Samples that are held where the board says nothing of itself: what a notice may spoil, and some
@@ -54,8 +54,6 @@ pub struct Assembler {
     /// Nothing more will be said about samples before this index; `None` where the board does not
     /// tell.
     confirmed: Option<u64>,
-    /// Since the last confirmation frames were lost: perhaps a notice.
-    lossy: bool,
     /// Added to the board's index, so that the count goes on after a restart.
     offset: u64,
     seq: Option<u32>,
@@ -149,8 +147,16 @@ impl Assembler {
                     format!("the index jumps by {jump}, which no record can hold"),
                 );
             }
+            Some(next) if first > next && self.line.is_some_and(|line| !line.leads_to(batch)) => {
+                first = self.anew(batch, next + 1);
+                self.losses.restarts += 1;
+                self.gap(
+                    next,
+                    None,
+                    "the stamps do not go on: the board has started another stream".to_owned(),
+                );
+            }
             Some(next) if first > next => {
-                self.lossy |= lost_batches > 0;
                 self.losses.lost_batches += u64::from(lost_batches);
                 self.losses.lost_samples += first - next;
                 let cause = match lost_batches {
@@ -173,16 +179,11 @@ impl Assembler {
     /// Hands on everything: nothing more will come. What the board has not confirmed is spoilt.
     pub fn finish(&mut self) {
         if let (Some(confirmed), Some(next)) = (self.confirmed.take(), self.next) {
-            let from = if self.lossy {
-                confirmed
-            } else {
-                confirmed.max(next.saturating_sub(UNPROVEN_PERIODS))
-            };
+            // Whether all notices have arrived, nothing tells any more: a lost one leaves no hole.
             for axis in 0..AXES {
-                self.spoil_range(axis, from..next);
+                self.spoil_range(axis, confirmed..next);
             }
         }
-        self.lossy = false;
         self.held.release(u64::MAX, &mut self.done);
     }
 
@@ -193,11 +194,6 @@ impl Assembler {
             .map_or(next.saturating_sub(HELD), |confirmed| {
                 confirmed.max(next.saturating_sub(LONGEST_HELD))
             })
-    }
-
-    /// A frame did not arrive intact: it may have been a notice.
-    pub fn lose_frame(&mut self) {
-        self.lossy = true;
     }
 
     /// A notice about these axes was lost, since the last confirmation.
@@ -214,7 +210,6 @@ impl Assembler {
         let index = index.wrapping_add(self.offset).min(self.next_index());
         let late = if to_the_end { 0 } else { SLIP_NOTICE };
         self.confirmed = Some(index.saturating_sub(late));
-        self.lossy = false;
     }
 
     /// A fault of `axis` was noticed at the board's conversion `index`: the `words` before it

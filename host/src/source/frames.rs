@@ -89,7 +89,6 @@ impl Frames {
 
     /// The port is gone for now: hands on what nothing more will be said about.
     pub fn pause(&mut self) {
-        self.assembler.lose_frame();
         self.assembler.flush();
     }
 
@@ -326,7 +325,6 @@ impl Frames {
         if let Fault::Version { theirs } = fault {
             self.status.foreign_version = Some(theirs);
         }
-        self.assembler.lose_frame();
         let n = self.decoder.counts().frames;
         self.assembler
             .news(format!("after frame {n}: a damaged frame ({fault})"));
