@@ -147,15 +147,6 @@ impl Assembler {
                     format!("the index jumps by {jump}, which no record can hold"),
                 );
             }
-            Some(next) if first > next && self.line.is_some_and(|line| !line.leads_to(batch)) => {
-                first = self.anew(batch, next + 1);
-                self.losses.restarts += 1;
-                self.gap(
-                    next,
-                    None,
-                    "the stamps do not go on: the board has started another stream".to_owned(),
-                );
-            }
             Some(next) if first > next => {
                 self.losses.lost_batches += u64::from(lost_batches);
                 self.losses.lost_samples += first - next;

@@ -10,10 +10,6 @@ const DRIFT: f64 = 1e-4;
 /// Data periods that a stamp may be off: an edge may be seen late.
 const JITTER: f64 = 2.0;
 
-/// Data periods that converters which start anew, again and again, may shift the stamps by in one: half
-/// a period in the 190 that a recovery takes, in a gap and ahead of it, and as much again.
-const SYNCS: f64 = 0.01;
-
 /// Batches of which one at least arrives at the beginning of a stream: eight damaged frames in a row
 /// are no accident.
 const FIRST_FEW: u32 = 8;
@@ -60,18 +56,6 @@ impl Line {
         batch.seq < self.seq
             && batch.stamp < self.to.1
             && (1..=numbers * BATCH_LEN as u64).contains(&back)
-    }
-
-    /// Whether a batch ahead of the stream may go on with it: its stamp is where its index says. The
-    /// first batch of another stream that is heard may be any.
-    pub fn leads_to(&self, batch: &Batch) -> bool {
-        if self.to.0 == self.from.0 {
-            return true;
-        }
-        let ticks = difference(self.to.1, self.from.1) / difference(self.to.0, self.from.0);
-        let ahead = difference(batch.first, self.to.0);
-        let off = difference(batch.stamp, self.to.1) - ahead * ticks;
-        off.abs() <= (JITTER + ahead * SYNCS) * ticks
     }
 
     /// Whether a batch that is not ahead of the stream is one of it.
