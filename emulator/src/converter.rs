@@ -6,6 +6,7 @@
 
 use crate::{
     Conversion, Fault, Registers, Rule, Sent, Signal, Tear,
+    alignment::Alignment,
     command::{Action, Byte, Decoder},
     drdy::{Moment, Timeline},
     fault::Schedule,
@@ -37,6 +38,7 @@ pub struct Converter<S> {
     conversion: Conversion<S>,
     registers: Registers,
     decoder: Decoder,
+    alignment: Alignment,
     serial: Serial,
     timeline: Timeline,
     ledger: Ledger,
@@ -74,6 +76,7 @@ impl<S: Signal> Converter<S> {
             conversion: Conversion::new(signal),
             registers,
             decoder: Decoder::default(),
+            alignment: Alignment::default(),
             serial: Serial::default(),
             timeline,
             ledger: Ledger::new(),
@@ -156,8 +159,7 @@ impl<S: Signal> Converter<S> {
         }
         let timeout = INTERFACE_TIMEOUT_CONVERSIONS * self.timeline.period_ps();
         if start_ps - self.timeline.sclk_ps >= timeout {
-            self.decoder.reset();
-            self.serial.slip = None;
+            self.realign();
         }
         if self.requested && din < 2 {
             self.breach(start_ps, Rule::RdataBeforeReady);
@@ -175,22 +177,36 @@ impl<S: Signal> Converter<S> {
         };
         self.timeline.sclk_ps = end_ps;
 
-        let byte = Byte {
-            din,
-            first_ps: start_ps + bit_ps / 2,
-            last_ps,
-        };
-        let stopped = self.mode == ReadMode::Stopped;
-        let (action, breach) = self.decoder.take(byte, stopped);
-        if let Some(rule) = breach {
-            self.breach(start_ps, rule);
+        if let Some(din) = self.alignment.take(din) {
+            self.decode(din, start_ps + bit_ps / 2, last_ps);
         }
-        self.act(action, last_ps);
         match self.stuck {
             Some((true, _)) => 0xFF,
             Some((false, _)) => 0x00,
             None => dout,
         }
+    }
+
+    /// Carries out a byte as the part has put it together, clocked from `first_ps` to `last_ps`.
+    fn decode(&mut self, din: u8, first_ps: u64, last_ps: u64) {
+        let byte = Byte {
+            din,
+            first_ps,
+            last_ps,
+        };
+        let stopped = self.mode == ReadMode::Stopped;
+        let (action, breach) = self.decoder.take(byte, stopped);
+        if let Some(rule) = breach {
+            self.breach(first_ps, rule);
+        }
+        self.act(action, last_ps);
+    }
+
+    /// The serial interface begins a new byte, and the next word from its highest bit.
+    fn realign(&mut self) {
+        self.decoder.reset();
+        self.alignment = Alignment::default();
+        self.serial.slip = None;
     }
 
     /// A byte during which a word is made or DRDY falls: bit by bit.
@@ -310,7 +326,8 @@ impl<S: Signal> Converter<S> {
     fn reset(&mut self, at_ps: u64) {
         self.registers.reset();
         self.decoder.reset();
-        self.serial = Serial::default();
+        // The opcode acts at the last bit of the byte as the part counts: a slip outlives it.
+        self.serial.clear();
         self.mode = self.mode_after_reset;
         self.requested = false;
         self.standby = false;
@@ -341,7 +358,8 @@ impl<S: Signal> Converter<S> {
     }
 
     fn breach(&mut self, at_ps: u64, rule: Rule) {
-        if rule == Rule::NotStopped && self.excused {
+        // What a slip makes of a command is no fault of who sent it.
+        if self.serial.slip.is_some() || rule == Rule::NotStopped && self.excused {
             return;
         }
         self.breach.get_or_insert((at_ps, rule));

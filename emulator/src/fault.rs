@@ -17,9 +17,10 @@ pub enum Fault {
         /// How many conversions it lasts; `None` is until RESET.
         conversions: Option<u32>,
     },
-    /// From the next word on, DOUT is one bit early or late: a glitch on SCLK clocked the output
-    /// register once too often, or an edge was missed. There is no CS that would realign it: it
-    /// lasts until RESET or until SCLK has been low for 64 conversions.
+    /// From now on DIN is one bit late or early, and from the next word on DOUT is early or late: a
+    /// glitch on SCLK clocked both registers once too often, or an edge was missed. The part
+    /// understands no command, RESET included, and there is no CS that would realign it: it lasts
+    /// until SCLK has been low for 64 conversions, or until the supply goes away.
     Slip(Slip),
     /// The input is driven to this value, whatever the signal: a shock, or a fault of the analog
     /// front end. Beyond 103 % of full scale the modulator saturates; the words are clean again

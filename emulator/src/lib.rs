@@ -41,6 +41,7 @@
 #![no_std]
 #![forbid(unsafe_code)]
 
+mod alignment;
 mod bench;
 pub mod channel;
 mod command;

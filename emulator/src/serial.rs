@@ -65,6 +65,14 @@ impl Serial {
         }
     }
 
+    /// As after power-on, but for the slip.
+    pub(crate) fn clear(&mut self) {
+        *self = Self {
+            slip: self.slip,
+            ..Self::default()
+        };
+    }
+
     /// Forgets what was to come.
     pub(crate) fn empty(&mut self) {
         self.left = 0;

@@ -3,8 +3,8 @@
 //! | pin  | use                 | pin  | use                                             |
 //! |------|---------------------|------|-------------------------------------------------|
 //! | PA5  | X: SPI1 SCLK        | PC4  | X: DRDY, EXTI4: its interrupt stamps            |
-//! | PA6  | X: SPI1 DOUT        | PC5  | Y: DRDY, EXTI5: its pending bit is polled       |
-//! | PA7  | X: SPI1 DIN         | PC6  | Z: DRDY, EXTI6: its pending bit is polled       |
+//! | PA6  | X: SPI1 DOUT        | PC5  | Y: DRDY, EXTI5: stamps while X is away          |
+//! | PA7  | X: SPI1 DIN         | PC6  | Z: DRDY, EXTI6: the same                        |
 //! | PB13 | Y: SPI2 SCLK        | PB0  | SYNC of all converters, idles high              |
 //! | PB14 | Y: SPI2 DOUT        | PB1  | g-Select of the accelerometers, low for 4 g     |
 //! | PB15 | Y: SPI2 DIN         | PB10 | self-test of the accelerometers                 |
@@ -23,13 +23,13 @@ mod oscillator;
 mod spi;
 
 use core::convert::Infallible;
-use core::sync::atomic::{AtomicBool, Ordering};
+use core::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use cortex_m::peripheral::NVIC;
 use embedded_hal::digital::{ErrorType, InputPin};
 use inm_firmware::ads1281::{Ads1281, DataReady};
 use inm_firmware::proof::ProofBins;
-use inm_protocol::Restart;
+use inm_protocol::AXES;
 use stm32f4xx_hal::gpio::{Edge, ErasedPin, ExtiPin, GpioExt, Input, Output, PB0, PB10};
 use stm32f4xx_hal::pac::{self, EXTI, Interrupt, interrupt};
 use stm32f4xx_hal::prelude::_fugit_RateExtU32 as _;
@@ -38,7 +38,6 @@ use stm32f4xx_hal::spi::{Mode, Phase, Polarity, Spi};
 use stm32f4xx_hal::syscfg::SysCfgExt;
 
 use crate::image::clock;
-use crate::image::handover::Handover;
 use crate::image::machine::{Machine, Sensors};
 use crate::image::{SPI_HZ, describe, once, restart, stamps, start_link, start_watchdog};
 use analog::Analog;
@@ -54,11 +53,11 @@ const MODE_0: Mode = Mode {
 /// Priority of the link's interrupt, in the upper four bits.
 const LINK_PRIORITY: u8 = 1 << 4;
 
-/// The interrupt's hold on the pending register.
-static DRDY_X: Handover<EXTI> = Handover::new();
+/// By axis: DRDY has fallen since the driver last looked.
+static EDGES: [AtomicBool; AXES] = [const { AtomicBool::new(false) }; AXES];
 
-/// X's DRDY has fallen since the driver last looked; its pending bit is the interrupt's.
-static EDGE_X: AtomicBool = AtomicBool::new(false);
+/// The axis whose edges are stamped.
+static TRIGGER: AtomicUsize = AtomicUsize::new(0);
 
 /// The accelerometers and what measures around them.
 pub struct Attached {
@@ -69,8 +68,7 @@ pub struct Attached {
 /// DRDY of one converter.
 pub struct DrdyPin {
     pin: ErasedPin<Input>,
-    /// The interrupt clears the pending bit of X and remembers the edge.
-    latched_by_interrupt: bool,
+    axis: usize,
 }
 
 /// Driver of one converter.
@@ -80,15 +78,19 @@ type Axis = Ads1281<Bus, DrdyPin, Delay>;
 pub fn start(bins: &'static mut ProofBins) -> (Machine<Attached>, [Axis; 3], PB0<Output>) {
     let mut core = once(cortex_m::Peripherals::take());
     let chip = once(pac::Peripherals::take());
+    // A program that a probe has halted feeds nothing, and is not to be restarted for it.
+    chip.DBGMCU
+        .apb1_fz()
+        .modify(|_, w| w.dbg_iwdg_stop().set_bit());
     // First, so that a start that hangs is tried again.
     let watchdog = start_watchdog(chip.IWDG);
     let by_watchdog = chip.RCC.csr().read().wdgrstf().bit_is_set();
     chip.RCC.csr().modify(|_, w| w.rmvf().set_bit());
     let (mut rcc, fallback) = oscillator::start(chip.RCC);
-    let reason = match restart::reason(by_watchdog) {
-        Restart::Power if fallback => Restart::ClockFallback,
-        reason => reason,
-    };
+    let mut reason = restart::reason(by_watchdog);
+    if fallback {
+        reason = reason.on_internal_oscillator();
+    }
 
     let timer_hz = rcc.clocks.timclk1().raw();
     let core_hz = rcc.clocks.hclk().raw();
@@ -127,10 +129,8 @@ pub fn start(bins: &'static mut ProofBins) -> (Machine<Attached>, [Axis; 3], PB0
     for pin in &mut drdy {
         pin.make_interrupt_source(&mut syscfg);
         pin.trigger_on_edge(&mut exti, Edge::Falling);
-        // Of Y and Z only the pending bit is used; their interrupt stays masked in the NVIC.
         pin.enable_interrupt(&mut exti);
     }
-    DRDY_X.give(exti);
     // A stamp may interrupt the link, so that it is late by less than a microsecond; the lower
     // number is the more urgent, and DRDY's stays at 0.
     //
@@ -140,6 +140,7 @@ pub fn start(bins: &'static mut ProofBins) -> (Machine<Attached>, [Axis; 3], PB0
     unsafe {
         core.NVIC.set_priority(Interrupt::USART1, LINK_PRIORITY);
         NVIC::unmask(Interrupt::EXTI4);
+        NVIC::unmask(Interrupt::EXTI9_5);
     }
 
     let sync = b
@@ -150,7 +151,9 @@ pub fn start(bins: &'static mut ProofBins) -> (Machine<Attached>, [Axis; 3], PB0
     let mut self_test = b.pb10.into_push_pull_output();
     self_test.set_low();
 
-    let link = start_link(chip.USART1, a.pa9, a.pa10, &mut rcc);
+    // Nobody may be connected: an open input picks up anything, and each edge of it starts a byte.
+    let rx = a.pa10.into_alternate::<7>().internal_pull_up(true);
+    let link = start_link(chip.USART1, a.pa9, rx, &mut rcc);
     let analog = Analog::start(chip.ADC1, c.pc0.into_analog(), Delay { timer_hz }, &mut rcc);
 
     let machine = Machine {
@@ -162,29 +165,11 @@ pub fn start(bins: &'static mut ProofBins) -> (Machine<Attached>, [Axis; 3], PB0
     };
     let [drdy_x, drdy_y, drdy_z] = drdy;
     let axes = [
-        (
-            Bus::X(x),
-            DrdyPin {
-                pin: drdy_x,
-                latched_by_interrupt: true,
-            },
-        ),
-        (
-            Bus::Y(y),
-            DrdyPin {
-                pin: drdy_y,
-                latched_by_interrupt: false,
-            },
-        ),
-        (
-            Bus::Z(z),
-            DrdyPin {
-                pin: drdy_z,
-                latched_by_interrupt: false,
-            },
-        ),
+        (Bus::X(x), drdy_x, 0),
+        (Bus::Y(y), drdy_y, 1),
+        (Bus::Z(z), drdy_z, 2),
     ]
-    .map(|(bus, drdy)| Ads1281::new(bus, drdy, Delay { timer_hz }));
+    .map(|(bus, pin, axis)| Ads1281::new(bus, DrdyPin { pin, axis }, Delay { timer_hz }));
     (machine, axes, sync)
 }
 
@@ -205,15 +190,44 @@ fn serial_number() -> [u32; 3] {
     ]
 }
 
-/// X has a new conversion.
+/// An axis has a new conversion, whose pending bit is cleared: an edge that comes from now on asks
+/// for the interrupt again, and its stamp replaces this one.
+fn fallen(axis: usize) {
+    if axis == TRIGGER.load(Ordering::Relaxed) {
+        stamps::stamp();
+    }
+    EDGES[axis].store(true, Ordering::Release);
+}
+
+/// X.
 #[interrupt]
 fn EXTI4() {
-    static mut PENDING: Option<EXTI> = None;
-    stamps::stamp();
-    EDGE_X.store(true, Ordering::Release);
-    if let Some(exti) = DRDY_X.receive(PENDING) {
-        exti.pr().write(|w| w.pr4().clear_bit_by_one());
+    if clear_pending(4) {
+        fallen(0);
     }
+}
+
+/// Y and Z.
+#[interrupt]
+fn EXTI9_5() {
+    for (line, axis) in [(5, 1), (6, 2)] {
+        if clear_pending(line) {
+            fallen(axis);
+        }
+    }
+}
+
+/// Clears the pending bit of an EXTI line, 0 to 22; whether it was set.
+#[allow(unsafe_code)]
+fn clear_pending(line: u8) -> bool {
+    let mask = 1 << line;
+    // SAFETY: the register is only read, and written below; both are atomic, and the start-up
+    // code, which has the peripheral, does not touch it any more once the interrupts are on.
+    let register = unsafe { &*EXTI::ptr() }.pr();
+    let set = register.read().bits() & mask != 0;
+    // SAFETY: a zero does nothing here, so that no other line is disturbed.
+    register.write(|w| unsafe { w.bits(mask) });
+    set
 }
 
 impl Sensors for Attached {
@@ -224,6 +238,10 @@ impl Sensors for Attached {
 
     fn now(&self) -> u64 {
         clock::now()
+    }
+
+    fn trigger_on(&mut self, axis: usize) {
+        TRIGGER.store(axis, Ordering::Relaxed);
     }
 
     fn take_edge_stamp(&mut self) -> Option<u64> {
@@ -259,13 +277,8 @@ impl InputPin for DrdyPin {
 
 impl DataReady for DrdyPin {
     fn take_edge(&mut self) -> bool {
-        if self.latched_by_interrupt {
-            return EDGE_X.swap(false, Ordering::AcqRel);
-        }
-        let fallen = self.pin.check_interrupt();
-        if fallen {
-            self.pin.clear_interrupt_pending_bit();
-        }
-        fallen
+        EDGES
+            .get(self.axis)
+            .is_some_and(|edge| edge.swap(false, Ordering::AcqRel))
     }
 }

@@ -17,6 +17,7 @@ use inm_emulator::channel::{Channel, published};
 use inm_emulator::filter::DECIMATION;
 use inm_emulator::{Bench, Converter, Delay, Drdy, Signal, Spi, SyncPin};
 use inm_firmware::ads1281::Ads1281;
+use inm_firmware::platform::LONGEST_SLEEP_US;
 use inm_firmware::proof::ProofBins;
 use stm32f4xx_hal::gpio::GpioExt;
 use stm32f4xx_hal::pac::{self, Interrupt, TIM3, interrupt};
@@ -38,6 +39,11 @@ const PS_PER_TICK: u64 = 1_000_000_000_000 / TIMER_HZ as u64;
 
 /// Interrupts a second that let the bench run on: as many as the fastest conversions.
 const PACE_HZ: u32 = 4000;
+
+/// Bench time that passes at most between two steps without an edge, picoseconds: the longest sleep of
+/// a board. Without it a bench that has fallen behind, as by a start, runs from SYNC to the first word
+/// in one step.
+const LONGEST_PS: u64 = LONGEST_SLEEP_US as u64 * 1_000_000;
 
 /// Core clock by which QEMU's SysTick counts.
 const CORE_HZ: u32 = 168_000_000;
@@ -85,7 +91,9 @@ pub struct Emulated {
     bench: &'static Bench<Record>,
     /// How far the bench may run.
     allowed_ps: u64,
-    /// Latest edge of X that was stamped.
+    /// The axis whose edges are stamped.
+    trigger: usize,
+    /// Latest edge that was stamped.
     stamped_ps: Option<u64>,
 }
 
@@ -118,6 +126,7 @@ pub fn start(
         sensors: Emulated {
             bench,
             allowed_ps: 0,
+            trigger: 0,
             stamped_ps: None,
         },
         link,
@@ -182,14 +191,21 @@ impl Sensors for Emulated {
         self.bench.now_ps() / PS_PER_TICK
     }
 
+    fn trigger_on(&mut self, axis: usize) {
+        self.trigger = axis;
+    }
+
     fn take_edge_stamp(&mut self) -> Option<u64> {
         if let Some(stamp) = stamps::take() {
             self.allowed_ps = stamp * PS_PER_TICK;
         }
         // An edge may have come while a word was read; else the bench runs to the next.
-        let mut edge_ps = self.bench.last_edge_ps(0);
+        let mut edge_ps = self.bench.last_edge_ps(self.trigger);
         if edge_ps == self.stamped_ps {
-            edge_ps = Some(self.bench.run_until_edge(0, self.allowed_ps)?);
+            // However far the bench is behind: the instrument sees all times that it would on the
+            // board, its deadlines among them.
+            let deadline_ps = self.allowed_ps.min(self.bench.now_ps() + LONGEST_PS);
+            edge_ps = Some(self.bench.run_until_edge(self.trigger, deadline_ps)?);
         }
         self.stamped_ps = edge_ps;
         edge_ps.map(|ps| ps / PS_PER_TICK)

@@ -19,7 +19,7 @@ mod image;
 fn main() -> ! {
     // All zeros: in .bss, no image of it in flash.
     static mut BINS: inm_firmware::proof::ProofBins = inm_firmware::proof::ProofBins::new();
-    count::run(BINS)
+    image::stack::run(count::run, BINS)
 }
 
 /// Off the target there is nothing to run.

@@ -89,7 +89,9 @@ pub struct VirtualBoard<'b, S, E> {
     bench: &'b Bench<S>,
     environment: E,
     board: Board,
-    /// Latest edge of X that was stamped, picoseconds.
+    /// The axis whose edges are stamped.
+    trigger: usize,
+    /// Latest edge that was stamped, picoseconds.
     stamped_ps: Option<u64>,
     bins: ProofBins,
 }
@@ -105,6 +107,7 @@ impl<'b, S: Signal, E: Environment> VirtualBoard<'b, S, E> {
             bench,
             environment,
             board,
+            trigger: 0,
             stamped_ps: None,
             bins: ProofBins::new(),
         }
@@ -164,9 +167,13 @@ impl<'b, S: Signal, E: Environment> Platform for VirtualBoard<'b, S, E> {
         self.bench.now_ps() / PS_PER_TICK
     }
 
+    fn trigger_on(&mut self, axis: usize) {
+        self.trigger = axis;
+    }
+
     /// The latest edge if it is new; else lets time pass up to the next, for a while.
     fn take_edge_stamp(&mut self) -> Option<u64> {
-        let mut latest = self.bench.last_edge_ps(0);
+        let mut latest = self.bench.last_edge_ps(self.trigger);
         if latest == self.stamped_ps {
             let now_ps = self.bench.now_ps();
             let horizon_ps = self.environment.horizon_ps();
@@ -174,7 +181,7 @@ impl<'b, S: Signal, E: Environment> Platform for VirtualBoard<'b, S, E> {
             if deadline_ps <= now_ps {
                 return None;
             }
-            latest = Some(self.bench.run_until_edge(0, deadline_ps)?);
+            latest = Some(self.bench.run_until_edge(self.trigger, deadline_ps)?);
         }
         self.stamped_ps = latest;
         latest.map(|edge_ps| edge_ps / PS_PER_TICK)

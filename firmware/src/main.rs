@@ -6,7 +6,8 @@
 //!   main                 the super-loop
 //! ```
 //!
-//! Interrupts only stamp DRDY edges and move link bytes; everything else happens in the loop.
+//! Interrupts only stamp DRDY edges and move link bytes, on a stack of their own; everything else
+//! happens in the loop.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(all(target_os = "none", not(feature = "qemu")))]
@@ -22,7 +23,12 @@ mod image;
 fn main() -> ! {
     // All zeros: in .bss, no image of it in flash.
     static mut BINS: inm_firmware::proof::ProofBins = inm_firmware::proof::ProofBins::new();
-    let (machine, converters, sync) = board::start(BINS);
+    image::stack::run(program, BINS)
+}
+
+#[cfg(target_os = "none")]
+extern "C" fn program(bins: &'static mut inm_firmware::proof::ProofBins) -> ! {
+    let (machine, converters, sync) = board::start(bins);
     defmt::info!("start, {}", defmt::Debug2Format(machine.restart()));
     let mut instrument = inm_firmware::Instrument::new(machine, converters, sync);
     loop {

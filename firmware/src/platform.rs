@@ -3,7 +3,7 @@
 //! One super-loop calls [`Instrument::step`](crate::Instrument::step) for ever. Interrupts
 //! only stamp DRDY edges and move link bytes through queues; they are the far ends of
 //! [`Platform::take_edge_stamp`], [`Platform::receive`] and [`Platform::transmit`]. All
-//! methods return at once.
+//! methods return at once. A loop with nothing to do may sleep for [`LONGEST_SLEEP_US`].
 
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::OutputPin;
@@ -12,6 +12,10 @@ use inm_protocol::{Restart, SensorRange};
 
 use crate::ads1281::DataReady;
 use crate::proof::ProofBins;
+
+/// Longest sleep between two steps, microseconds: a deadline alone wakes nobody. As long as the
+/// shortest wait that the instrument has, the millisecond after RESET.
+pub const LONGEST_SLEEP_US: u32 = 1000;
 
 /// Machine under the instrument.
 pub trait Platform {
@@ -34,12 +38,16 @@ pub trait Platform {
     /// Free-running timer, ticks of [`Board::timer_hz`] since some moment before the start.
     fn now(&self) -> u64;
 
-    /// Timer at the latest falling edge of X's DRDY, once: `None` if there was none since the
-    /// last call.
+    /// From now on [`take_edge_stamp`](Self::take_edge_stamp) tells of the DRDY of this axis, 0 to
+    /// 2; of X (0) at first.
+    fn trigger_on(&mut self, axis: usize);
+
+    /// Timer at the latest falling edge of the DRDY that [triggers](Self::trigger_on), once:
+    /// `None` if there was none since the last call.
     ///
     /// One stamp is kept, not a queue: conversions are numbered by the time between stamps, an
     /// edge that came and went shows as a gap in the index, and its word is gone anyway. The
-    /// latch of [`DataReady::take_edge`] of X is another one, set by the same edge.
+    /// latch of [`DataReady::take_edge`] of that axis is another one, set by the same edge.
     fn take_edge_stamp(&mut self) -> Option<u64>;
 
     /// Next byte from the host.

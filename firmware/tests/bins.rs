@@ -119,9 +119,9 @@ fn the_bins_begin_with_a_gap_if_they_have_to() {
     let Ok(Answer::BinsEpoch { index }) = rig.ask(Request::RestartBins) else {
         panic!("no epoch");
     };
-    // X stops half a rest ahead of it.
+    // X stops a rest, a proof and half the settling ahead of it.
     let left = index - rig.batches.last().map_or(0, inm_protocol::Batch::end);
-    rig.run_ms((left - 50) / 2);
+    rig.run_ms((left - (66 + 79 + 31)) / 2);
     rig.inject(0, Fault::DrdyStops);
     rig.run_ms(3000);
     let first = rig.received().into_iter().find(|c| c.index >= index);

@@ -209,6 +209,21 @@ const CONFIGURE: [u8; 27] = [
     0x20, 0x0A, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
 ];
 
+/// 00h to 0Ah of some part after RESET, as tabulated for the family.
+const DEFAULTS: [u8; 11] = [
+    0x10, 0x52, 0x08, 0x32, 0x03, 0x00, 0x00, 0x00, 0x00, 0x00, 0x40,
+];
+
+/// SDATAC, RREG of eleven.
+const IDENTIFY: [u8; 14] = [0x11, 0x20, 0x0A, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0];
+
+/// What DOUT shows meanwhile.
+fn identify_answers(registers: [u8; 11]) -> Vec<u8> {
+    let mut dout = vec![0xA5; IDENTIFY.len() - registers.len()];
+    dout.extend(registers);
+    dout
+}
+
 /// What DOUT shows meanwhile: the registers, after the two bytes of RREG.
 fn configure_answers(registers: [u8; 11]) -> Vec<u8> {
     let mut dout = vec![0xA5; CONFIGURE.len() - registers.len()];
@@ -265,16 +280,50 @@ fn the_reserved_register_may_read_anything() {
 
 #[test]
 fn an_identity_that_is_not_the_parts_is_refused() {
-    for (id, expected) in [
-        (0x00, Ok(0x00)),
-        (0xF0, Ok(0xF0)),
-        (0xFF, Err(Error::WrongId { found: 0xFF })),
-        (0x01, Err(Error::WrongId { found: 0x01 })),
-    ] {
+    for (id, good) in [(0x00, true), (0xF0, true), (0xFF, false), (0x01, false)] {
+        let mut registers = DEFAULTS;
+        registers[0] = id;
+        let expected = if good {
+            Ok(registers)
+        } else {
+            Err(Error::WrongId { found: id })
+        };
         let (mut driver, mock) = driver();
-        mock.answers(&[0, 0, 0, id]);
+        mock.answers(&identify_answers(registers));
         assert_eq!(driver.identify(), expected);
-        assert_eq!(mock.bytes(), [0x11, 0x20, 0x00, 0x00]);
+        assert_eq!(mock.bytes(), IDENTIFY);
+    }
+}
+
+#[test]
+fn registers_of_all_zeros_or_ones_are_nobodys() {
+    for found in [0x00, 0xFF] {
+        let (mut driver, mock) = driver();
+        mock.answers(&identify_answers([found; 11]));
+        assert_eq!(driver.identify(), Err(Error::WrongId { found }));
+        let (mut driver, mock) = self::driver();
+        mock.answers(&configure_answers([found; 11]));
+        assert_eq!(driver.configure(&CONFIG()), Err(Error::WrongId { found }));
+    }
+}
+
+#[test]
+fn who_is_identified_is_at_its_defaults_but_for_the_reserved_register() {
+    for address in 1..11 {
+        let mut registers = DEFAULTS;
+        registers[address] ^= 0x04;
+        let expected = if address == 2 {
+            Ok(registers)
+        } else {
+            Err(Error::Verify {
+                address: Address::ALL[address],
+                wrote: DEFAULTS[address],
+                found: registers[address],
+            })
+        };
+        let (mut driver, mock) = driver();
+        mock.answers(&identify_answers(registers));
+        assert_eq!(driver.identify(), expected, "register {address}");
     }
 }
 

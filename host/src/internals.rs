@@ -120,6 +120,9 @@ pub mod source {
     pub mod audit {
         pub use crate::source::audit::{Proof, State};
     }
+    pub mod frames {
+        pub use crate::source::frames::Frames;
+    }
     pub mod board {
         pub use crate::source::board::{BoardSource, Plan, Stop};
     }

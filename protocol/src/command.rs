@@ -137,7 +137,8 @@ pub struct Identity {
     pub reference_uv: u32,
     /// Nominal supply of the accelerometers, microvolts.
     pub sensor_supply_uv: u32,
-    /// ID registers of X, Y, Z as found at start; `None` where the converter does not answer.
+    /// ID registers of X, Y, Z as found at power-on or, since then, when a configuration was
+    /// verified; `None` where no converter has answered.
     pub converters: [Option<u8>; AXES],
     /// Settings in force.
     pub settings: Settings,
@@ -162,6 +163,59 @@ pub enum Restart {
         /// End of the file's path.
         file: Vec<u8, 32>,
     },
-    /// The clock did not start and the board runs on its internal oscillator.
+    /// Power came on, but the clock did not start: the board runs on its internal oscillator.
     ClockFallback,
+    /// As [`Self::ClockFallback`], after [`Request::Reset`].
+    CommandClockFallback,
+    /// As [`Self::ClockFallback`], after the watchdog bit.
+    WatchdogClockFallback,
+    /// As [`Self::ClockFallback`], after a panic.
+    PanicClockFallback {
+        /// Line in the source file.
+        line: u32,
+        /// End of the file's path.
+        file: Vec<u8, 32>,
+    },
+}
+
+impl Restart {
+    /// The same reason on a board whose clock did not start: neither hides the other.
+    #[must_use]
+    pub fn on_internal_oscillator(self) -> Self {
+        match self {
+            Self::Power => Self::ClockFallback,
+            Self::Command => Self::CommandClockFallback,
+            Self::Watchdog => Self::WatchdogClockFallback,
+            Self::Panic { line, file } => Self::PanicClockFallback { line, file },
+            already => already,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_clock_that_does_not_start_is_told_whatever_the_restart_was() {
+        let file: Vec<u8, 32> = b"main.rs".iter().copied().collect();
+        let panicked = Restart::Panic {
+            line: 7,
+            file: file.clone(),
+        };
+        let reasons = [
+            Restart::Power,
+            Restart::Command,
+            Restart::Watchdog,
+            panicked,
+        ];
+        let told = reasons.clone().map(Restart::on_internal_oscillator);
+        for (k, reason) in reasons.iter().enumerate() {
+            assert_ne!(*reason, told[k]);
+            // The reason shows through: no two are told alike.
+            assert!(!told[..k].contains(&told[k]), "{told:?}");
+            assert_eq!(told[k].clone().on_internal_oscillator(), told[k]);
+        }
+        assert_eq!(told[3], Restart::PanicClockFallback { line: 7, file });
+    }
 }

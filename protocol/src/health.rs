@@ -56,15 +56,18 @@ pub struct AxisCounters {
     pub over_range: u32,
     /// Words that may have changed while being read.
     pub torn: u32,
-    /// Conversions of X at which this axis had no new word.
+    /// Conversions at which this axis had no new word.
     pub missed: u32,
-    /// Times the level jumped by a factor of two and stayed.
+    /// Times a bit slipped: the level jumped by a factor of two and stayed, or commands were not
+    /// understood.
     pub slipped: u32,
-    /// Times the bus answered all ones or all zeros.
+    /// Times the bus answered all ones or all zeros, or reported a fault.
     pub stuck: u32,
     /// Times DRDY stopped.
     pub stalled: u32,
-    /// Times a register was found to differ from what was written.
+    /// Times a register was found to differ from what was written, or the identity from what it
+    /// was. Slipped, stuck, stalled and this one make as many as there are events
+    /// ([`Trouble::is_reset_for`](crate::Trouble::is_reset_for)).
     pub registers_lost: u32,
     /// Resets of the converter since the start of the board.
     pub resets: u32,

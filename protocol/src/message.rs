@@ -86,7 +86,27 @@ pub enum Trouble {
         /// Data periods without samples.
         lost: u32,
     },
+    /// A register shows what no ADS1281 would, and the identity of the part is no help: it does not
+    /// understand its commands, because a bit slipped on the way.
+    Misaligned,
 }
+
+impl Trouble {
+    /// Whether the axis is taken out of the stream for it and reset. Its words of the last
+    /// [`UNPROVEN_PERIODS`] data periods must not be used then.
+    pub const fn is_reset_for(self) -> bool {
+        !matches!(
+            self,
+            Self::OverRange | Self::LinkFull { .. } | Self::Recovered { .. }
+        )
+    }
+}
+
+/// Longest time between two proofs that no bit of an axis has slipped, data periods: words from
+/// before the notice of a fault may be wrong for as long. The board reads CONFIG0 of every axis
+/// after 72, at the latest after 96, and has 32 left for three axes that are due at once, 8
+/// conversions without an edge until that is a stall, and short gaps.
+pub const UNPROVEN_PERIODS: u64 = 128;
 
 /// What the host saw of the link while recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

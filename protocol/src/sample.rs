@@ -27,7 +27,7 @@ impl Flags {
     pub const OVER_RANGE: Self = Self(1 << 0);
     /// The converter may have updated the word while it was read.
     pub const TORN: Self = Self(1 << 1);
-    /// This converter had no new word when the X axis had one; the code repeats the last.
+    /// This converter had no new word when the others had one; the code repeats the last.
     pub const MISSED: Self = Self(1 << 2);
     /// The level jumped by a factor of two: a bit slipped, and the axis waits for its reset.
     pub const SLIPPED: Self = Self(1 << 3);
@@ -72,7 +72,8 @@ pub struct Batch {
     /// Index of the first conversion, in data periods since the start command. An index that
     /// does not continue the last batch is a gap.
     pub first: u64,
-    /// Board timer at the DRDY edge of the first conversion, in ticks of
+    /// Board timer at the DRDY edge (of X, or of the first axis that runs) of the first
+    /// conversion, in ticks of
     /// [`Identity::timer_hz`](crate::Identity::timer_hz).
     pub stamp: u64,
     /// Codes, conversion by conversion, X Y Z.

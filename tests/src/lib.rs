@@ -5,6 +5,7 @@
 //! image's own.
 #![forbid(unsafe_code)]
 
+pub mod campaign;
 pub mod golden;
 pub mod hidden;
 #[cfg(unix)]

@@ -25,6 +25,15 @@ pub const PATIENCE: Patience = Patience {
     silence: Duration::from_secs(10),
 };
 
+/// Environment variable that names the image that fills its stack; `cargo xtask test` sets it.
+pub const OVERFLOW_VARIABLE: &str = "INM_QEMU_OVERFLOW";
+
+/// QEMU's program.
+#[must_use]
+pub fn program() -> OsString {
+    std::env::var_os(PROGRAM_VARIABLE).unwrap_or_else(|| "qemu-system-arm".into())
+}
+
 /// A virtual machine; killed when dropped.
 pub struct Qemu {
     child: Child,
@@ -74,7 +83,7 @@ impl Drop for Qemu {
 }
 
 fn launch(image: &OsString) -> io::Result<Child> {
-    let program = std::env::var_os(PROGRAM_VARIABLE).unwrap_or_else(|| "qemu-system-arm".into());
+    let program = program();
     Command::new(&program)
         .args([
             "-M",

@@ -5,7 +5,9 @@ use std::path::Path;
 
 use inm_host::internals::source::board::{BoardSource, Plan, Stop};
 use inm_host::internals::source::capture::CaptureSource;
+use inm_host::internals::source::frames::Frames;
 use inm_host::internals::virtual_board::VirtualConnect;
+use inm_protocol::{Answer, Batch, Code, MAX_FRAME, Reply, Settings, ToHost, encode};
 use inm_tests::record::Record;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -81,5 +83,48 @@ fn frames_repeated_swapped_and_lost_leave_no_wrong_sample() {
             );
             assert_eq!(truth.get(index), Some(codes), "seed {seed}: sample {index}");
         }
+    }
+}
+
+/// One board, whose `Configure` and `Start` were answered in this order; batches come in places.
+#[test]
+fn an_old_reply_that_comes_late_begins_no_stream() {
+    let reply = |id| {
+        ToHost::Reply(Reply {
+            id,
+            result: Ok(Answer::Settings(Settings::default())),
+        })
+    };
+    let batch = |seq: u32| {
+        let mut batch = Batch {
+            seq,
+            first: 32 * u64::from(seq),
+            stamp: 1000 + 32 * 500 * u64::from(seq),
+            ..Batch::default()
+        };
+        for _ in 0..32 {
+            batch.codes.push([Code(2); 3]).expect("room");
+        }
+        ToHost::Samples(batch)
+    };
+    let old = [u16::MAX, 4, 7];
+    let new = [0, 5, 9];
+    for (old, new) in old.into_iter().zip(new) {
+        let mut frames = Frames::default();
+        for message in [
+            reply(new),
+            batch(1),
+            batch(2),
+            reply(old),
+            batch(0),
+            batch(3),
+        ] {
+            let mut frame = [0; MAX_FRAME];
+            let len = encode(&message, &mut frame).expect("it fits");
+            frames.push(&frame[..len]);
+        }
+        frames.finish();
+        assert_eq!(frames.losses().restarts, 0, "{old} behind {new}");
+        assert_eq!(frames.next_index(), 128, "{old} behind {new}");
     }
 }

@@ -19,7 +19,7 @@ use inm_protocol::{
     AXES, Answer, AxisCounters, Decoder, Filter, Health, Identity, Rate, Refusal, Reply, Request,
     Restart, Settings, ToHost,
 };
-use inm_tests::qemu::{PATIENCE, Qemu};
+use inm_tests::qemu::{OVERFLOW_VARIABLE, PATIENCE, Qemu, program};
 
 /// The image's seed, `SEED` in board_qemu.rs.
 const SEED: u64 = 0x494e_4d31;
@@ -298,4 +298,34 @@ fn restarts() -> bool {
     assert_eq!(board.ask(Request::Start), started);
     assert_eq!(board.ask(Request::Stop), Ok(Answer::Done));
     true
+}
+
+/// How long a machine may take to start, fill 28 KB and start again: a second on an idle one.
+const OVERFLOW_PATIENCE: std::time::Duration = std::time::Duration::from_secs(60);
+
+/// The handler of the fault has a stack of its own, and what it notes down survives the restart.
+#[test]
+#[ignore = "needs the image for QEMU: cargo xtask test"]
+fn a_full_stack_is_told_as_the_reason_of_the_restart() {
+    let image = std::env::var_os(OVERFLOW_VARIABLE).expect("cargo xtask test names the image");
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let said = folder.path().join("said");
+    let mut machine = std::process::Command::new(program())
+        .args(["-M", "netduinoplus2", "-nographic", "-monitor", "none"])
+        .arg("-serial")
+        .arg(format!("file:{}", said.display()))
+        .arg("-kernel")
+        .arg(image)
+        .stdin(std::process::Stdio::null())
+        .spawn()
+        .expect("QEMU starts");
+    let begin = Instant::now();
+    let mut text = String::new();
+    while begin.elapsed() < OVERFLOW_PATIENCE && text.matches(';').count() < 2 {
+        std::thread::sleep(std::time::Duration::from_millis(50));
+        text = std::fs::read_to_string(&said).unwrap_or_default();
+    }
+    machine.kill().expect("it still runs");
+    machine.wait().expect("it has ended");
+    assert_eq!(text, "power;stack overflow;");
 }

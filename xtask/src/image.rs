@@ -22,6 +22,8 @@ pub enum Image {
     Qemu,
     /// The same, counting its instructions.
     Count,
+    /// The machine below it, filling its stack.
+    Overflow,
 }
 
 impl Image {
@@ -31,6 +33,7 @@ impl Image {
             Self::Board => "inm-board",
             Self::Qemu => "inm-board-qemu",
             Self::Count => "inm-count",
+            Self::Overflow => "inm-overflow",
         }
     }
 
@@ -39,6 +42,7 @@ impl Image {
         match self {
             Self::Board | Self::Qemu => "inm-board",
             Self::Count => "inm-count",
+            Self::Overflow => "inm-overflow",
         }
     }
 
@@ -46,7 +50,7 @@ impl Image {
     pub fn features(self) -> &'static [&'static str] {
         match self {
             Self::Board => &[],
-            Self::Qemu | Self::Count => &["--features", "qemu"],
+            Self::Qemu | Self::Count | Self::Overflow => &["--features", "qemu"],
         }
     }
 

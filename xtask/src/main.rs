@@ -7,6 +7,7 @@
 //!   size      flash and RAM of both images against their budgets
 //!   instructions
 //!             what a conversion takes of the processor, counted under QEMU
+//!   faults    random fault runs, by `study`
 //!   bench     the estimators beside other programs, the simulator
 //!   docs      what the README shows of `inm demo`, by `excerpt`
 //!   study     simulations too long for every test run
@@ -52,6 +53,9 @@ usage: cargo xtask <command>
   size       flash and RAM of both images, by section and symbol, held to their budgets
   instructions
              what a conversion takes of the processor at 4000/s, counted under QEMU
+  faults [FIRST] [RUNS]
+             RUNS random fault runs in company (1000) from seed FIRST (0), a tenth of them each on a dirty
+             link and with frames out of place, a twentieth of each fault alone; 4 minutes for 20000
   bench      speed and memory of the estimators beside other programs, and of the simulator; minutes
   bench simulator
              samples a second of the simulator alone
@@ -87,6 +91,7 @@ fn main() -> ExitCode {
         ["firmware"] => firmware::run(),
         ["size"] => size::run(),
         ["instructions"] => instructions::run(),
+        ["faults", ref options @ ..] => study::faults(options),
         ["bench"] => bench::run(),
         ["bench", "simulator"] => bench::simulator(),
         ["docs"] => docs::run(),

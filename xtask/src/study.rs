@@ -59,6 +59,16 @@ pub fn night(options: &[&str]) -> Result<()> {
     judge("study_night", options)
 }
 
+/// Random fault runs; prints a table. `options` are the first seed and the number of runs.
+///
+/// # Errors
+/// It does not build, the options are wrong, or a wrong sample was taken for good.
+pub fn faults(options: &[&str]) -> Result<()> {
+    // Not in release: the rules that only debug builds check are worth more than the time.
+    let mut runs = cargo(&["run", "--package", "inm-tests", "--example", "faults", "--"]);
+    execute(runs.args(options))
+}
+
 /// Runs an example of the tests that judges `inm`, in release.
 fn judge(name: &str, options: &[&str]) -> Result<()> {
     let build = [

@@ -23,6 +23,9 @@ const NO_STD: [&str; 4] = ["inm-protocol", "inm-allan", "inm-emulator", "inm-fir
 /// Environment variable by which the tests under QEMU find the image.
 const IMAGE_VARIABLE: &str = "INM_QEMU_IMAGE";
 
+/// And the one that fills its stack.
+const OVERFLOW_VARIABLE: &str = "INM_QEMU_OVERFLOW";
+
 /// Environment variable from which proptest takes its seed. With a fixed one a rare case cannot
 /// fail a change that has nothing to do with it; plain `cargo test` goes on to explore.
 const PROPTEST_VARIABLE: &str = "PROPTEST_RNG_SEED";
@@ -77,13 +80,14 @@ fn run_all(stages: &mut Stages) -> Result<()> {
     stages.run("checks for the board", check_for_the_board)?;
     let board = stages.run("image of the board", || check_image(Image::Board))?;
     let qemu = stages.run("image for QEMU", || check_image(Image::Qemu))?;
+    let overflow = stages.run("image that overflows", || Image::Overflow.build())?;
     stages.run("instructions", instructions::check)?;
     stages.run("documentation", || {
         execute(cargo(&["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "--deny warnings"))
     })?;
     test_workspace(stages)?;
     stages.run("image that `inm flash` takes", || flash_takes(&board))?;
-    stages.run("tests under QEMU", || test_image(&qemu))?;
+    stages.run("tests under QEMU", || test_image(&qemu, &overflow))?;
     stages.run("dependencies", deny::check)?;
     stages.run("fuzzing", fuzz::check)
 }
@@ -160,7 +164,7 @@ fn check_on_the_host() -> Result<()> {
 
 /// The image's tests, which plain `cargo test` ignores. The whole workspace is named again so
 /// that cargo finds what it has built for the others.
-fn test_image(image: &Path) -> Result<()> {
+fn test_image(image: &Path, overflow: &Path) -> Result<()> {
     execute(
         cargo(&[
             "test",
@@ -172,6 +176,7 @@ fn test_image(image: &Path) -> Result<()> {
             "--nocapture",
         ])
         .env(IMAGE_VARIABLE, image)
+        .env(OVERFLOW_VARIABLE, overflow)
         .env(QEMU_VARIABLE, qemu()),
     )
 }

@@ -1,7 +1,7 @@
 //! What a fault does to a converter.
 
 use super::{Converter, ReadMode};
-use crate::{Fault, Signal, time::UPDATE_LEAD_PS};
+use crate::{Fault, Signal, alignment::Alignment, time::UPDATE_LEAD_PS};
 
 impl<S: Signal> Converter<S> {
     /// Lets a fault happen.
@@ -15,9 +15,13 @@ impl<S: Signal> Converter<S> {
                 let end = conversions.map_or(u64::MAX, |n| self.ledger.sent.words() + u64::from(n));
                 self.stuck = Some((high, end));
             }
-            Fault::Slip(slip) => self.serial.slip = Some(slip),
+            Fault::Slip(slip) => {
+                self.serial.slip = Some(slip);
+                self.alignment = Alignment::slipped(slip);
+            }
             Fault::Overload { input, conversions } => self.conversion.overload(input, conversions),
             Fault::BrownOut => {
+                self.realign();
                 self.reset(at_ps);
                 self.excused = true;
             }

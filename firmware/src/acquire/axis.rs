@@ -38,7 +38,12 @@ pub(super) enum State {
     },
     /// RESET was sent.
     Resetting {
-        /// Timer at which it may be configured, ticks.
+        /// Timer at which its registers may be read, ticks.
+        until: u64,
+    },
+    /// It showed the registers of an ADS1281 after a RESET.
+    Identified {
+        /// Timer at which it is configured, ticks: the others are read once before.
         until: u64,
     },
     /// Configured; it has to show an edge of DRDY before the others are disturbed by a
@@ -64,6 +69,10 @@ pub(super) struct Axis {
     pub state: State,
     /// Failed recoveries in a row.
     pub attempts: u32,
+    /// Words before the conversion with this index are proven to be aligned (`prove`).
+    pub proven: u64,
+    /// Something gives reason to look at CONFIG0 at once.
+    pub suspected: bool,
     /// Flags of the words while the axis is not running, beside `MISSED`.
     cause: Flags,
     last: Word,
@@ -88,6 +97,8 @@ impl Axis {
             counters: AxisCounters::default(),
             state: State::Running,
             attempts: 0,
+            proven: 0,
+            suspected: false,
             cause: Flags::NONE,
             last: Word(0),
             detector: SlipDetector::new(),
@@ -114,6 +125,7 @@ impl Axis {
         self.state = State::Running;
         self.slip_again = self.cause.has(Flags::SLIPPED);
         self.cause = Flags::NONE;
+        self.suspected = false;
         self.detector.realigned();
         self.mean_detector.realigned();
         self.forget_runs();
@@ -123,14 +135,15 @@ impl Axis {
     pub(super) fn rest(&mut self, trouble: Trouble, until: u64) {
         match trouble {
             Trouble::Stalled => self.counters.stalled = self.counters.stalled.saturating_add(1),
-            Trouble::RegisterLost { .. } => {
+            Trouble::RegisterLost { .. } | Trouble::WrongId { .. } => {
                 self.counters.registers_lost = self.counters.registers_lost.saturating_add(1);
             }
             Trouble::Stuck { .. } => {
                 self.counters.stuck = self.counters.stuck.saturating_add(1);
                 self.cause = self.cause.with(Flags::STUCK);
             }
-            Trouble::Slipped { .. } => {
+            Trouble::Bus => self.counters.stuck = self.counters.stuck.saturating_add(1),
+            Trouble::Slipped { .. } | Trouble::Misaligned => {
                 self.counters.slipped = self.counters.slipped.saturating_add(1);
                 self.cause = self.cause.with(Flags::SLIPPED);
             }
@@ -156,6 +169,11 @@ impl Axis {
     /// told by the next words.
     pub(super) fn is_steady(&self) -> bool {
         self.is_running() && self.uniform_run == 0 && self.broken == 0 && !self.detector.suspects()
+    }
+
+    /// Whether DRDY was missing at the last conversion.
+    pub(super) fn is_missing(&self) -> bool {
+        self.missed_run > 0
     }
 
     /// Whether DRDY was missing at the last conversion, for the first time in a row.

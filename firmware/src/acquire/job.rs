@@ -15,6 +15,10 @@ use crate::ads1281::{IDLE_READINGS, RESET_US, SETTLING_READINGS};
 /// Attempts to configure the converters before a command is refused.
 const ATTEMPTS: u8 = 3;
 
+/// Rest between two attempts, microseconds: [`IDLE_READINGS`] of a converter at 250/s. What it was
+/// told in the wrong place, or a brown-out, may have left it at any rate.
+const REST_US: u32 = IDLE_READINGS * 4000;
+
 /// Words averaged for each half of the self-test.
 const SELF_TEST_WORDS: u32 = 64;
 
@@ -84,6 +88,7 @@ impl<P: Platform> Instrument<P> {
             task,
             attempt: 0,
         };
+        self.drive_by(0, now);
         self.reset_all(job, now);
     }
 
@@ -98,7 +103,8 @@ impl<P: Platform> Instrument<P> {
 
     pub(super) fn configure_all(&mut self, job: Job, now: u64) -> bool {
         for axis in 0..AXES {
-            if let Err(error) = self.write_configuration(axis) {
+            let written = self.identify(axis);
+            if let Err(error) = written.and_then(|()| self.write_configuration(axis)) {
                 self.attempt_failed(job, axis, error.trouble(), now);
                 return true;
             }
@@ -107,11 +113,11 @@ impl<P: Platform> Instrument<P> {
         true
     }
 
-    fn attempt_failed(&mut self, job: Job, axis: usize, trouble: Trouble, now: u64) {
+    pub(super) fn attempt_failed(&mut self, job: Job, axis: usize, trouble: Trouble, now: u64) {
         let attempt = job.attempt + 1;
         if attempt < ATTEMPTS {
             self.stage = Stage::Rest {
-                until: now + self.clock.periods(IDLE_READINGS),
+                until: now + self.clock.micros(REST_US),
                 job: Job { attempt, ..job },
             };
         } else {
@@ -136,6 +142,7 @@ impl<P: Platform> Instrument<P> {
         });
     }
 
+    #[inline(never)]
     fn finish(&mut self, job: Job, result: Result<Answer, Refusal>) {
         self.outbox.reply(Reply { id: job.id, result });
         self.stage = Stage::Idle;
@@ -188,6 +195,10 @@ impl<P: Platform> Instrument<P> {
     fn end_calibration(&mut self, job: Job) {
         let mut found = [0; AXES];
         for (axis, found) in found.iter_mut().enumerate() {
+            // A bus that is stuck, or a converter that has reset itself, would give any words.
+            if let Err(trouble) = self.look(axis) {
+                return self.refuse_job(job, axis, trouble);
+            }
             let read = match self.converters[axis].read_calibration() {
                 Ok(read) => read,
                 Err(error) => return self.refuse_job(job, axis, error.trouble()),

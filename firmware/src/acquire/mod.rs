@@ -8,8 +8,8 @@
 //! ```
 //!
 //! All of it runs in one loop, by [`Instrument::step`]; nothing waits. What takes time is a
-//! stage with a deadline on the board's timer. X's DRDY drives the reading of all three
-//! axes, which convert together after a common SYNC. Conversions are numbered by the time
+//! stage with a deadline on the board's timer. X's DRDY, or while X is away that of the next
+//! axis, drives the reading of all three, which convert together after a common SYNC. Conversions are numbered by the time
 //! between the stamps: whatever makes the board late shows as a gap in the index.
 
 mod axis;
@@ -19,15 +19,17 @@ mod health;
 mod host;
 mod job;
 mod outbox;
+mod prove;
 mod read_back;
 mod recover;
+mod settle;
 mod stream;
 
-use embedded_hal::digital::OutputPin;
-use inm_protocol::{AXES, BinsMark, Decoder, REGISTERS, Settings, Trouble};
+use inm_protocol::{AXES, BinsMark, Decoder, REGISTERS, Settings};
 
 use crate::ads1281::calibrate::Calibration;
 use crate::ads1281::config::Config;
+use crate::ads1281::register::Address;
 use crate::ads1281::{Ads1281, POWER_UP_US};
 use crate::{Board, Platform};
 
@@ -59,8 +61,13 @@ enum Stage {
     Rest { until: u64, job: Job },
     /// RESET was sent to all converters.
     Reset { until: u64, job: Job },
-    /// The filters fill after a common SYNC; for a job, or to go on streaming.
-    Settle { since: u64, job: Option<Job> },
+    /// The filters fill after a common SYNC; for a job, or to go on streaming. In time before they
+    /// are full the converters are `looked` at.
+    Settle {
+        since: u64,
+        job: Option<Job>,
+        looked: bool,
+    },
     /// Streaming.
     Stream,
     /// OFSCAL or GANCAL was sent.
@@ -88,14 +95,22 @@ pub struct Instrument<P: Platform> {
     calibration: [Calibration; AXES],
     /// What is written to the converters, by axis.
     configs: [Config; AXES],
-    /// ID registers as first found.
+    /// ID registers as found at power-on or, since then, when a configuration was verified.
     ids: [Option<u8>; AXES],
+    /// CONFIG1, which is reserved and never written, as found with the identity.
+    reserved: [u8; AXES],
     /// All registers as last read back.
     registers: [[u8; REGISTERS]; AXES],
     stage: Stage,
     axes: [Axis; AXES],
     position: Position,
     rounds: Rounds,
+    /// The axis whose DRDY drives the reading: the first that runs.
+    trigger: usize,
+    /// Timer when it was chosen, ticks.
+    trigger_since: u64,
+    /// The next conversion is the first after SYNC: all axes have to be there.
+    fresh: bool,
     /// The axes whose recovery brought the common SYNC on.
     recovering: [bool; AXES],
     lost_conversions: u64,
@@ -127,11 +142,15 @@ impl<P: Platform> Instrument<P> {
             calibration: [Calibration::default(); AXES],
             configs: [Config::default(); AXES],
             ids: [None; AXES],
+            reserved: [0; AXES],
             registers: [[0; REGISTERS]; AXES],
             stage: Stage::PowerUp { until: power_up },
             axes: core::array::from_fn(|_| Axis::new()),
             position: Position::default(),
             rounds: Rounds::default(),
+            trigger: 0,
+            trigger_since: power_up,
+            fresh: false,
             recovering: [false; AXES],
             lost_conversions: 0,
             batcher: Batcher::default(),
@@ -145,7 +164,7 @@ impl<P: Platform> Instrument<P> {
     /// Does what there is to do and returns: `true` when something was done, `false` when the
     /// caller may sleep until the next interrupt.
     ///
-    /// Takes about 100 us when a conversion is read and 1 ms when the converters are
+    /// Takes about 100 us when a conversion is read and 2 ms when the converters are
     /// configured; never waits for anything.
     pub fn step(&mut self) -> bool {
         if matches!(self.stage, Stage::Halted) {
@@ -193,7 +212,7 @@ impl<P: Platform> Instrument<P> {
                 }
                 self.watch_trigger(now) | self.recover(now)
             }
-            Stage::Settle { since, job } => self.settle(edge, now, since, job),
+            Stage::Settle { since, job, looked } => self.settle(edge, now, since, job, looked),
             Stage::Idle | Stage::Halted => false,
             Stage::SelfTest(test) => self.self_test(test, edge, now),
             Stage::Calibrate { until, job, done } => self.await_calibration(now, until, job, done),
@@ -213,72 +232,6 @@ impl<P: Platform> Instrument<P> {
         }
     }
 
-    /// One rising edge on the common SYNC: the converters start anew together.
-    fn synchronise(&mut self, job: Option<Job>) {
-        // Two converter clocks (0.5 us) each; a pin that cannot fail is the rule, and one that
-        // does shows as stalled converters.
-        let [x, ..] = &mut self.converters;
-        let _ = self.sync.set_low();
-        x.pause_us(1);
-        let _ = self.sync.set_high();
-        x.pause_us(1);
-        for converter in &mut self.converters {
-            converter.forget_edge();
-        }
-        self.stage = Stage::Settle {
-            since: self.platform.now(),
-            job,
-        };
-    }
-
-    /// Waits until the filters are full. Words within 63 data periods of SYNC are dropped
-    /// whether or not DRDY announces them.
-    fn settle(&mut self, edge: Option<u64>, now: u64, since: u64, job: Option<Job>) -> bool {
-        use crate::ads1281::SETTLING_READINGS;
-        let settled = since + self.clock.periods(SETTLING_READINGS) - self.clock.periods(1) / 2;
-        match edge {
-            Some(stamp) if stamp >= settled => self.settled(stamp, now, job),
-            Some(_) => {
-                for converter in &mut self.converters {
-                    converter.forget_edge();
-                }
-            }
-            None if now > settled + self.clock.periods(2 * axis::STALLED) => {
-                self.trigger_failed(now, job);
-            }
-            None => return job.is_none() && self.recover(now),
-        }
-        true
-    }
-
-    fn settled(&mut self, stamp: u64, now: u64, job: Option<Job>) {
-        match job.map(|job| (job, job.task)) {
-            None => {
-                self.stage = Stage::Stream;
-                self.conversion(stamp);
-            }
-            Some((job, job::Task::Start)) => {
-                self.begin_stream(job);
-                self.conversion(stamp);
-            }
-            Some((job, job::Task::Calibrate(kind))) => self.begin_calibration(job, kind, now),
-            Some((job, job::Task::SelfTest)) => self.begin_self_test(job, now),
-        }
-    }
-
-    /// X gave no edge after SYNC.
-    fn trigger_failed(&mut self, now: u64, job: Option<Job>) {
-        match job {
-            Some(job) => self.refuse_job(job, 0, Trouble::Stalled),
-            None => {
-                self.stage = Stage::Stream;
-                if self.axes[0].is_running() {
-                    self.fail(0, Trouble::Stalled, now);
-                }
-            }
-        }
-    }
-
     /// Commands other than those that are answered at once have to wait.
     fn is_occupied(&self) -> bool {
         !(matches!(self.stage, Stage::Idle) || self.is_streaming())
@@ -293,8 +246,11 @@ impl<P: Platform> Instrument<P> {
     }
 
     fn identify_converters(&mut self) -> bool {
-        for (converter, id) in self.converters.iter_mut().zip(&mut self.ids) {
-            *id = converter.identify().ok();
+        for axis in 0..AXES {
+            let found = self.identify(axis);
+            self.ids[axis] = found
+                .is_ok()
+                .then_some(self.registers[axis][Address::Id.index()]);
         }
         self.stage = Stage::Idle;
         true

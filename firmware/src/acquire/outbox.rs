@@ -40,10 +40,13 @@ impl Outbox {
         }
     }
 
-    /// Sends what waits, as far as there is room; `true` if anything was sent.
+    /// Sends what waits, as far as there is room; `true` if anything was sent. Events first: who
+    /// gets the reply to a stop knows all that there was to know of the stream.
     pub(super) fn flush<P: Platform>(&mut self, platform: &mut P) -> bool {
         let before = self.sent;
-        if let Some(reply) = self.reply.take() {
+        if self.flush_events(platform)
+            && let Some(reply) = self.reply.take()
+        {
             let message = ToHost::Reply(reply);
             if !self.send(platform, &message)
                 && let ToHost::Reply(reply) = message
@@ -51,12 +54,18 @@ impl Outbox {
                 self.reply = Some(reply);
             }
         }
+        self.sent != before
+    }
+
+    /// Sends the events that wait, as far as there is room; `true` if none waits any more.
+    #[inline(never)]
+    fn flush_events<P: Platform>(&mut self, platform: &mut P) -> bool {
         while let Some(&event) = self.events.front()
             && self.send(platform, &ToHost::Event(event))
         {
             self.events.pop_front();
         }
-        self.sent != before
+        self.events.is_empty()
     }
 
     /// Whether a reply waits: the next command has to wait too.
@@ -95,6 +104,7 @@ impl Outbox {
     }
 
     /// Sends a batch or drops it.
+    #[inline(never)]
     pub(super) fn batch<P: Platform>(&mut self, platform: &mut P, batch: Batch) {
         let first = batch.first;
         if self.send(platform, &ToHost::Samples(batch)) {
@@ -114,9 +124,12 @@ impl Outbox {
         }
     }
 
-    /// Sends a health record or drops it.
-    pub(super) fn health<P: Platform>(&mut self, platform: &mut P, health: Health) {
-        if !self.send(platform, &ToHost::Health(health)) {
+    /// Sends a health record or drops it. The events that it counts are sent ahead of it, so that
+    /// a host that has fewer knows that one was lost.
+    pub(super) fn health<P: Platform>(&mut self, platform: &mut P, mut health: Health) {
+        let told = self.flush_events(platform);
+        health.link.frames_sent = self.sent;
+        if !told || !self.send(platform, &ToHost::Health(health)) {
             self.given_up = self.given_up.saturating_add(1);
         }
     }

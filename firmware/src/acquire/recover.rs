@@ -2,16 +2,17 @@
 //!
 //! An axis that fails is left without a clock for 64 data periods, so that its serial
 //! interface begins a new byte whatever the bus did to it, then reset and configured like at
-//! the start. Y and Z have to show an edge of DRDY on their own before the common SYNC makes a
-//! gap of 63 conversions in all axes: a dead converter costs the others nothing. X has no such
-//! test, since nothing is read without it. Attempts go on for as long as the stream does, the
-//! rest doubling from one to the next up to [`LONGEST_REST_US`].
+//! the start. It has to show an edge of DRDY on its own before the common SYNC makes a gap of 63
+//! conversions in all axes: a dead converter costs the others nothing. While X is away, the DRDY
+//! of another axis drives the reading. Attempts go on for as long as the stream does, the rest
+//! doubling from one to the next up to [`LONGEST_REST_US`].
 
 use inm_protocol::Trouble;
 
 use super::axis::State;
 use super::{Instrument, Stage};
 use crate::Platform;
+use crate::ads1281::register::Address;
 use crate::ads1281::{Error, IDLE_READINGS, RESET_US, SETTLING_READINGS};
 
 /// Longest rest between two attempts, microseconds.
@@ -22,6 +23,8 @@ const PROOF_READINGS: u32 = SETTLING_READINGS + 16;
 
 impl<P: Platform> Instrument<P> {
     /// Takes an axis out of the stream and tells the host why.
+    #[cold]
+    #[inline(never)]
     pub(super) fn fail(&mut self, axis: usize, trouble: Trouble, now: u64) {
         self.event(self.position.next_index(), Some(axis as u8), trouble);
         let state = &mut self.axes[axis];
@@ -31,6 +34,7 @@ impl<P: Platform> Instrument<P> {
             .micros(LONGEST_REST_US)
             .max(self.clock.periods(IDLE_READINGS));
         state.rest(trouble, now + rest.min(longest));
+        self.choose_trigger(now);
     }
 
     /// Takes each axis that is not running one step on, when it is due; `true` if one moved.
@@ -40,7 +44,8 @@ impl<P: Platform> Instrument<P> {
             moved |= match self.axes[axis].state {
                 State::Running => false,
                 State::Resting { until } => now >= until && self.reset_axis(axis, now),
-                State::Resetting { until } => now >= until && self.configure_axis(axis, now),
+                State::Resetting { until } => now >= until && self.identify_axis(axis, now),
+                State::Identified { until } => now >= until && self.configure_axis(axis, now),
                 State::Proving { until } => self.prove_axis(axis, now, until),
             };
         }
@@ -61,9 +66,20 @@ impl<P: Platform> Instrument<P> {
         true
     }
 
+    fn identify_axis(&mut self, axis: usize, now: u64) -> bool {
+        match self.identify(axis) {
+            Ok(()) => {
+                self.axes[axis].state = State::Identified {
+                    until: now + self.clock.periods(1),
+                };
+            }
+            Err(error) => self.fail(axis, error.trouble(), now),
+        }
+        true
+    }
+
     fn configure_axis(&mut self, axis: usize, now: u64) -> bool {
         match self.write_configuration(axis) {
-            Ok(()) if axis == 0 => self.rejoin(axis),
             Ok(()) => {
                 self.axes[axis].state = State::Proving {
                     until: now + self.clock.periods(PROOF_READINGS),
@@ -87,9 +103,13 @@ impl<P: Platform> Instrument<P> {
     }
 
     /// Brings an axis back into the stream.
+    #[inline(never)]
     fn rejoin(&mut self, axis: usize) {
+        // The silence until the filters are full would mend a slip of the others unseen.
+        self.prove_all();
         self.flush_batch();
         self.axes[axis].resume();
+        self.choose_trigger(self.platform.now());
         self.recovering[axis] = true;
         self.synchronise(None);
         // SYNC restarts the filters of those that are still being proved, too.
@@ -101,16 +121,38 @@ impl<P: Platform> Instrument<P> {
         }
     }
 
-    /// Configures one converter, verifies, and starts read-continuous mode.
+    /// Reads what a RESET has left in one converter.
+    #[inline(never)]
+    pub(super) fn identify(&mut self, axis: usize) -> Result<(), Error> {
+        self.registers[axis] = self.converters[axis].identify()?;
+        Ok(())
+    }
+
+    /// Configures one converter, which was identified before, verifies, learns who it is, and starts
+    /// read-continuous mode. A converter that was not up at power-on, or is another one since the
+    /// last time, is who it is now.
+    #[inline(never)]
     pub(super) fn write_configuration(&mut self, axis: usize) -> Result<(), Error> {
+        let before = self.registers[axis];
         let registers = self.converters[axis].configure(&self.configs[axis])?;
         self.registers[axis] = registers;
-        let [id, ..] = registers;
-        self.ids[axis] = self.ids[axis].or(Some(id));
+        for address in [Address::Id, Address::Config1] {
+            let [wrote, found] = [before, registers].map(|registers| registers[address.index()]);
+            if wrote != found {
+                return Err(Error::Verify {
+                    address,
+                    wrote,
+                    found,
+                });
+            }
+        }
+        self.ids[axis] = Some(registers[Address::Id.index()]);
+        self.reserved[axis] = registers[Address::Config1.index()];
         self.converters[axis].read_continuously()
     }
 
     /// RESET to every converter; one that cannot be reached shows when it is configured.
+    #[inline(never)]
     pub(super) fn send_reset_to_all(&mut self) {
         for (converter, axis) in self.converters.iter_mut().zip(&mut self.axes) {
             if converter.reset().is_ok() {
@@ -123,6 +165,7 @@ impl<P: Platform> Instrument<P> {
     /// the host can prove the stream to its end.
     pub(super) fn end_stream(&mut self, now: u64) {
         if self.is_streaming() {
+            self.prove_all();
             self.send_health(now, None);
             self.stage = Stage::Idle;
         }

@@ -2,7 +2,7 @@
 
 use inm_protocol::{AXES, Code, Event, Flags, Trouble};
 
-use super::axis::STALLED;
+use super::axis::{Axis, STALLED};
 use super::batch::Conversion;
 use super::clock::Interval;
 use super::read_back::Rounds;
@@ -36,11 +36,14 @@ impl<P: Platform> Instrument<P> {
         for axis in &mut self.axes {
             axis.start();
         }
+        self.choose_trigger(self.platform.now());
         self.stage = Stage::Stream;
         self.answer_started(job);
+        // What was counted before this stream.
+        self.send_health(self.platform.now(), None);
     }
 
-    /// Reads the conversion that X's DRDY announced at `stamp`.
+    /// Reads the conversion that DRDY announced at `stamp`.
     pub(super) fn conversion(&mut self, stamp: u64) {
         self.platform.enter(Part::Read);
         self.take_conversion(stamp);
@@ -52,10 +55,13 @@ impl<P: Platform> Instrument<P> {
             None => (0, Interval::Next),
             Some((index, last)) => match self.clock.between(last, stamp) {
                 Interval::Early => {
-                    self.rounds.suspect(0);
+                    self.axes[self.trigger].suspected = true;
                     return;
                 }
-                Interval::Next => (index + 1, Interval::Next),
+                Interval::Next => {
+                    self.clock.learn(last, stamp);
+                    (index + 1, Interval::Next)
+                }
                 Interval::Gap { periods } => (index + periods, Interval::Gap { periods }),
             },
         };
@@ -63,10 +69,10 @@ impl<P: Platform> Instrument<P> {
             // Too late for any word: the conversion is lost, and the index shows it.
             return;
         }
-        self.position.last = Some((index, stamp));
         if let Interval::Gap { periods } = interval {
             self.after_gap(index, periods.saturating_sub(1));
         }
+        self.position.last = Some((index, stamp));
 
         let mut troubles = [None; AXES];
         let conversion = self.read_axes(index, stamp, &mut troubles);
@@ -100,7 +106,12 @@ impl<P: Platform> Instrument<P> {
         self.lost_conversions += lost;
         self.flush_batch();
         if self.recovering == [false; AXES] {
-            self.rounds.suspect(0);
+            self.unforeseen_gap(lost);
+            return;
+        }
+        for axis in &mut self.axes {
+            // Those that ran were proved ahead of SYNC, the others when they were configured.
+            axis.proven = index;
         }
         for (axis, recovered) in (0..).zip(core::mem::take(&mut self.recovering)) {
             if recovered {
@@ -134,31 +145,55 @@ impl<P: Platform> Instrument<P> {
                 Some(reading) => state.judge(reading, output),
                 None => state.absent(),
             };
+            let mut trouble = judgement.trouble;
             if state.has_just_missed() {
-                self.rounds.suspect(axis);
+                state.suspected = true;
+                // Restarted since SYNC, it no more converts with the others.
+                if self.fresh {
+                    trouble = trouble.or(Some(Trouble::Stalled));
+                }
             }
             conversion.codes[axis] = judgement.code;
             conversion.flags[axis] = judgement.flags;
-            troubles[axis] = judgement.trouble;
+            troubles[axis] = trouble;
         }
+        self.fresh = false;
         conversion
     }
 
-    /// X's DRDY drives everything: without it only the timer tells.
+    /// One DRDY drives everything: without it only the timer tells.
     pub(super) fn watch_trigger(&mut self, now: u64) -> bool {
         let Some((_, stamp)) = self.position.last else {
             return false;
         };
-        let stalled = self.axes[0].is_running()
-            && now.saturating_sub(stamp) > self.clock.periods(STALLED) + self.clock.periods(1) / 2;
+        let since = stamp.max(self.trigger_since);
+        let stalled = self.axes[self.trigger].is_running()
+            && now.saturating_sub(since) > self.clock.periods(STALLED) + self.clock.periods(1) / 2;
         if stalled {
             self.flush_batch();
-            self.fail(0, Trouble::Stalled, now);
+            self.fail(self.trigger, Trouble::Stalled, now);
         }
         stalled
     }
 
+    /// Lets the first axis that runs drive the reading: X, unless X is being reset.
+    pub(super) fn choose_trigger(&mut self, now: u64) {
+        let running = self.axes.iter().position(Axis::is_running);
+        self.drive_by(running.unwrap_or(0), now);
+    }
+
+    /// Lets this axis drive the reading.
+    #[inline(never)]
+    pub(super) fn drive_by(&mut self, trigger: usize, now: u64) {
+        if trigger != self.trigger {
+            self.trigger = trigger;
+            self.trigger_since = now;
+            self.platform.trigger_on(trigger);
+        }
+    }
+
     /// Sends what has been gathered: a gap follows, or the end.
+    #[inline(never)]
     pub(super) fn flush_batch(&mut self) {
         // The host will be past what was marked when it hears of it.
         self.mark = None;
@@ -167,6 +202,7 @@ impl<P: Platform> Instrument<P> {
         }
     }
 
+    #[inline(never)]
     pub(super) fn event(&mut self, index: u64, axis: Option<u8>, trouble: Trouble) {
         self.outbox.event(Event {
             index,

@@ -5,8 +5,8 @@ use inm_protocol::{Filter, Phase, REGISTERS, Settings};
 use super::calibrate::Calibration;
 use super::register::{Address, Config0, HPF_RESET, Output, SyncMode};
 
-/// Everything that is written to a converter.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+/// Everything that is written to a converter. Default is what a RESET leaves.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(target_os = "none", derive(defmt::Format))]
 pub struct Config {
     /// CONFIG0, 01h.
@@ -15,6 +15,16 @@ pub struct Config {
     pub high_pass: u16,
     /// OFC and FSC, 05h to 0Ah.
     pub calibration: Calibration,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self {
+            config0: Config0::default(),
+            high_pass: HPF_RESET,
+            calibration: Calibration::default(),
+        }
+    }
 }
 
 impl Config {

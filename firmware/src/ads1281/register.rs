@@ -63,6 +63,12 @@ pub const HPF_RESET: u16 = 0x0332;
 /// FSC word of gain one, the reset value.
 pub const FSC_UNITY: u32 = 0x40_0000;
 
+/// Whether nobody answers: DOUT stays low or high, as without a part or one that is not up yet.
+/// CONFIG0 of a part can be neither 00h nor FFh.
+pub fn is_silence(registers: &[u8; REGISTERS]) -> bool {
+    *registers == [0x00; REGISTERS] || *registers == [0xFF; REGISTERS]
+}
+
 /// Whether an ID register can be that of an ADS1281: its low nibble is 0.
 pub const fn id_is_plausible(id: u8) -> bool {
     id & 0x0F == 0

@@ -1,7 +1,7 @@
 //! The chip's own converter: its temperature, and the accelerometers' supply.
 
 use embedded_hal::delay::DelayNs;
-use stm32f4xx_hal::adc::config::{AdcConfig, SampleTime};
+use stm32f4xx_hal::adc::config::{AdcConfig, Clock, SampleTime};
 use stm32f4xx_hal::adc::{Adc, Temperature};
 use stm32f4xx_hal::gpio::{self, PC0};
 use stm32f4xx_hal::pac::ADC1;
@@ -13,6 +13,10 @@ const SUPPLY_DIVIDER: u16 = 2;
 
 /// Start of temperature sensor and reference, microseconds: 10 at most (STM32F405 data sheet).
 const WAKE_UP_US: u32 = 20;
+
+/// PCLK2 of 84 MHz by 4 is 21 MHz. The converter is allowed 36 MHz at most (STM32F405 data sheet,
+/// ADC characteristics, fADC at VDDA of 2.4 V and more), which by 2, the default, would exceed.
+const CLOCK: Clock = Clock::Pclk2_div_4;
 
 /// ADC1 with its channels.
 pub struct Analog {
@@ -28,7 +32,9 @@ impl Analog {
         mut delay: impl DelayNs,
         rcc: &mut Rcc,
     ) -> Self {
-        let config = AdcConfig::default().default_sample_time(SampleTime::Cycles_480);
+        let config = AdcConfig::default()
+            .clock(CLOCK)
+            .default_sample_time(SampleTime::Cycles_480);
         let mut adc = Adc::new(adc, true, config, rcc);
         adc.enable_temperature_and_vref();
         delay.delay_us(WAKE_UP_US);

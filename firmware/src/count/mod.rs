@@ -37,7 +37,7 @@ const GAP: u64 = 65_521;
 const BYTES: usize = 64;
 
 /// Counts everything and says it; ends QEMU.
-pub fn run(bins: &'static mut ProofBins) -> ! {
+pub extern "C" fn run(bins: &'static mut ProofBins) -> ! {
     let (machine, converters, sync) = board::start(bins);
     defmt::info!("start, {}", defmt::Debug2Format(machine.restart()));
     let counter = once(cortex_m::singleton!(: Counter = Counter::start()));

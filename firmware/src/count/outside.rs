@@ -162,6 +162,10 @@ impl Platform for Counted {
         self.counter.pause(|| self.machine.now())
     }
 
+    fn trigger_on(&mut self, axis: usize) {
+        self.machine.trigger_on(axis);
+    }
+
     fn take_edge_stamp(&mut self) -> Option<u64> {
         self.counter.pause(|| self.machine.take_edge_stamp())
     }

@@ -6,13 +6,14 @@ use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_rt::exception;
 use critical_section::Mutex;
+use inm_firmware::platform::LONGEST_SLEEP_US;
 use inm_firmware::ticks::Ticks;
 use stm32f4xx_hal::pac::TIM2;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
 /// Beats a second: a sleeping loop wakes at least this often, to notice what did not happen,
 /// and to see every turn of the 32-bit timer.
-const HEARTBEAT_HZ: u32 = 1000;
+const HEARTBEAT_HZ: u32 = 1_000_000 / LONGEST_SLEEP_US;
 
 struct Clock {
     timer: TIM2,

@@ -28,6 +28,9 @@ pub trait Sensors {
     /// See [`Platform::now`].
     fn now(&self) -> u64;
 
+    /// See [`Platform::trigger_on`].
+    fn trigger_on(&mut self, axis: usize);
+
     /// See [`Platform::take_edge_stamp`].
     fn take_edge_stamp(&mut self) -> Option<u64>;
 
@@ -90,6 +93,10 @@ impl<S: Sensors> Platform for Machine<S> {
 
     fn now(&self) -> u64 {
         self.sensors.now()
+    }
+
+    fn trigger_on(&mut self, axis: usize) {
+        self.sensors.trigger_on(axis);
     }
 
     fn take_edge_stamp(&mut self) -> Option<u64> {

@@ -2,10 +2,10 @@
 //!
 //! ```text
 //!   clock     64-bit time from a 32-bit timer; the heartbeat that wakes the loop
-//!   stamps    DRDY edges of X: interrupt to loop
+//!   stamps    DRDY edges of the axis that triggers: interrupt to loop
 //!   link      USART: two queues and their interrupt
 //!   restart   why the board started; the panic and fault handlers
-//!   stack     how deep it went
+//!   stack     the program's own, and how deep it went
 //!   machine   all of it as the instrument's platform
 //!   handover  what the start-up code gives to an interrupt, once
 //! ```
@@ -39,7 +39,7 @@ pub const SPI_HZ: u32 = 1_312_500;
 /// Speed of the link, bit/s.
 const BAUD: u32 = 921_600;
 
-/// A loop that hangs this long is restarted, milliseconds; one step takes 1 ms at most.
+/// A loop that hangs this long is restarted, milliseconds; one step takes 2 ms at most.
 const WATCHDOG_MS: u32 = 1000;
 
 /// What the image is built for.

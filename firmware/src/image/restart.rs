@@ -7,6 +7,8 @@ use cortex_m_rt::{ExceptionFrame, exception};
 use heapless::Vec;
 use inm_protocol::Restart;
 
+use super::stack;
+
 /// Length of the file name that [`Restart::Panic`] carries.
 const FILE_LEN: usize = 32;
 
@@ -149,11 +151,19 @@ fn panic(info: &PanicInfo<'_>) -> ! {
     leave(Note::panic(line, file.as_bytes()))
 }
 
-/// A fault has no source line: the note says at which address it happened.
+/// What the note says where the program's stack has overflowed.
+const OVERFLOW: &[u8] = b"stack overflow";
+
+/// A fault has no source line: the note says at which address it happened. Runs on the handlers' own
+/// stack; where the program's had no room for the frame there is nothing to read.
 #[exception]
 #[allow(unsafe_code)]
-// SAFETY: the signature that the exception demands; the frame is only read.
+// SAFETY: the signature that the exception demands; the frame is only read, and only where it is.
 unsafe fn HardFault(frame: &ExceptionFrame) -> ! {
+    if stack::overflows(core::ptr::from_ref(frame).addr()) {
+        defmt::error!("stack overflow");
+        leave(Note::panic(0, OVERFLOW))
+    }
     let mut text = *b"hard fault at 00000000";
     for (place, digit) in text.iter_mut().rev().take(8).enumerate() {
         let nibble = (frame.pc() >> (4 * place) & 0xf) as usize;

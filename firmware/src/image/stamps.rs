@@ -1,4 +1,4 @@
-//! DRDY edges of the X axis, from their interrupt to the loop.
+//! DRDY edges of the axis that triggers, from their interrupt to the loop.
 //!
 //! One stamp is kept, the latest: an edge that the loop was too late for has no word any more.
 

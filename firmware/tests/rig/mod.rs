@@ -13,7 +13,7 @@ use inm_firmware::Instrument;
 use inm_firmware::emulated::{VirtualBoard, VirtualLink, describe};
 use inm_protocol::{
     Answer, Batch, BinsMark, Code, Command, Decoder, Event, Flags, Health, MAX_FRAME, Phase, Rate,
-    Refusal, Request, Settings, ToBoard, ToHost, Trouble, encode,
+    Refusal, Request, Settings, ToBoard, ToHost, Trouble, UNPROVEN_PERIODS, encode,
 };
 
 /// An input with an offset and uniform noise, in steps of the 31-bit value.
@@ -92,9 +92,9 @@ pub struct Rig<'b, S: Signal> {
     pub health: Vec<Health>,
     pub replies: Vec<(u16, Result<Answer, Refusal>)>,
     pub bytes: u64,
-    /// Words of the converters by the stamp of X's edge.
-    made: HashMap<u64, [u32; 3]>,
-    noted_ps: Option<u64>,
+    /// Words of the converters by axis and the stamp of its edge.
+    made: HashMap<(usize, u64), u32>,
+    noted_ps: [Option<u64>; 3],
     next_id: u16,
     period_ticks: u64,
     /// The board's self-test pin, as the inputs see it.
@@ -119,7 +119,7 @@ impl<'b, S: Signal> Rig<'b, S> {
             replies: Vec::new(),
             bytes: 0,
             made: HashMap::new(),
-            noted_ps: None,
+            noted_ps: [None; 3],
             next_id: 100,
             period_ticks: 500,
             self_test: Rc::default(),
@@ -133,7 +133,9 @@ impl<'b, S: Signal> Rig<'b, S> {
     /// One step of the board, and what the host sees of it.
     pub fn step(&mut self) {
         self.instrument.step();
-        self.note_words();
+        for axis in 0..3 {
+            self.note_words(axis);
+        }
         let self_test = self.link().self_test_is_on();
         self.self_test.set(self_test);
         if !self.listening {
@@ -155,26 +157,24 @@ impl<'b, S: Signal> Rig<'b, S> {
         }
     }
 
-    /// The words behind X's latest edge, as the converters made them.
-    fn note_words(&mut self) {
-        let edge_ps = self.bench.last_edge_ps(0);
-        if edge_ps == self.noted_ps {
+    /// The words behind the latest edge of an axis, as its converter made them.
+    fn note_words(&mut self, axis: usize) {
+        let edge_ps = self.bench.last_edge_ps(axis);
+        if edge_ps == self.noted_ps[axis] {
             return;
         }
-        let noted_ps = std::mem::replace(&mut self.noted_ps, edge_ps);
-        let words = |age: u64| {
-            [0, 1, 2].map(|axis| {
-                let made = self.bench.sent(axis).words();
-                made.checked_sub(age)
-                    .and_then(|index| self.bench.word(axis, index))
-                    .unwrap_or(0)
-            })
+        let noted_ps = std::mem::replace(&mut self.noted_ps[axis], edge_ps);
+        let word = |age: u64| {
+            let made = self.bench.sent(axis).words();
+            made.checked_sub(age)
+                .and_then(|index| self.bench.word(axis, index))
+                .unwrap_or(0)
         };
         let Some(edge_ps) = edge_ps else {
             // SYNC at the end of a step in which a conversion was read.
             if let Some(noted_ps) = noted_ps {
                 let stamp = noted_ps / 1_000_000 + self.period_ticks;
-                self.made.insert(stamp, words(1));
+                self.made.insert((axis, stamp), word(1));
             }
             return;
         };
@@ -184,10 +184,19 @@ impl<'b, S: Signal> Rig<'b, S> {
             (edge_ps - noted_ps) / 1_000_000 / self.period_ticks
         });
         for before in 1..periods.min(8) {
-            self.made
-                .insert(stamp - before * self.period_ticks, words(1 + before));
+            let stamp = stamp - before * self.period_ticks;
+            self.made.insert((axis, stamp), word(1 + before));
         }
-        self.made.insert(stamp, words(1));
+        self.made.insert((axis, stamp), word(1));
+    }
+
+    /// The word that an axis made at a conversion.
+    #[track_caller]
+    fn made_at(&self, axis: usize, conversion: &Received) -> u32 {
+        *self
+            .made
+            .get(&(axis, conversion.stamp))
+            .unwrap_or_else(|| panic!("axis {axis}: no edge at the stamp of {conversion:?}"))
     }
 
     pub fn run_ms(&mut self, ms: u64) {
@@ -293,22 +302,45 @@ impl<'b, S: Signal> Rig<'b, S> {
         }
         let received = self.received();
         for conversion in &received {
-            let made = self
-                .made
-                .get(&conversion.stamp)
-                .unwrap_or_else(|| panic!("no edge at the stamp of {conversion:?}"));
             for axis in 0..3 {
                 let flags = conversion.flags[axis];
                 let told = flags.is_none() || flags == Flags::OVER_RANGE;
                 if told && !excused(conversion.index, axis) {
+                    let made = self.made_at(axis, conversion);
                     assert_eq!(
-                        conversion.codes[axis].0 as u32, made[axis],
-                        "axis {axis} of {conversion:x?}, made {made:x?}"
+                        conversion.codes[axis].0 as u32, made,
+                        "axis {axis} of {conversion:x?}, made {made:x}"
                     );
                 }
             }
         }
         received
+    }
+
+    /// The words without flags that are not their converter's, and that no notice of a reset of
+    /// their axis excludes either: index and axis.
+    pub fn wrong_and_not_told(&self) -> Vec<(u64, usize)> {
+        let told = |index: u64, axis: usize| {
+            self.events.iter().any(|event| {
+                event.axis == Some(axis as u8)
+                    && event.trouble.is_reset_for()
+                    && (event.index.saturating_sub(UNPROVEN_PERIODS)..event.index).contains(&index)
+            })
+        };
+        let mut wrong = Vec::new();
+        for conversion in &self.received() {
+            for axis in 0..3 {
+                let flags = conversion.flags[axis];
+                let good = flags.is_none() || flags == Flags::OVER_RANGE;
+                if good && !told(conversion.index, axis) {
+                    let made = self.made.get(&(axis, conversion.stamp)).copied();
+                    if made != Some(conversion.codes[axis].0 as u32) {
+                        wrong.push((conversion.index, axis));
+                    }
+                }
+            }
+        }
+        wrong
     }
 
     /// Asserts that every mark of the bins in the health records is what the converters' own
@@ -327,12 +359,11 @@ impl<'b, S: Signal> Rig<'b, S> {
                 .filter(|conversion| (mark.epoch..mark.index).contains(&conversion.index));
             let mut bins = [0, 1, 2].map(|_| BoardBins::starting_at(mark.epoch));
             for conversion in within {
-                let made = self.made[&conversion.stamp];
                 for axis in 0..3 {
                     let bins = &mut bins[axis];
                     bins.skip(conversion.index - bins.next_index());
                     if conversion.flags[axis].is_none() {
-                        bins.push(made[axis] as i32);
+                        bins.push(self.made_at(axis, conversion) as i32);
                     } else {
                         bins.skip(1);
                     }

@@ -24,15 +24,29 @@ pub(crate) fn restarted(cause: &Restart) -> String {
         Restart::Power => "power came on, or its reset pin was pulled".to_owned(),
         Restart::Command => "on command".to_owned(),
         Restart::Watchdog => "its main loop hung and the watchdog bit".to_owned(),
-        Restart::Panic { line, file } => {
-            let file = String::from_utf8_lossy(file);
-            // Bytes from the wire: nothing of them may act on a terminal.
-            let file = file.escape_debug();
-            format!("its firmware panicked at {file}, line {line}")
+        Restart::Panic { line, file } => panicked(*line, file),
+        Restart::ClockFallback => FALLBACK.to_owned(),
+        Restart::CommandClockFallback => format!("on command; {FALLBACK}"),
+        Restart::WatchdogClockFallback => {
+            format!("{}; {FALLBACK}", restarted(&Restart::Watchdog))
         }
-        Restart::ClockFallback => {
-            "its crystal did not start: it runs on the internal oscillator".to_owned()
+        Restart::PanicClockFallback { line, file } => {
+            format!("{}; {FALLBACK}", panicked(*line, file))
         }
+    }
+}
+
+const FALLBACK: &str = "its crystal did not start: it runs on the internal oscillator";
+
+/// A panic, or a fault, which has no line but a text.
+fn panicked(line: u32, file: &[u8]) -> String {
+    let file = String::from_utf8_lossy(file);
+    // Bytes from the wire: nothing of them may act on a terminal.
+    let file = file.escape_debug();
+    if line == 0 {
+        format!("its firmware stopped: {file}")
+    } else {
+        format!("its firmware panicked at {file}, line {line}")
     }
 }
 
@@ -59,6 +73,9 @@ pub(crate) fn describe(trouble: Trouble) -> String {
             if doubled { "doubled" } else { "halved" }
         ),
         Trouble::OverRange => "the converter clips".to_owned(),
+        Trouble::WrongId {
+            found: found @ (0x00 | 0xFF),
+        } => format!("its ID register reads {found:02X}h: nothing answers, or it is not up yet"),
         Trouble::WrongId { found } => {
             format!("its ID register reads {found:02X}h, an ADS1281 ends in 0h")
         }
@@ -77,6 +94,9 @@ pub(crate) fn describe(trouble: Trouble) -> String {
         Trouble::Recovered { lost } => {
             format!("running again after {lost} data periods without samples")
         }
+        Trouble::Misaligned => "it does not understand its commands: a bit slipped; the converter \
+                                is being reset"
+            .to_owned(),
         _ => "trouble of a kind that this program does not know".to_owned(),
     }
 }

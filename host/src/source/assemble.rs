@@ -1,6 +1,7 @@
 //! Batches into blocks: continuity, loss, and words that must not be used.
 
 mod building;
+mod held;
 mod losses;
 mod ranges;
 
@@ -9,10 +10,10 @@ use std::ops::Range;
 
 use inm_protocol::{AXES, Batch, Flags};
 
-use self::building::Building;
-use self::ranges::{mark, split_ranges};
+use self::held::Held;
+use self::ranges::mark;
 use super::line::Line;
-use super::{Block, Chunk, Column, Gap, Values};
+use super::{Chunk, Gap};
 
 pub use self::losses::Losses;
 
@@ -22,27 +23,37 @@ const GUARD_BEFORE: u64 = 31;
 /// Samples after a clipped word until the converter is clean again (SBAS378D, page 12).
 const GUARD_AFTER: u64 = 62;
 
-/// Samples that are held until it is known that nothing further will be said about them: a
-/// slipped bit under much noise is noticed up to 530 conversions late
-/// (docs/reference/board-faults.md).
-pub const HELD: usize = 640;
+/// Conversions that may have passed between a slipped bit and its notice on a board of 0.1.0, whose
+/// captures stay readable; since then it is [`inm_protocol::UNPROVEN_PERIODS`], which this includes.
+pub const SLIP_NOTICE: u64 = 540;
+
+/// Samples that are held where the board says nothing of itself: what a notice may spoil, and some
+/// batches on their way.
+pub const HELD: u64 = 640;
+
+/// Samples that are held at most until the board has confirmed that all its notices have arrived,
+/// as it does once a second: two seconds at 4000/s, so that one health record may be lost, too.
+const LONGEST_HELD: u64 = 10_000;
 
 /// Longest gap whose samples are counted: 18 hours at 4000/s. What makes room for each sample of a
 /// record stays payable; beyond that a gap is of unknown length.
 const LONGEST_GAP: u64 = 1 << 28;
 
 /// Samples an axis after which a block is handed on.
-const BLOCK: usize = 4096;
+const BLOCK: u64 = 4096;
 
 /// Puts batches together into long blocks and reports every hole between them.
 ///
 /// Words near a clipped one are marked too, `GUARD_BEFORE` and `GUARD_AFTER`, and those ahead
-/// of the notice of a fault. To be able to mark backwards, [`HELD`] samples wait for what is
-/// still to be said about them.
+/// of the notice of a fault. To be able to mark backwards, samples wait for what is still to be
+/// said about them, across gaps: until the board has [confirmed](Self::confirm) that every notice
+/// has arrived, or [`HELD`] of them.
 #[derive(Debug, Default)]
 pub struct Assembler {
-    /// Block under construction.
-    block: Option<Building>,
+    held: Held,
+    /// Nothing more will be said about samples before this index; `None` where the board does not
+    /// tell.
+    confirmed: Option<u64>,
     /// Added to the board's index, so that the count goes on after a restart.
     offset: u64,
     seq: Option<u32>,
@@ -83,9 +94,13 @@ impl Assembler {
         self.seq = Some(batch.seq);
         self.next = Some(first + batch.codes.len() as u64);
         self.append(first, batch);
-        let long = |block: &Building| block.len() >= BLOCK + HELD;
-        if self.block.as_ref().is_some_and(long) {
-            self.hand_on(HELD);
+        let until = self.certain();
+        if self
+            .held
+            .oldest()
+            .is_some_and(|oldest| until.saturating_sub(oldest) >= BLOCK)
+        {
+            self.held.release(until, &mut self.done);
         }
     }
 
@@ -149,24 +164,56 @@ impl Assembler {
 
     /// Hands on what is complete, without waiting for a long block.
     pub fn flush(&mut self) {
-        self.hand_on(HELD);
+        self.held.release(self.certain(), &mut self.done);
     }
 
-    /// Hands on everything: nothing more will come.
+    /// Hands on everything: nothing more will come. What the board has not confirmed is spoilt.
     pub fn finish(&mut self) {
-        self.hand_on(0);
+        if let (Some(confirmed), Some(next)) = (self.confirmed.take(), self.next) {
+            // Whether all notices have arrived, nothing tells any more: a lost one leaves no hole.
+            for axis in 0..AXES {
+                self.spoil_range(axis, confirmed..next);
+            }
+        }
+        self.held.release(u64::MAX, &mut self.done);
+    }
+
+    /// Samples before the returned index can be handed on.
+    fn certain(&self) -> u64 {
+        let next = self.next_index();
+        self.confirmed
+            .map_or(next.saturating_sub(HELD), |confirmed| {
+                confirmed.max(next.saturating_sub(LONGEST_HELD))
+            })
+    }
+
+    /// A notice about these axes was lost, since the last confirmation.
+    pub fn miss_notice(&mut self, unheard: [bool; AXES]) {
+        for axis in (0..AXES).filter(|&axis| unheard[axis]) {
+            self.spoil_range(axis, self.confirmed.unwrap_or(0)..self.next_index());
+        }
+    }
+
+    /// Every notice up to the board's conversion `index` has arrived, or is known to be missing. If
+    /// the board has also proved its words up to there, `to_the_end`, nothing more will be said
+    /// about them.
+    pub fn confirm(&mut self, index: u64, to_the_end: bool) {
+        let index = index.wrapping_add(self.offset).min(self.next_index());
+        let late = if to_the_end { 0 } else { SLIP_NOTICE };
+        self.confirmed = Some(index.saturating_sub(late));
     }
 
     /// A fault of `axis` was noticed at the board's conversion `index`: the `words` before it
     /// must not be used.
     pub fn spoil(&mut self, axis: u8, index: u64, words: u64) {
-        let Some(suspect) = self.suspect.get_mut(usize::from(axis)) else {
-            return;
-        };
         let index = index.wrapping_add(self.offset);
-        *suspect = index.saturating_sub(words)..index;
-        if let Some(block) = &mut self.block {
-            block.mark_suspect(usize::from(axis), suspect);
+        self.spoil_range(usize::from(axis), index.saturating_sub(words)..index);
+    }
+
+    fn spoil_range(&mut self, axis: usize, range: Range<u64>) {
+        if let Some(suspect) = self.suspect.get_mut(axis) {
+            *suspect = range;
+            self.held.mark_suspect(axis, suspect);
         }
     }
 
@@ -234,22 +281,21 @@ impl Assembler {
     }
 
     fn gap(&mut self, from: u64, to: Option<u64>, cause: String) {
-        self.hand_on(0);
+        if to.is_none() {
+            // The count begins anew: no notice will name what was before.
+            self.finish();
+        }
         self.losses.gaps += 1;
         let cause = self.cause.take().unwrap_or(cause);
         let gap = Gap { from, to, cause };
         if to.is_none() && self.unknown.len() < LISTED {
             self.unknown.push(gap.clone());
         }
-        self.done.push_back(Chunk::Gap(gap));
+        self.held.gap(gap);
     }
 
     fn append(&mut self, first: u64, batch: &Batch) {
-        let block = self.block.get_or_insert_with(|| Building {
-            first,
-            codes: Default::default(),
-            invalid: Default::default(),
-        });
+        let block = self.held.growing(first);
         let start = block.len();
         for codes in &batch.codes {
             for (column, code) in block.codes.iter_mut().zip(codes) {
@@ -282,38 +328,6 @@ impl Assembler {
                 mark(invalid, at..at + 1);
             }
         }
-    }
-
-    /// Finishes the block under construction except for its last `keep` samples.
-    fn hand_on(&mut self, keep: usize) {
-        let Some(block) = &mut self.block else { return };
-        let len = block.len().saturating_sub(keep);
-        if len == 0 {
-            if keep == 0 {
-                self.block = None;
-            }
-            return;
-        }
-        let first = block.first;
-        let columns = block
-            .codes
-            .iter_mut()
-            .zip(&mut block.invalid)
-            .map(|(codes, invalid)| {
-                let tail = codes.split_off(len);
-                let values = Values::Codes(std::mem::replace(codes, tail));
-                Column {
-                    values,
-                    invalid: split_ranges(invalid, len),
-                }
-            })
-            .collect();
-        block.first += len as u64;
-        if block.len() == 0 {
-            self.block = None;
-        }
-        self.done
-            .push_back(Chunk::Samples(Block { first, columns }));
     }
 }
 

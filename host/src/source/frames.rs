@@ -1,17 +1,16 @@
 //! The one path from bytes to samples: live, from a capture, from the virtual board.
 
-use inm_protocol::{Answer, Batch, Decoder, Fault, Health, Note, Reply, ToHost, Trouble};
+use inm_protocol::{
+    Answer, Batch, Decoder, Event, Fault, Health, Note, Reply, ToHost, Trouble, UNPROVEN_PERIODS,
+};
 
-use super::assemble::{Assembler, Losses};
+use super::assemble::{Assembler, Losses, SLIP_NOTICE};
 use super::audit::{Audit, Proof, State};
 use super::interruption::{Clock, Interruption};
+use super::told::Told;
 use super::{Chunk, Gap};
 use crate::capture::ClockSource;
 use crate::link::{axis_name, describe};
-
-/// Conversions that may pass between a slipped bit and its notice: blocks of 32 words are
-/// compared, and at the latest the registers come out shifted (firmware/src/ads1281/slip.rs).
-const SLIP_NOTICE: u64 = 540;
 
 /// Replies that are kept for who asked: one is asked for at a time, and late ones may be ahead of it.
 const REPLIES: usize = 8;
@@ -22,6 +21,7 @@ pub struct Frames {
     decoder: Decoder,
     assembler: Assembler,
     audit: Audit,
+    told: Told,
     status: Status,
     clock: Clock,
     /// The clock when the board last streamed.
@@ -87,9 +87,9 @@ impl Frames {
         self.assembler.flush();
     }
 
-    /// The port is gone for now: hands on all that came through it.
+    /// The port is gone for now: hands on what nothing more will be said about.
     pub fn pause(&mut self) {
-        self.assembler.finish();
+        self.assembler.flush();
     }
 
     /// Nothing more will come: hands on the rest and reports what was cut off.
@@ -178,19 +178,26 @@ impl Frames {
                 self.tell(told);
             }
             ToHost::Reply(reply) => self.reply(reply),
-            ToHost::Event(event) => {
-                if let (Trouble::Slipped { .. }, Some(axis)) = (event.trouble, event.axis) {
-                    self.assembler.spoil(axis, event.index, SLIP_NOTICE);
-                }
-                let axis = event
-                    .axis
-                    .map_or(String::new(), |a| format!("{}: ", axis_name(a)));
-                let what = describe(event.trouble);
-                self.assembler
-                    .news(format!("sample {}: {axis}{what}", event.index));
-            }
+            ToHost::Event(event) => self.event(event),
             ToHost::Note(note) => self.note(note),
         }
+    }
+
+    fn event(&mut self, event: Event) {
+        self.told.event(&event);
+        if let (true, Some(axis)) = (event.trouble.is_reset_for(), event.axis) {
+            let words = match event.trouble {
+                Trouble::Slipped { .. } => SLIP_NOTICE,
+                _ => UNPROVEN_PERIODS,
+            };
+            self.assembler.spoil(axis, event.index, words);
+        }
+        let axis = event
+            .axis
+            .map_or(String::new(), |a| format!("{}: ", axis_name(a)));
+        let what = describe(event.trouble);
+        self.assembler
+            .news(format!("sample {}: {axis}{what}", event.index));
     }
 
     fn batch(&mut self, batch: &Batch) {
@@ -228,6 +235,10 @@ impl Frames {
         let idle = |before: Health| before.streaming && before.index == health.index;
         self.status.stopped = !health.streaming;
         self.status.idle_s += u64::from(health.streaming && before.is_some_and(idle));
+        self.assembler.miss_notice(self.told.unheard(&health));
+        if health.streaming {
+            self.assembler.confirm(health.index, false);
+        }
         let told = self.audit.health(&health);
         self.tell(told);
     }
@@ -239,13 +250,19 @@ impl Frames {
                     interruption.asked(identity.restart.clone());
                 }
             }
+            // To a stop: the board has proved its words to the end and said so, in this order.
+            Ok(Answer::Done) => self.stream_ended(),
             // To a start: what was said of an idle board before is no news any more.
             Ok(Answer::Settings(_)) => {
                 self.status.stopped = false;
-                // The first one tells of the stream that is there, and so does one that comes twice.
-                let before = self.settled.replace(reply.id);
-                if before.is_some_and(|before| before != reply.id) {
-                    self.assembler.announce();
+                // The first one tells of the stream that is there, and so does one that comes twice
+                // or too late: commands are numbered upwards.
+                let age = self.settled.map(|last| last.wrapping_sub(reply.id));
+                if age.is_none_or(|age| usize::from(age) > REPLIES) {
+                    if age.is_some() {
+                        self.assembler.announce();
+                    }
+                    self.settled = Some(reply.id);
                 }
             }
             _ => {}
@@ -255,6 +272,17 @@ impl Frames {
             self.status.replies.remove(0);
         }
         self.status.replies.push(reply);
+    }
+
+    /// The board says that its stream is over. Its last health record, if it arrived, is behind the
+    /// last sample.
+    fn stream_ended(&mut self) {
+        let end = self.assembler.next_index();
+        let health = self.status.health.filter(|health| health.streaming);
+        let last = health.map(|health| health.index);
+        if let Some(last) = last.filter(|last| last.wrapping_add(self.assembler.offset()) == end) {
+            self.assembler.confirm(last, true);
+        }
     }
 
     fn tell(&mut self, state: Option<State>) {

@@ -25,6 +25,7 @@ pub mod part;
 mod stamps;
 pub mod table;
 pub mod text;
+mod told;
 
 pub use error::SourceError;
 

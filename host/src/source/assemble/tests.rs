@@ -1,5 +1,7 @@
 use inm_protocol::{Code, Flag};
 
+use super::super::Values;
+use super::ranges::split_ranges;
 use super::*;
 
 /// Stamp of conversion 0, and ticks of a data period.
@@ -134,6 +136,68 @@ fn a_fault_spoils_what_came_before_its_notice() {
         spoilt.extend(ranges.map(|i| block.first + i as u64));
     }
     assert_eq!(spoilt, (500..1000).collect::<Vec<u64>>());
+}
+
+/// Samples of axis 2 that must not be used.
+fn spoilt(assembler: &mut Assembler) -> Vec<u64> {
+    let mut spoilt = Vec::new();
+    while let Some(chunk) = assembler.pop() {
+        if let Chunk::Samples(block) = chunk {
+            assert!(block.columns[0].invalid.is_empty());
+            let ranges = block.columns[2].invalid.iter().cloned().flatten();
+            spoilt.extend(ranges.map(|i| block.first + i as u64));
+        }
+    }
+    spoilt
+}
+
+#[test]
+fn a_notice_behind_a_gap_spoils_what_was_before_it() {
+    let mut assembler = Assembler::default();
+    for seq in [0, 1, 2, 3, 4, 6, 7] {
+        assembler.push(&batch(seq, 32 * u64::from(seq), 32));
+        assembler.flush();
+    }
+    assembler.spoil(2, 240, 128);
+    assembler.finish();
+    let expected: Vec<u64> = (112..160).chain(192..240).collect();
+    assert_eq!(spoilt(&mut assembler), expected);
+}
+
+#[test]
+fn a_notice_that_was_lost_spoils_all_since_the_last_confirmation() {
+    let mut assembler = Assembler::default();
+    for seq in 0..40 {
+        assembler.push(&batch(seq, 32 * u64::from(seq), 32));
+        assembler.flush();
+        if seq == 19 {
+            assembler.confirm(640, false);
+        }
+    }
+    assembler.miss_notice([false, false, true]);
+    assembler.confirm(1280, true);
+    assembler.finish();
+    let from = 640 - SLIP_NOTICE;
+    assert_eq!(spoilt(&mut assembler), (from..1280).collect::<Vec<_>>());
+}
+
+/// A board that confirms what it says is taken at its word: no confirmation, no trust.
+#[test]
+fn an_end_that_the_board_has_not_confirmed_is_spoilt() {
+    let mut assembler = Assembler::default();
+    for seq in 0..20 {
+        assembler.push(&batch(seq, 32 * u64::from(seq), 32));
+        if seq == 18 {
+            assembler.confirm(608, false);
+        }
+    }
+    assembler.finish();
+    let mut spoilt = Vec::new();
+    while let Some(Chunk::Samples(block)) = assembler.pop() {
+        let ranges = block.columns[0].invalid.iter().cloned().flatten();
+        spoilt.extend(ranges.map(|i| block.first + i as u64));
+    }
+    assert_eq!(spoilt, (608 - SLIP_NOTICE..640).collect::<Vec<_>>());
 }
 
 #[test]
