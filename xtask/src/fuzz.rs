@@ -23,6 +23,9 @@ const TARGETS: [&str; 8] = [
 /// How long each is tried where nothing is said: long enough for a million executions of most.
 const SECONDS: u64 = 60;
 
+/// Executions of each in a run of all tests: what the slowest, a log with stamps, does in half a minute.
+const EXECUTIONS: u64 = 20_000;
+
 /// Most memory, MB. Inputs have some kilobytes and the readers' buffers some hundred; the fuzzer itself
 /// takes most of what is left.
 const MOST_MB: u32 = 512;
@@ -32,6 +35,38 @@ const LONGEST_S: u32 = 5;
 
 /// The least that shows what broke.
 const LAST_LINES: usize = 30;
+
+/// How much a target is tried.
+#[derive(Debug, Clone, Copy)]
+enum Effort {
+    /// For so long, from another seed each time, on top of what was found before.
+    Seconds(u64),
+    /// The same inputs each time, so that a run that fails does so by what was changed.
+    Again,
+}
+
+impl Effort {
+    fn options(self) -> Vec<String> {
+        match self {
+            Self::Seconds(seconds) => vec![format!("-max_total_time={seconds}")],
+            Self::Again => vec![format!("-runs={EXECUTIONS}"), "-seed=1".to_owned()],
+        }
+    }
+
+    /// Where it leaves what it found on the way.
+    fn found(self, target: &str) -> Result<PathBuf> {
+        let all = root().join("fuzz").join("found");
+        let own = match self {
+            Self::Seconds(_) => all.join(target),
+            Self::Again => all.join("again").join(target),
+        };
+        if matches!(self, Self::Again) && own.exists() {
+            fs::remove_dir_all(&own)?;
+        }
+        fs::create_dir_all(&own)?;
+        Ok(own)
+    }
+}
 
 /// Tries the targets that `options` name: `[TARGET] [--seconds N]`.
 ///
@@ -43,10 +78,10 @@ pub fn run(options: &[&str]) -> Result<()> {
         bail!("{missing}");
     }
     build()?;
-    try_all(&targets, seconds)
+    try_all(&targets, Effort::Seconds(seconds))
 }
 
-/// All targets for a minute each, where the tools are there; says what is missing where not.
+/// All targets with the same inputs each time, where the tools are there; says what is missing where not.
 ///
 /// # Errors
 /// A promise is broken.
@@ -56,7 +91,10 @@ pub fn check() -> Result<()> {
             eprintln!("\nleft out: {missing}");
             Ok(())
         }
-        None => run(&[]),
+        None => {
+            build()?;
+            try_all(&TARGETS, Effort::Again)
+        }
     }
 }
 
@@ -112,13 +150,13 @@ fn build() -> Result<()> {
 }
 
 /// As many at a time as there are processors.
-fn try_all(targets: &[&str], seconds: u64) -> Result<()> {
+fn try_all(targets: &[&str], effort: Effort) -> Result<()> {
     let waiting = Mutex::new(targets.iter());
     let workers = thread::available_parallelism().map_or(1, usize::from);
     let next = || waiting.lock().ok()?.next();
     let work = || -> Result<()> {
         while let Some(target) = next() {
-            try_one(target, seconds)?;
+            try_one(target, effort)?;
         }
         Ok(())
     };
@@ -133,16 +171,15 @@ fn try_all(targets: &[&str], seconds: u64) -> Result<()> {
     })
 }
 
-fn try_one(target: &str, seconds: u64) -> Result<()> {
+fn try_one(target: &str, effort: Effort) -> Result<()> {
     let fuzz = root().join("fuzz");
-    let found = fuzz.join("found").join(target);
-    fs::create_dir_all(&found)?;
+    let found = effort.found(target)?;
     let log = fuzz.join("found").join(format!("{target}.log"));
     let status = cargo_fuzz("run")
         .arg(target)
         .args([&found, &fuzz.join("corpus").join(target)])
         .arg("--")
-        .arg(format!("-max_total_time={seconds}"))
+        .args(effort.options())
         .arg(format!("-rss_limit_mb={MOST_MB}"))
         .arg(format!("-timeout={LONGEST_S}"))
         .arg("-print_final_stats=1")

@@ -40,7 +40,7 @@ pub struct Outcome {
     pub lost_frames: u64,
     /// Notices of axes that were reset.
     pub resets: u64,
-    /// Every axis has a right sample among the last [`AT_THE_END`].
+    /// Every axis has a right sample among its last ones.
     pub recovered: bool,
     /// The wrong ones.
     pub wrong: Vec<Wrong>,

@@ -31,7 +31,7 @@ impl Memory {
         Ok(Self(looks))
     }
 
-    /// Whether the last half holds no more than the first but [`GROWTH_MB`].
+    /// Whether the last half holds no more than the first, but for what may be chance.
     pub fn is_flat(&self) -> bool {
         match self.most_mb(2)[..] {
             [first, last] => last <= first + GROWTH_MB,
