@@ -91,6 +91,12 @@ pub trait Term: Send + Sync {
         false
     }
 
+    /// How many independent values give its spectrum its shape in a record of `record_s` seconds: without an end for
+    /// noise, whose ordinates are independent.
+    fn shaped_by(&self, _record_s: f64) -> f64 {
+        f64::INFINITY
+    }
+
     /// What it adds to the Allan variance over `m` samples of a record of `samples`, in the mean, where it is random
     /// and passes: its law is zero, as no other record has it.
     fn passing(&self, _m: u64, _samples: u64, _rate_hz: f64) -> f64 {

@@ -63,6 +63,17 @@ impl Wander {
         self.rms_hz.min(TAU * self.rms_hz.powi(2) * self.time_s)
     }
 
+    /// How many independent values of the frequency a record of `record_s` seconds has: where it wanders slowly they
+    /// give the line its shape. Wandering fast, the phase does, as that of noise.
+    pub fn shaped_by(self, record_s: f64) -> f64 {
+        let is_slow = TAU * self.rms_hz * self.time_s > 1.0;
+        if is_slow {
+            (0.5 * record_s / self.time_s).max(1.0)
+        } else {
+            f64::INFINITY
+        }
+    }
+
     /// Distance from the mean frequency beyond which no more than some percent of the power lie.
     pub fn reach_hz(self) -> f64 {
         /// Half widths at which a Gaussian has 0.3 % of its power, a Lorentzian a fifth.

@@ -114,6 +114,10 @@ impl Term for WanderingLine {
             .then(|| self.tones().map(peak).collect())
     }
 
+    fn shaped_by(&self, record_s: f64) -> f64 {
+        self.wander.shaped_by(record_s)
+    }
+
     fn allan_asymptote(&self, tau_s: f64) -> f64 {
         // Long averages see what is left at zero frequency, white.
         self.spectrum_ahead(0.0, 0.0) / tau_s

@@ -9,6 +9,7 @@ mod bands;
 mod dictionary;
 
 use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::explanation::Explanation;
 use crate::diagnosis::laws::departure::departure;
 use crate::fit::likelihood::Data;
 use crate::model::effect::Part;
@@ -32,16 +33,18 @@ pub struct Completed {
 pub fn complete(axis: &mut AxisState, level: f64) -> Completed {
     let mut withdrawn = Vec::new();
     loop {
-        let data = Data {
-            dof: axis.bins.dof().to_vec(),
-            ..axis.data.clone()
-        };
-        let tones = tones(axis);
-        let Some((p_value, completed)) = lacking(axis, &data, &tones, level) else {
+        let (tones, dof) = Tone::all(axis);
+        let of_noise = axis.bins.dof().to_vec();
+        let mut found = lacking(axis, of_noise, &tones, level);
+        if found.as_ref().is_some_and(Lacking::has_another) {
+            // The few values that shaped a tone may be why.
+            found = lacking(axis, dof, &tones, level);
+        }
+        let Some(found) = found else {
             let p_value = None;
             return Completed { p_value, withdrawn };
         };
-        if let Some(number) = another(&completed.tones) {
+        if let Some(number) = found.another() {
             withdrawn.extend(axis.withdraw_tone(number));
             if axis.refresh().is_ok() {
                 continue;
@@ -50,48 +53,130 @@ pub fn complete(axis: &mut AxisState, level: f64) -> Completed {
             let p_value = None;
             return Completed { p_value, withdrawn };
         }
-        axis.resize_tones(&completed.tones);
+        axis.resize_tones(&found.completed.tones);
         // The fit is that of the noise: where tones are, it says nothing by itself.
         let data = Data {
             dof: axis.bins.dof_beside(&axis.tones_hz()),
-            ..data
+            ..axis.data.clone()
         };
-        axis.complete(completed.laws, completed.fit, data);
-        let p_value = Some(p_value);
+        axis.complete(found.completed.laws, found.completed.fit, data);
+        let p_value = Some(found.p_value);
         return Completed { p_value, withdrawn };
     }
 }
 
-/// What a model lacks, and the probability of as much by chance; `None` where that is not below `level`.
-fn lacking(
-    axis: &AxisState,
-    data: &Data,
-    tones: &[Vec<f64>],
-    level: f64,
-) -> Option<(f64, bands::Completed)> {
+/// What a model lacks.
+struct Lacking {
+    /// Probability of as much by chance.
+    p_value: f64,
+    completed: bands::Completed,
+}
+
+impl Lacking {
+    /// The tone that has to change most, if that is by as much as makes it another.
+    fn another(&self) -> Option<usize> {
+        let powers = self.completed.tones.iter();
+        let changes = powers.map(|power| power.max(power.recip()));
+        let most = changes.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        (most.1 > ANOTHER).then_some(most.0)
+    }
+
+    fn has_another(&self) -> bool {
+        self.another().is_some()
+    }
+}
+
+/// What a model lacks where its bins have these degrees of freedom; `None` where chance makes as much at that `level`.
+fn lacking(axis: &AxisState, dof: Vec<f64>, tones: &[Vec<f64>], level: f64) -> Option<Lacking> {
+    let data = Data {
+        dof,
+        ..axis.data.clone()
+    };
     let mut expected = axis.fit.expected.clone();
     add_mixture(&mut expected, tones, &vec![1.0; tones.len()]);
-    let p_value = departure(data, &expected)?.p_value;
-    let completed = (p_value < level).then(|| bands::fitted(axis, data, tones));
-    Some((p_value, completed??))
+    let p_value = departure(&data, &expected)?.p_value;
+    let completed = (p_value < level).then(|| bands::fitted(axis, &data, tones))??;
+    Some(Lacking { p_value, completed })
 }
 
-/// The tone that has to change most, if that is by as much as makes it another.
-fn another(powers: &[f64]) -> Option<usize> {
-    let changes = powers.iter().map(|power| power.max(power.recip()));
-    let most = changes.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
-    (most.1 > ANOTHER).then_some(most.0)
+/// A tone that has a name and is no part of any fit.
+struct Tone {
+    /// What the bins are expected to be of it.
+    expected: Vec<f64>,
+    /// How many independent values give its spectrum its shape.
+    shaped_by: f64,
 }
 
-/// What the bins are expected to be of each tone that has a name and is no part of any fit.
-fn tones(axis: &AxisState) -> Vec<Vec<f64>> {
-    let named = axis.explanations().iter();
-    let own = named.filter(|one| one.is_tone()).map(|one| {
+impl Tone {
+    /// All tones of an axis, bin by bin, and the degrees of freedom of the bins with them.
+    fn all(axis: &AxisState) -> (Vec<Vec<f64>>, Vec<f64>) {
+        let named = axis.explanations().iter();
+        let tones: Vec<Self> = named
+            .filter(|one| one.is_tone())
+            .map(|one| Self::new(axis, one))
+            .collect();
+        let dof = freedom(&axis.fit.expected, axis.bins.dof(), &tones);
+        (tones.into_iter().map(|one| one.expected).collect(), dof)
+    }
+
+    fn new(axis: &AxisState, one: &Explanation) -> Self {
         let Part::Term(term) = one.kind().part(&one.effect.plain()) else {
-            return vec![0.0; axis.data.len()];
+            return Self {
+                expected: vec![0.0; axis.data.len()],
+                shaped_by: f64::INFINITY,
+            };
         };
         let bins = &axis.bins;
-        bins.expect(|f_hz| bins.term_density(&*term, f_hz) * axis.filters(f_hz))
-    });
-    own.collect()
+        Self {
+            expected: bins.expect(|f_hz| bins.term_density(&*term, f_hz) * axis.filters(f_hz)),
+            shaped_by: term.shaped_by(axis.residual.len() as f64 / axis.rate_hz),
+        }
+    }
+}
+
+/// Degrees of freedom of bins that are as many `own` for noise, where `noise` is expected and `tones` beside it. How long
+/// a frequency that wanders was in a bin is known as well as its share of a few independent values is: with a share `s`
+/// of `n` of them the power has the relative variance `1 / (n s)`, beside `2 / dof`.
+fn freedom(noise: &[f64], own: &[f64], tones: &[Tone]) -> Vec<f64> {
+    let mut sum = noise.to_vec();
+    for tone in tones {
+        add_mixture(&mut sum, std::slice::from_ref(&tone.expected), &[1.0]);
+    }
+    let mut inverse: Vec<f64> = own.iter().map(|dof| dof.recip()).collect();
+    for tone in tones.iter().filter(|one| one.shaped_by.is_finite()) {
+        let powers = tone.expected.iter().zip(own).map(|(one, dof)| one * dof);
+        let powers: Vec<f64> = powers.collect();
+        let all: f64 = powers.iter().sum();
+        for (bin, power) in powers.iter().enumerate().filter(|(_, power)| **power > 0.0) {
+            let values = tone.shaped_by * power / all;
+            inverse[bin] += 0.5 * (tone.expected[bin] / sum[bin]).powi(2) / values;
+        }
+    }
+    inverse.iter().map(|one| one.recip()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tone_that_wanders_a_few_times_is_no_better_known_than_these() {
+        let noise = [1.0; 4];
+        let own = [40.0; 4];
+        let tone = |shaped_by| Tone {
+            expected: vec![0.0, 9.0, 27.0, 0.0],
+            shaped_by,
+        };
+        assert_eq!(freedom(&noise, &own, &[tone(f64::INFINITY)]), own);
+        let few = freedom(&noise, &own, &[tone(8.0)]);
+        // A quarter and three quarters of eight values.
+        let expected =
+            |share: f64, values: f64| (1.0 / 40.0 + 0.5 * share * share / values).recip();
+        for (bin, expected) in [40.0, expected(0.9, 2.0), expected(27.0 / 28.0, 6.0), 40.0]
+            .into_iter()
+            .enumerate()
+        {
+            assert!((few[bin] / expected - 1.0).abs() < 1e-12, "{few:?}");
+        }
+    }
 }
