@@ -27,10 +27,11 @@ use super::lines::{self, Group, Measured};
 use crate::diagnosis::axis::{AxisState, NoFit, Whitened};
 use crate::diagnosis::detect::look::{Look, Proposal};
 use crate::diagnosis::explanation::{Candidate, Change, Explanation};
+use crate::diagnosis::record::wave::Wave;
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::finding::Rival;
 use crate::diagnosis::result::value::Value;
-use crate::model::{hum, resonance, sinusoid, wandering_line};
+use crate::model::{hum, resonance, shock, sinusoid, wandering_line};
 
 /// Shortest windows, samples of the band; those of half the length show how its energy grows.
 const SHORTEST: usize = 8;
@@ -260,7 +261,7 @@ fn values(course: &Course, lines: &[Line], number: u32) -> Vec<Option<Value>> {
 }
 
 /// Kinds that are taken back: laws that were fitted to the tone with the rest of the spectrum, and lines that stand in
-/// its bands.
+/// its bands, shocks among them.
 fn made_for_it(axis: &AxisState, bands: &[Line]) -> Vec<crate::model::kind::Kind> {
     let laws = axis.explanations().iter().filter(|one| one.law().is_some());
     let mut kinds: Vec<_> = laws.map(Explanation::kind).collect();
@@ -269,5 +270,20 @@ fn made_for_it(axis: &AxisState, bands: &[Line]) -> Vec<crate::model::kind::Kind
     if lines_hz.any(is_inside) {
         kinds.push(sinusoid::KIND);
     }
+    if are_of_tone(axis, is_inside) {
+        kinds.push(shock::KIND);
+    }
     kinds
+}
+
+/// Whether shocks are known that all ring at frequencies of the tone: where it seldom is it stands out of what is usual
+/// there.
+fn are_of_tone(axis: &AxisState, is_own: impl Fn(f64) -> bool) -> bool {
+    let waves = axis.residual.waves().iter();
+    let shocks = waves.filter_map(|wave| match wave {
+        Wave::Shocks { shocks, .. } => Some(shocks),
+        _ => None,
+    });
+    let mut shocks = shocks.flatten().peekable();
+    shocks.peek().is_some() && shocks.all(|one| is_own(one.f_hz))
 }

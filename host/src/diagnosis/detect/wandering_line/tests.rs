@@ -154,3 +154,27 @@ fn a_tone_that_stands_still_or_beats_or_stops_is_none() {
     };
     assert!(!asked(&with(3, &still, |_| 1.0)), "seed 3: stands still");
 }
+
+#[test]
+fn a_shock_that_rings_as_the_tone_does_is_the_tone() {
+    for (f_hz, is_tone) in [(20.02, true), (31.0, false)] {
+        let mut trial = with(4, &tone(20.0, &[0.5]), |_| 1.0);
+        let shock = shock::Shock {
+            time_s: 60.0,
+            peak: 0.3,
+            duration_s: 2.0,
+            f_hz,
+            decay_s: 1.0,
+        };
+        let values = [60.0, 0.3, 2.0, f_hz, 1.0];
+        let wave = Wave::Shocks {
+            shocks: vec![shock],
+            rate_hz: RATE_HZ,
+        };
+        trial.know(shock::KIND, values, Change::Waves(vec![wave]));
+        let named = trial::candidate(trial.ask(&DETECTOR)).expect("a plain tone");
+        assert_eq!(named.effect.kind, wandering_line::KIND, "seed 4, {f_hz} Hz");
+        let goes = named.supersedes.contains(&shock::KIND);
+        assert_eq!(goes, is_tone, "seed 4, {f_hz} Hz");
+    }
+}
