@@ -7,6 +7,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::diagnosis::record::wave::{Jump, Outlier, Wave};
+use crate::model::shock::Shock;
 
 /// What is done to a record.
 #[derive(Debug, Clone, Default)]
@@ -128,6 +129,14 @@ impl Residual {
         }
         values.iter_mut().for_each(|value| *value = -*value);
         values
+    }
+
+    /// Transients that were taken out.
+    pub fn shocks(&self) -> impl Iterator<Item = &Shock> {
+        self.taken.waves.iter().flat_map(|wave| match wave {
+            Wave::Shocks { shocks, .. } => shocks.as_slice(),
+            _ => &[],
+        })
     }
 
     /// Jumps that are taken out of it.

@@ -22,7 +22,9 @@ use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
 use crate::diagnosis::statistic::matched_filter::Transform;
 use crate::diagnosis::steady::band_events::is_of_excluded;
+use crate::model::kind::Kind;
 use crate::model::outliers::KIND;
+use crate::model::shock::{self, Shock};
 use filter::Found;
 
 /// How much further out an outlier must be where the strength of the noise moves: a choice. Its
@@ -115,6 +117,7 @@ fn candidate(look: &Look<'_>, found: Found) -> Candidate {
     Candidate {
         held_out_nats: Some(found.nats),
         amends: look.place_of(KIND),
+        supersedes: single_shocks(look).into_iter().collect(),
         ..Candidate::new(
             Estimate::new(KIND, [rate_hz, size]),
             found.p_value,
@@ -122,6 +125,17 @@ fn candidate(look: &Look<'_>, found: Found) -> Candidate {
             Change::Waves(waves),
         )
     }
+}
+
+/// Shocks, where none that is known lasts for longer than a sample: beside outliers it is one of them, the largest.
+fn single_shocks(look: &Look<'_>) -> Option<Kind> {
+    /// Samples that one may take: it may begin between two.
+    const SINGLE: f64 = 2.0;
+    let axis = look.axis;
+    let mut shocks = axis.residual.shocks().peekable();
+    shocks.peek()?;
+    let is_single = |one: &Shock| one.duration_s * axis.rate_hz <= SINGLE;
+    shocks.all(is_single).then_some(shock::KIND)
 }
 
 /// Samples of `whole` that stand out of noise of this `density`, whose strength over time is known.

@@ -194,3 +194,31 @@ fn outliers_that_are_none_any_more_are_taken_back() {
     trial.know(KIND, [0.01, 0.5], Change::Waves(waves));
     assert!(trial::withdraws(&trial.ask(&DETECTOR), KIND));
 }
+
+#[test]
+fn a_shock_of_one_sample_is_one_of_the_outliers() {
+    for (samples, is_one) in [(1.2, true), (12.0, false)] {
+        let duration_s = samples / trial::RATE_HZ;
+        let shock = Shock {
+            time_s: 60.0,
+            peak: 40.0,
+            duration_s,
+            f_hz: 0.0,
+            decay_s: 0.0,
+        };
+        let wave = Wave::Shocks {
+            shocks: vec![shock],
+            rate_hz: trial::RATE_HZ,
+        };
+        let mut measured = noise(20);
+        APART.iter().for_each(|&place| measured[place] += 9.0);
+        trial::add(&mut measured, &wave);
+        let mut trial = Trial::new(measured);
+        let values = [60.0, 40.0, duration_s, 0.0, 0.0];
+        trial.know(shock::KIND, values, Change::Waves(vec![wave]));
+        let named = trial::candidate(trial.ask(&DETECTOR)).expect("outliers");
+        assert_eq!(named.effect.kind, KIND, "seed 20, {samples} samples");
+        let goes = named.supersedes.contains(&shock::KIND);
+        assert_eq!(goes, is_one, "seed 20, {samples} samples");
+    }
+}

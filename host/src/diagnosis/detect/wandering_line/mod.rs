@@ -27,7 +27,6 @@ use super::lines::{self, Group, Measured};
 use crate::diagnosis::axis::{AxisState, NoFit, Whitened};
 use crate::diagnosis::detect::look::{Look, Proposal};
 use crate::diagnosis::explanation::{Candidate, Change, Explanation};
-use crate::diagnosis::record::wave::Wave;
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::finding::Rival;
 use crate::diagnosis::result::value::Value;
@@ -279,11 +278,6 @@ fn made_for_it(axis: &AxisState, bands: &[Line]) -> Vec<crate::model::kind::Kind
 /// Whether shocks are known that all ring at frequencies of the tone: where it seldom is it stands out of what is usual
 /// there.
 fn are_of_tone(axis: &AxisState, is_own: impl Fn(f64) -> bool) -> bool {
-    let waves = axis.residual.waves().iter();
-    let shocks = waves.filter_map(|wave| match wave {
-        Wave::Shocks { shocks, .. } => Some(shocks),
-        _ => None,
-    });
-    let mut shocks = shocks.flatten().peekable();
+    let mut shocks = axis.residual.shocks().peekable();
     shocks.peek().is_some() && shocks.all(|one| is_own(one.f_hz))
 }

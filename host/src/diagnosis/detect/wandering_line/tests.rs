@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::*;
 use crate::diagnosis::detect::trial::{self, RATE_HZ, Trial, noise};
+use crate::diagnosis::record::wave::Wave;
 use crate::model::Term;
 use crate::model::kind::Kind;
 use crate::model::random::Seed;
