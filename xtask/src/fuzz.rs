@@ -41,7 +41,8 @@ const LAST_LINES: usize = 30;
 enum Effort {
     /// For so long, from another seed each time, on top of what was found before.
     Seconds(u64),
-    /// The same inputs each time, so that a run that fails does so by what was changed.
+    /// From the same seed and nothing found before: about the same inputs each time (maps are in another order), so that
+    /// a run that fails most likely does so by what was changed.
     Again,
 }
 
@@ -81,7 +82,7 @@ pub fn run(options: &[&str]) -> Result<()> {
     try_all(&targets, Effort::Seconds(seconds))
 }
 
-/// All targets with the same inputs each time, where the tools are there; says what is missing where not.
+/// All targets from the same seed each time, where the tools are there; says what is missing where not.
 ///
 /// # Errors
 /// A promise is broken.

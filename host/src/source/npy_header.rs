@@ -264,6 +264,12 @@ impl Dictionary<'_> {
                 ));
             }
         };
+        if rows > MOST_ROWS {
+            return Err(refuse(
+                format!("shape {shape} has more rows than any file, {rows}"),
+                SAVE_AGAIN,
+            ));
+        }
         match usize::try_from(columns) {
             Ok(columns @ 1..=MOST_COLUMNS) => Ok((rows, columns)),
             Ok(0) => Err(refuse(format!("shape {shape} has no column"), SAVE_AGAIN)),
@@ -278,6 +284,9 @@ impl Dictionary<'_> {
 /// Most columns that are taken for axes: more than any instrument here has; more are a transposed
 /// array. Each axis costs a megabyte and a thread.
 pub const MOST_COLUMNS: usize = 64;
+
+/// Most rows: with more, an index is no exact `f64` any more, and places in the file would run over 64 bits.
+const MOST_ROWS: u64 = 1 << 53;
 
 #[cfg(test)]
 mod tests {
@@ -341,6 +350,10 @@ mod tests {
             (
                 "{'descr': '<f8', 'fortran_order': False, 'shape': (3, 9999), }",
                 "9999 columns",
+            ),
+            (
+                "{'descr': '<f8', 'fortran_order': False, 'shape': (18446744073709551604, 18), }",
+                "more rows than any file",
             ),
             (
                 "{'descr': '<f8', 'fortran_order': False, }",
