@@ -2,7 +2,7 @@
 
 use super::kind::Kind;
 use super::{
-    burst, clipping, common_mode, cyclic, dropped, hum, markov, motion, outliers, powerlaw,
+    burst, clipping, common_mode, cyclic, drift, dropped, hum, markov, motion, outliers, powerlaw,
     resonance, rolloff, rounding, shock, sinusoid, stale, steps, telegraph, thermal, timebase,
     unnamed, wandering_line, warmup,
 };
@@ -21,6 +21,7 @@ pub static CATALOGUE: &[Kind] = &[
     shock::KIND,
     motion::KIND,
     warmup::KIND,
+    drift::KIND,
     thermal::KIND,
     outliers::KIND,
     stale::KIND,

@@ -16,6 +16,7 @@ pub mod clipping;
 pub mod common_mode;
 mod correlation;
 pub mod cyclic;
+pub mod drift;
 pub mod dropped;
 pub mod effect;
 pub mod file;

@@ -6,26 +6,33 @@ use rand_pcg::Pcg64;
 use super::Seed;
 use super::effect::{Distorter, Distortion, Effect, Incoming, Parameter, Part, Quantity};
 use super::kind::Kind;
+use super::marks::Mark;
 use super::random::{self, Gaussian};
 
-/// Impulses one sample long at random times, of Gaussian height, on top of what is there.
+/// Impulses one sample long on top of what is there: at random times and of Gaussian height, or, where a record holds
+/// few, the very ones that it holds.
 ///
 /// They act behind the signal chain: one that came through a converter's filter would be as long
 /// as the filter.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Outliers {
     /// Impulses a second.
     pub rate_hz: f64,
     /// Root mean square of their heights, unit of the signal.
     pub size: f64,
+    /// Those of a record that holds few: time since its start in seconds, and height in the unit of the signal. No
+    /// others come then. Empty where they come at random.
+    pub dated: Vec<(f64, f64)>,
 }
 
 impl Outliers {
     /// With these parameters, in the catalogue's order.
     pub fn of(values: &[f64]) -> Self {
+        let dated = values[2..].chunks_exact(2).map(|row| (row[0], row[1]));
         Self {
             rate_hz: values[0],
             size: values[1],
+            dated: dated.collect(),
         }
     }
 
@@ -43,6 +50,9 @@ impl Distortion for Outliers {
     }
 
     fn distorter(&self, rate_hz: f64, seed: Seed) -> Box<dyn Distorter> {
+        if !self.dated.is_empty() {
+            return Box::new(Dated::new(&self.dated, rate_hz));
+        }
         let mut impulses = Impulses {
             times: random::random(seed),
             heights: Gaussian::new(
@@ -97,6 +107,34 @@ impl Distorter for Impulses {
     }
 }
 
+/// Impulses at known samples.
+struct Dated {
+    /// Sample and height of those to come, the next one last.
+    to_come: Vec<(u64, f64)>,
+    /// Index of the next sample.
+    index: u64,
+}
+
+impl Dated {
+    /// Each at the sample that is nearest to its time.
+    fn new(dated: &[(f64, f64)], rate_hz: f64) -> Self {
+        let sample = |&(time_s, height): &(f64, f64)| ((time_s * rate_hz).round() as u64, height);
+        let mut to_come: Vec<(u64, f64)> = dated.iter().map(sample).collect();
+        to_come.sort_by_key(|&(index, _)| std::cmp::Reverse(index));
+        Self { to_come, index: 0 }
+    }
+}
+
+impl Distorter for Dated {
+    fn apply(&mut self, samples: &mut Vec<f64>) {
+        let end = self.index + samples.len() as u64;
+        while let Some((index, height)) = self.to_come.pop_if(|(index, _)| *index < end) {
+            samples[(index - self.index) as usize] += height;
+        }
+        self.index = end;
+    }
+}
+
 /// Outliers in the catalogue.
 struct Entry;
 
@@ -113,11 +151,32 @@ impl Effect for Entry {
          board"
     }
 
-    fn parameters(&self, _values: &[f64]) -> Vec<Parameter> {
-        vec![
+    fn parameters(&self, values: &[f64]) -> Vec<Parameter> {
+        let law = [
             Parameter::new("rate_hz", Quantity::PerSecond, "how many a second"),
             Parameter::new("size", Quantity::Signal, "root mean square height"),
-        ]
+        ];
+        let row = |number| {
+            [
+                Parameter::new(
+                    format!("time_s_{number}"),
+                    Quantity::Instant,
+                    "when it comes, where a record holds few",
+                ),
+                Parameter::new(
+                    format!("height_{number}"),
+                    Quantity::Signal,
+                    "how much its sample is too large",
+                ),
+            ]
+        };
+        let dated = values.len().saturating_sub(law.len()).div_ceil(2);
+        law.into_iter().chain((1..=dated).flat_map(row)).collect()
+    }
+
+    fn marks(&self, values: &[f64]) -> Vec<Mark> {
+        let dated = Outliers::of(values).dated.into_iter();
+        dated.map(|(time_s, _)| Mark::Moment(time_s)).collect()
     }
 
     fn check(&self, values: &[f64]) -> String {
@@ -149,6 +208,7 @@ mod tests {
         let outliers = Outliers {
             rate_hz: 20.0,
             size: 3.0,
+            dated: Vec::new(),
         };
         let mut samples = vec![0.0; count];
         outliers
@@ -179,10 +239,31 @@ mod tests {
     }
 
     #[test]
+    fn dated_ones_come_where_they_were_and_no_others() {
+        let outliers = Outliers::of(&[0.2, 3.0, 0.0, 5.0, 0.0105, -2.0, 0.004, 1.0]);
+        let seed = Seed { seed: 1, stream: 0 };
+        for block in [1, 3, 7, 20] {
+            let mut distorter = outliers.distorter(1000.0, seed);
+            let mut record = Vec::new();
+            while record.len() < 20 {
+                let mut samples = vec![0.0; block.min(20 - record.len())];
+                distorter.apply(&mut samples);
+                record.extend(samples);
+            }
+            let found: Vec<(usize, f64)> = (0..20)
+                .map(|n| (n, record[n]))
+                .filter(|one| one.1 != 0.0)
+                .collect();
+            assert_eq!(found, [(0, 5.0), (4, 1.0), (11, -2.0)], "blocks of {block}");
+        }
+    }
+
+    #[test]
     fn none_come_at_rate_zero() {
         let outliers = Outliers {
             rate_hz: 0.0,
             size: 3.0,
+            dated: Vec::new(),
         };
         let mut samples = vec![0.0; 1000];
         let seed = Seed { seed: 1, stream: 0 };

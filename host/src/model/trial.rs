@@ -117,6 +117,10 @@ const EFFECTS: &[(&str, &str)] = &[
         r#""time_s_1": 0.6, "duration_s_1": 0.4, "step_1": -2, "f_hz_1": 40, "width_hz_1": 10, "amplitude_1": 1"#,
     ),
     ("warmup", r#""amplitude": 2, "time_s": 0.3"#),
+    (
+        "drift",
+        r#""duration_s": 2.5, "level_1": 1, "level_2": -2, "level_3": 0, "level_4": 4"#,
+    ),
     ("thermal", r#""gain": 0.001, "lag_s": 10"#),
     ("outliers", r#""rate_hz": 50, "size": 10"#),
     ("stale", r#""share": 0.1"#),

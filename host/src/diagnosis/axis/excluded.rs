@@ -40,10 +40,22 @@ impl AxisState {
         &self.excluded
     }
 
-    /// Bands that neither fits nor tests look at, hertz: those, and the bands of tones that have a name.
+    /// Bands that neither fits nor tests look at, hertz: those, the bands of tones that have a name, and what is absorbed.
     pub fn excluded_hz(&self) -> Vec<Range<f64>> {
         let bands = self.excluded.iter().map(|one| one.band_hz.clone());
-        bands.chain(self.tones_hz()).collect()
+        bands
+            .chain(self.tones_hz())
+            .chain(self.absorbed_hz())
+            .collect()
+    }
+
+    /// The band, hertz, whose noise was taken out with a course: what is left there says nothing.
+    pub fn absorbed_hz(&self) -> Option<Range<f64>> {
+        let mut absorbed = self
+            .explanations()
+            .iter()
+            .filter_map(Explanation::absorbs_hz);
+        absorbed.next().map(|end_hz| 0.0..end_hz)
     }
 
     /// Bands of tones that have a name, hertz.

@@ -28,7 +28,7 @@ use crate::fit::likelihood::ramp::Ramp;
 use crate::model::axis::ModelAxis;
 use crate::model::kind::Kind;
 use crate::model::{Coefficient as Letter, PerCoefficient};
-use crate::model::{steps, telegraph, thermal, warmup};
+use crate::model::{drift, steps, telegraph, thermal, warmup};
 use crate::signal::Axis;
 
 /// Diagnosis of an axis, and what is left of its record: NaN where missing or masked.
@@ -250,7 +250,13 @@ fn own_squares(axis: &AxisState, mut squares_sd: Vec<f64>) -> (Vec<f64>, Vec<f64
 
 /// Whether effects were taken out that go with a slope, so that what is left says little of it.
 fn takes_slope(explanations: &[Explanation]) -> bool {
-    const SLOW: [Kind; 4] = [steps::KIND, warmup::KIND, thermal::KIND, telegraph::KIND];
+    const SLOW: [Kind; 5] = [
+        steps::KIND,
+        warmup::KIND,
+        drift::KIND,
+        thermal::KIND,
+        telegraph::KIND,
+    ];
     let mut courses = explanations.iter().filter(|one| one.law().is_none());
     courses.any(|one| SLOW.contains(&one.kind()))
 }

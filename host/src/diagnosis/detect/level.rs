@@ -1,9 +1,9 @@
-//! The level in time: of what follows a covariate, a settling and a jump, the one that shows most.
+//! The level in time: of what follows a covariate, a settling, a jump and a smooth course, the one that shows most.
 //!
-//! The three take one another's place: what is not explained by the one that is there is explained in part
+//! They take one another's place: what is not explained by the one that is there is explained in part
 //! by the others. So they look together, and the largest is taken in first.
 
-use super::{Detector, steps, thermal, warmup};
+use super::{Detector, drift, steps, thermal, warmup};
 use crate::diagnosis::axis::NoFit;
 use crate::diagnosis::axis::profile::Noise;
 use crate::diagnosis::detect::look::{Look, Proposal};
@@ -17,11 +17,16 @@ pub static IN_FITTED_NOISE: Detector = Detector {
     look: |look| strongest(look, Noise::Fitted),
 };
 
-/// Looks in noise whose walk and flicker are fitted anew together with each of the three.
+/// Looks in noise whose walk and flicker are fitted anew together with each of the three, and for a smooth course, which
+/// is looked for in no other way.
 pub static IN_NOISE_ANEW: Detector = Detector {
-    tests: TESTS,
+    tests: TESTS + 1,
     look: |look| strongest(look, Noise::Anew),
 };
+
+/// Share of the gain of a smooth course from which what explains that much alone comes first: a choice. A course follows
+/// all that is slow at once; what is not smooth of it, or follows a law, would be lost in it.
+const PART: f64 = 0.5;
 
 fn strongest(look: &Look<'_>, noise: Noise) -> Result<Vec<Proposal>, NoFit> {
     let thermal = thermal::find(look, noise);
@@ -31,6 +36,12 @@ fn strongest(look: &Look<'_>, noise: Noise) -> Result<Vec<Proposal>, NoFit> {
     let of_thermal = size(thermal.as_ref().map(|(change, _)| change.z));
     let of_settling = size(settling.as_ref().map(|change| change.z));
     let of_jump = size(jump.map(|jump| jump.z));
+    let course = (noise == Noise::Anew).then(|| drift::find(look)).flatten();
+
+    let most = of_thermal.max(of_settling).max(of_jump);
+    if let Some(course) = course.filter(|course| course.nats * PART > 0.5 * most * most) {
+        return Ok(vec![drift::proposal(look, course)]);
+    }
     if let Some(thermal) = thermal.filter(|_| of_thermal >= of_settling && of_thermal >= of_jump) {
         return Ok(thermal::proposal(thermal).into_iter().collect());
     }

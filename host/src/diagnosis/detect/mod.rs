@@ -8,6 +8,7 @@ pub mod clipping;
 pub mod coarse_grid;
 pub mod common_mode;
 pub mod cyclic;
+pub mod drift;
 pub mod dropped;
 pub mod level;
 pub mod lines;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use realfft::num_complex::Complex64;
 
 use crate::fft::phasor::Phasor;
+use crate::model::drift::Drift;
 use crate::model::random::Generator;
 use crate::model::shock::Shock;
 use crate::model::steps::Staircase;
@@ -69,6 +70,15 @@ pub enum Wave {
         /// The covariate, about its mean.
         column: Arc<Vec<f32>>,
     },
+    /// A slow course.
+    Drift {
+        /// The course, in seconds and in the unit of the record.
+        drift: Arc<Drift>,
+        /// Samples a second.
+        rate_hz: f64,
+        /// Frequency below which it takes more than half of the noise's own power out with it, hertz.
+        absorbs_hz: f64,
+    },
     /// Short transients.
     Shocks {
         /// Each of them, in seconds and in the unit of the record.
@@ -109,6 +119,9 @@ impl Wave {
                 let out = |value: &mut f64, line: Complex64| *value -= line.re;
                 phasor.zip(0, before, amplitude, out);
                 phasor.zip(after + samples as usize, later, amplitude, out);
+            }
+            Self::Drift { drift, rate_hz, .. } => {
+                drift.negated().spline(*rate_hz).add_to(values);
             }
             Self::Shocks { shocks, rate_hz } => {
                 for shock in shocks {

@@ -33,8 +33,9 @@ pub struct Completed {
 pub fn complete(axis: &mut AxisState, level: f64) -> Completed {
     let mut withdrawn = Vec::new();
     loop {
-        let (tones, dof) = Tone::all(axis);
-        let of_noise = axis.bins.dof().to_vec();
+        let absorbed_hz = axis.absorbed_hz();
+        let of_noise = axis.bins.dof_beside(absorbed_hz.as_slice());
+        let (tones, dof) = Tone::all(axis, &of_noise);
         let mut found = lacking(axis, of_noise, &tones, level);
         if found.as_ref().is_some_and(Lacking::has_another) {
             // The few values that shaped a tone may be why.
@@ -55,8 +56,10 @@ pub fn complete(axis: &mut AxisState, level: f64) -> Completed {
         }
         axis.resize_tones(&found.completed.tones);
         // The fit is that of the noise: where tones are, it says nothing by itself.
+        let mut fitted_beside = axis.tones_hz();
+        fitted_beside.extend(absorbed_hz);
         let data = Data {
-            dof: axis.bins.dof_beside(&axis.tones_hz()),
+            dof: axis.bins.dof_beside(&fitted_beside),
             ..axis.data.clone()
         };
         axis.complete(found.completed.laws, found.completed.fit, data);
@@ -108,14 +111,14 @@ struct Tone {
 }
 
 impl Tone {
-    /// All tones of an axis, bin by bin, and the degrees of freedom of the bins with them.
-    fn all(axis: &AxisState) -> (Vec<Vec<f64>>, Vec<f64>) {
+    /// All tones of an axis, bin by bin, and the degrees of freedom of the bins with them, `of_noise` without.
+    fn all(axis: &AxisState, of_noise: &[f64]) -> (Vec<Vec<f64>>, Vec<f64>) {
         let named = axis.explanations().iter();
         let tones: Vec<Self> = named
             .filter(|one| one.is_tone())
             .map(|one| Self::new(axis, one))
             .collect();
-        let dof = freedom(&axis.fit.expected, axis.bins.dof(), &tones);
+        let dof = freedom(&axis.fit.expected, of_noise, &tones);
         (tones.into_iter().map(|one| one.expected).collect(), dof)
     }
 
