@@ -64,7 +64,7 @@ impl Data {
 
     /// Bins that are independent of one another, with their densities and degrees of freedom. There is one at least, and
     /// one of the densities is above zero.
-    pub fn independent(f_hz: Vec<f64>, psd: Vec<f64>, dof: Vec<f64>) -> Option<Self> {
+    pub fn independent(f_hz: Vec<f64>, psd: Vec<f64>, dof: &[f64]) -> Option<Self> {
         let variances = DVector::from_iterator(dof.len(), dof.iter().map(|dof| 2.0 / dof));
         Self::from_parts(f_hz, psd, DMatrix::from_diagonal(&variances))
     }

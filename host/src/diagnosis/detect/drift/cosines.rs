@@ -247,7 +247,7 @@ impl Grouped {
             left.sum::<f64>() / group.len() as f64
         };
         let f_hz = |group: &Vec<usize>| cosines.f_hz(group[0] + 1);
-        let dof = groups.iter().map(|group| group.len() as f64).collect();
+        let dof: Vec<f64> = groups.iter().map(|group| group.len() as f64).collect();
         let (f_hz, psd) = (
             groups.iter().map(f_hz).collect(),
             groups.iter().map(psd).collect(),
@@ -255,7 +255,7 @@ impl Grouped {
         let data = Data {
             // The same for all that are compared.
             unit: cosines.rest[0],
-            ..Data::independent(f_hz, psd, dof)?
+            ..Data::independent(f_hz, psd, &dof)?
         };
         Some(Self { data, groups })
     }

@@ -195,8 +195,8 @@ impl Course {
             drift,
             freedom: 2.0 + all.clone().map(share).sum::<f64>(),
             absorbs_hz: all
-                .filter(|&j| share(j) > 0.5)
-                .last()
+                .rev()
+                .find(|&j| share(j) > 0.5)
                 .map_or(0.0, |j| cosines.f_hz(j)),
         }
     }
