@@ -25,6 +25,7 @@ const SUPPORTED: &[&str] = &[
     "quantisation",
     "burst",
     "warmup",
+    "drift",
     "thermal",
     "common_mode",
     "powerlaw",

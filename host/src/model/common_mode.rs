@@ -28,10 +28,13 @@ impl Effect for Entry {
     }
 
     fn check(&self, values: &[f64]) -> String {
+        let gain = match values[0].is_finite() {
+            true => format!(" of {:.3}", values[0]),
+            false => String::new(),
+        };
         format!(
-            "turn the block by a quarter: shaking changes its gain of {:.3} with the direction, \
-             supply and reference do not; then feed the board from a battery",
-            values[0]
+            "turn the block by a quarter: shaking changes its gain{gain} with the direction, supply and reference do \
+             not; then feed the board from a battery"
         )
     }
 

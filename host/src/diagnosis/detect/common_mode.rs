@@ -3,10 +3,13 @@
 //! The cross-spectra of what is left of the axes after all else is taken out. Independent axes have
 //! a squared coherence above `c` in a bin of `n` averages with probability `(1 - c)^(n - 1)` (G. C.
 //! Carter, Proc. IEEE 75 (1987), eq. 34); over all bins together the real part of the normalised
-//! cross-spectrum, weighed by the averages, is normal.
+//! cross-spectrum, weighed by the averages, is normal. What two axes share in one half of the record they have to share
+//! in the other: slow courses that look alike once are not shared.
+
+use std::ops::Range;
 
 use crate::diagnosis::result::estimate::Estimate;
-use crate::diagnosis::result::finding::Finding;
+use crate::diagnosis::result::finding::{Finding, Gain};
 use crate::diagnosis::result::value::Value;
 use crate::diagnosis::statistic::p_value;
 use crate::model::common_mode::KIND;
@@ -38,13 +41,20 @@ pub struct Shared {
 pub struct Common {
     /// Number of the axis, from 0.
     pub axis: usize,
-    /// Its gain relative to the first axis; needs three axes.
+    /// Its gain relative to the first axis; needs three axes, and something that the third shares with both.
     pub gain: Option<f64>,
     /// Standard deviation of the gain's logarithm.
     pub gain_log_sd: f64,
     /// Probability of as much between independent axes.
     pub p_value: f64,
+    /// Gain in log-likelihood of each half of the record, by what the other half shares, nats.
+    pub held_out_nats: f64,
+    /// Largest share of the two axes' power that is shared, in any band.
+    pub share: f64,
 }
+
+/// Most that a gain's logarithm may scatter for the gain to be given: with three of these on either side it is not zero.
+const KNOWN: f64 = 1.0 / 3.0;
 
 /// What axes share with the first one at a family-wise `level`; `residuals` are what is left of
 /// each, NaN where missing.
@@ -53,20 +63,13 @@ pub fn shared(residuals: &[Vec<f32>], rate_hz: f64, level: f64) -> Shared {
     if count < 2 {
         return Shared::default();
     }
-    let mut cascade = CrossCascade::new(count);
     let length = residuals.iter().map(Vec::len).min().unwrap_or(0);
-    for first in (0..length).step_by(BLOCK) {
-        let end = (first + BLOCK).min(length);
-        let blocks: Vec<Vec<f64>> = residuals
-            .iter()
-            .map(|axis| axis[first..end].iter().map(|&v| f64::from(v)).collect())
-            .collect();
-        let columns: Vec<&[f64]> = blocks.iter().map(Vec::as_slice).collect();
-        if cascade.push(first as u64, &columns).is_err() {
-            return Shared::default();
-        }
-    }
-    let pair = |a: usize, b: usize| cascade.cross(a, b, rate_hz, PER_OCTAVE);
+    let whole = spectra(residuals, 0..length);
+    let halves = [0..length / 2, length / 2..length].map(|half| spectra(residuals, half));
+    let (Some(whole), [Some(first), Some(second)]) = (whole, halves) else {
+        return Shared::default();
+    };
+    let pair = |a: usize, b: usize| whole.cross(a, b, rate_hz, PER_OCTAVE);
     let pairs = (count * (count - 1) / 2) as f64;
     let axes: Vec<Common> = (1..count)
         .filter_map(|axis| {
@@ -75,30 +78,22 @@ pub fn shared(residuals: &[Vec<f32>], rate_hz: f64, level: f64) -> Shared {
             if p_value >= level {
                 return None;
             }
+            let halves = [&first, &second].map(|half| half.cross(0, axis, rate_hz, PER_OCTAVE));
+            let held_out_nats = nats(&halves[0], &halves[1]) + nats(&halves[1], &halves[0]);
+            if held_out_nats <= 0.0 {
+                return None;
+            }
             // With a third axis: S_1k = g_k C, S_jk = g_j g_k C, so g_k = S_jk / S_1j.
             let other = (1..count).find(|&other| other != axis);
-            let gain = other.map(|other| {
-                let (near, far) = (pair(other, axis), pair(0, other));
-                let sum = |bins: &[CrossBin]| -> (f64, f64) {
-                    // One weight for both, that of the first pair's own noise.
-                    let (mut sum, mut variance) = (0.0, 0.0);
-                    for (bin, reference) in bins.iter().zip(&far) {
-                        let own = reference.density.norm() / reference.coherence.sqrt();
-                        let weight = reference.averages / own;
-                        let power = bin.density.norm_sqr() / bin.coherence;
-                        sum += weight * bin.density.re;
-                        variance += weight * weight * power / (2.0 * bin.averages);
-                    }
-                    (sum, variance / (sum * sum))
-                };
-                let ((near, a), (far, b)) = (sum(&near), sum(&far));
-                (near / far, (a + b).sqrt())
-            });
+            let gain = other.map(|other| gain(&pair(other, axis), &pair(0, other)));
+            let gain = gain.filter(|(_, log_sd)| *log_sd < KNOWN);
             Some(Common {
                 axis,
                 gain: gain.map(|gain| gain.0),
                 gain_log_sd: gain.map_or(f64::INFINITY, |gain| gain.1),
                 p_value,
+                held_out_nats,
+                share: share(&bins),
             })
         })
         .collect();
@@ -113,6 +108,95 @@ pub fn shared(residuals: &[Vec<f32>], rate_hz: f64, level: f64) -> Shared {
         correlation: (!axes.is_empty()).then(|| (0..count).map(row).collect()),
         axes,
     }
+}
+
+/// Cross-spectra of a stretch of the axes; `None` where there are none.
+fn spectra(residuals: &[Vec<f32>], stretch: Range<usize>) -> Option<CrossCascade> {
+    let mut cascade = CrossCascade::new(residuals.len());
+    for first in stretch.clone().step_by(BLOCK) {
+        let end = (first + BLOCK).min(stretch.end);
+        let blocks: Vec<Vec<f64>> = residuals
+            .iter()
+            .map(|axis| axis[first..end].iter().map(|&v| f64::from(v)).collect())
+            .collect();
+        let columns: Vec<&[f64]> = blocks.iter().map(Vec::as_slice).collect();
+        cascade.push(first as u64, &columns).ok()?;
+    }
+    Some(cascade)
+}
+
+/// Quotient of two cross-spectra over all bands, with the standard deviation of its logarithm.
+fn gain(near: &[CrossBin], far: &[CrossBin]) -> (f64, f64) {
+    let sum = |bins: &[CrossBin]| -> (f64, f64) {
+        // One weight for both, that of the first pair's own noise.
+        let (mut sum, mut variance) = (0.0, 0.0);
+        for (bin, reference) in bins.iter().zip(far) {
+            let own = reference.density.norm() / reference.coherence.sqrt();
+            let weight = reference.averages / own;
+            let power = bin.density.norm_sqr() / bin.coherence;
+            sum += weight * bin.density.re;
+            variance += weight * weight * power / (2.0 * bin.averages);
+        }
+        (sum, variance / (sum * sum))
+    };
+    let ((near, a), (far, b)) = (sum(near), sum(far));
+    (near / far, (a + b).sqrt())
+}
+
+/// Gain in log-likelihood of the axes' spectra in one half of a record by the correlation that they have in the other:
+/// one correlation in all bands, or that of the plainest band alone, whichever is rarer by chance there. For `n` products
+/// and a correlation `r` where `c` is expected it is `n (2 (c r - c^2) / (1 - c^2) - ln(1 - c^2))`, that of two complex
+/// normal numbers.
+fn nats(fitted: &[CrossBin], held: &[CrossBin]) -> f64 {
+    /// Correlation that is expected at most: a choice.
+    const MOST: f64 = 0.999;
+    let plainest = enough(fitted).min_by(|a, b| in_band(a).total_cmp(&in_band(b)));
+    let Some(plainest) = plainest else {
+        return 0.0;
+    };
+    let gain = |bin: &CrossBin, expected: f64| {
+        // Copies of one axis share all of it, and there is no logarithm of nothing.
+        let expected = expected.clamp(-MOST, MOST);
+        let square = expected * expected;
+        let product = expected * normalised(bin) - square;
+        bin.averages * (2.0 * product / (1.0 - square) - (-square).ln_1p())
+    };
+    let bands = enough(fitted).count() as f64;
+    if p_value::searched(in_band(plainest), bands) < together(fitted) {
+        let same = |bin: &&CrossBin| (bin.f_hz / plainest.f_hz).ln().abs() < 0.25;
+        return enough(held)
+            .find(same)
+            .map_or(0.0, |bin| gain(bin, normalised(plainest)));
+    }
+    let all = correlation(fitted);
+    enough(held).map(|bin| gain(bin, all)).sum()
+}
+
+/// Largest share of the power of two axes that is shared, in any band, where they have equal parts in it: at least, with
+/// two standard deviations taken off.
+fn share(bins: &[CrossBin]) -> f64 {
+    let least = |bin: &CrossBin| normalised(bin).abs() - 2.0 * (2.0 * bin.averages).sqrt().recip();
+    enough(bins).map(least).fold(0.0, f64::max)
+}
+
+/// Bands of more than two averages.
+fn enough(bins: &[CrossBin]) -> impl Iterator<Item = &CrossBin> {
+    bins.iter().filter(|bin| bin.averages > 2.0)
+}
+
+/// Probability of as much coherence in a band by chance.
+fn in_band(bin: &CrossBin) -> f64 {
+    ((bin.averages - 1.0) * (-bin.coherence).ln_1p()).exp()
+}
+
+/// Probability of as much in all bands together by chance.
+fn together(bins: &[CrossBin]) -> f64 {
+    let (mut sum, mut variance) = (0.0, 0.0);
+    for bin in enough(bins) {
+        sum += bin.averages * normalised(bin);
+        variance += 0.5 * bin.averages;
+    }
+    p_value::two_sided(sum / variance.sqrt())
 }
 
 /// Correlation over all bins: their normalised cross-spectra, weighed by the averages.
@@ -132,17 +216,9 @@ fn normalised(bin: &CrossBin) -> f64 {
 
 /// Probability of as much in common by chance: in one band, or over all together.
 fn chance(bins: &[CrossBin]) -> f64 {
-    let enough = || bins.iter().filter(|bin| bin.averages > 2.0);
-    let in_one = enough()
-        .map(|bin| ((bin.averages - 1.0) * (-bin.coherence).ln_1p()).exp())
-        .fold(1.0, f64::min);
-    let (mut sum, mut variance) = (0.0, 0.0);
-    for bin in enough() {
-        sum += bin.averages * normalised(bin);
-        variance += 0.5 * bin.averages;
-    }
-    let together = p_value::two_sided(sum / variance.sqrt());
-    p_value::searched(in_one, enough().count() as f64).min(together) * 2.0
+    let in_one = enough(bins).map(in_band).fold(1.0, f64::min);
+    let in_one = p_value::searched(in_one, enough(bins).count() as f64);
+    in_one.min(together(bins)) * 2.0
 }
 
 /// What is shared, as a finding of one axis.
@@ -155,6 +231,12 @@ pub fn finding(common: &Common) -> Finding {
         values: vec![gain],
     };
     Finding {
+        gain: Gain {
+            heldout_nats: Some(common.held_out_nats),
+            // Of the deviation, when the shared power goes.
+            allan_change_percent: Some(100.0 * (1.0 - (1.0 - common.share).max(0.0).sqrt())),
+            ..Gain::default()
+        },
         check: KIND.check(&[common.gain.unwrap_or(f64::NAN)]),
         ..Finding::new(&estimate, common.p_value)
     }

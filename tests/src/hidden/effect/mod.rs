@@ -5,6 +5,7 @@ mod burst;
 mod clipping;
 mod common_mode;
 mod cyclic;
+mod drift;
 mod dropped;
 mod hum;
 pub(crate) mod lorentzian;
@@ -16,6 +17,7 @@ mod resonance;
 mod rolloff;
 mod shock;
 mod sinusoid;
+mod slow;
 mod stale;
 mod steps;
 mod telegraph;
@@ -219,6 +221,11 @@ pub static KINDS: &[Kind] = &[
         name: "warmup",
         axes: 1,
         draw: warmup::draw,
+    },
+    Kind {
+        name: "drift",
+        axes: 1,
+        draw: drift::draw,
     },
     Kind {
         name: "thermal",

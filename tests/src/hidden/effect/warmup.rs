@@ -1,10 +1,10 @@
 //! Exponential settling from the start of the record.
 
+use super::slow::share_beside_step;
 use super::{Effect, Evidence, Scene, Truth};
 use crate::hidden::draw::Draw;
 use crate::hidden::ideal::detector::{Contrast, power};
-use crate::hidden::ideal::matched::{Whitened, energy};
-use crate::hidden::noise::chain::Chain;
+use crate::hidden::ideal::matched::energy;
 
 struct Warmup {
     amplitude: f64,
@@ -22,42 +22,14 @@ pub fn draw(scene: &Scene, draw: &mut Draw) -> Box<dyn Effect> {
     let amplitude = 1e-3 * draw.sign();
     let waveform = settling(amplitude, time_s, scene);
     let energy = energy(&waveform, scene, scene.target);
-    // The record thinned to its slow part is enough here: a settling has no fast one.
-    let thin = THIN.min(scene.samples / LEAST);
-    let mut thinned = Scene {
-        samples: scene.samples / thin,
-        rate_hz: scene.rate_hz / thin as f64,
-        chain: Chain::None,
-        ..scene.clone()
-    };
-    thinned.axes[scene.target].q = 0.0;
-    let slow = |values: Vec<f64>| Whitened::new(&values, &thinned, scene.target);
-    let ramp = || slow((0..thinned.samples).map(|i| i as f64).collect());
-    let all = slow(settling(amplitude, time_s, &thinned)).without(&ramp());
-    let beside_step = (1..20)
-        .map(|i| {
-            let at = i * thinned.samples / 20;
-            let step = (0..thinned.samples).map(|j| f64::from(u8::from(j >= at)));
-            let step = slow(step.collect()).without(&ramp());
-            slow(settling(amplitude, time_s, &thinned))
-                .without(&ramp())
-                .without(&step)
-                .energy()
-        })
-        .fold(f64::INFINITY, f64::min);
+    let share = share_beside_step(scene, |thinned| settling(amplitude, time_s, thinned));
     Box::new(Warmup {
         amplitude,
         time_s,
         energy,
-        beside_step: energy * beside_step / all.energy(),
+        beside_step: energy * share,
     })
 }
-
-/// Factor by which the rate is lowered to compare with steps.
-const THIN: usize = 1024;
-
-/// Samples that are left of a short record.
-const LEAST: usize = 64;
 
 fn settling(amplitude: f64, time_s: f64, scene: &Scene) -> Vec<f64> {
     (0..scene.samples)

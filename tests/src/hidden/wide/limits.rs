@@ -44,7 +44,7 @@ const fn limit(kind: &'static str, end: End, samples: usize, rate_hz: f64) -> Li
 /// Every kind of the catalogue that is hidden. Mains have their fifth harmonic below half of 800/s; a cycle
 /// of a thousand samples is there twenty times in 2^15; two rates that differ by 0.2 % show in 2^16
 /// samples.
-pub const LIMITS: [Limit; 21] = [
+pub const LIMITS: [Limit; 22] = [
     limit("sinusoid", End::Times(1000.0), 0, 0.0),
     limit("hum", End::Times(1000.0), 0, 800.0),
     limit("markov", End::Times(1000.0), 0, 0.0),
@@ -61,6 +61,7 @@ pub const LIMITS: [Limit; 21] = [
     limit("burst", End::Times(1000.0), 0, 0.0),
     limit("cyclic", End::Reaches("depth", 1.0), 1 << 15, 0.0),
     limit("warmup", End::Times(1000.0), 0, 0.0),
+    limit("drift", End::Times(1000.0), 0, 0.0),
     limit("thermal", End::Times(1000.0), 0, 0.0),
     limit("common_mode", End::Times(1000.0), 0, 0.0),
     limit("powerlaw", End::Times(1000.0), 0, 0.0),
