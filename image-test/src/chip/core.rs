@@ -24,21 +24,20 @@ const SHPR1: u32 = 0xd18;
 /// Key and SYSRESETREQ of AIRCR (PM0214, 4.4.5).
 const RESET_REQUEST: u32 = 0x05fa_0000 | 1 << 2;
 
-/// One exception.
-#[derive(Debug, Clone, Copy, Default)]
-struct Exception {
-    enabled: bool,
-    pending: bool,
-    active: bool,
-    priority: u8,
-    /// Level of the line that asks, as last seen.
-    asks: bool,
-}
+/// A bit an exception.
+type Set = u128;
+
+const _: () = assert!(EXCEPTIONS <= Set::BITS as usize);
 
 /// The registers and the state of all exceptions.
 pub struct Core {
     registers: Registers,
-    exceptions: [Exception; EXCEPTIONS],
+    enabled: Set,
+    pending: Set,
+    active: Set,
+    /// Those whose line asked when it was last looked at.
+    asking: Set,
+    priorities: [u8; EXCEPTIONS],
     /// Those under way, innermost last.
     nested: Vec<usize>,
     /// When SysTick turns over.
@@ -51,15 +50,16 @@ pub struct Core {
 
 impl Core {
     pub(super) fn new() -> Self {
-        let mut exceptions = [Exception::default(); EXCEPTIONS];
-        for system in &mut exceptions[..FIRST_INTERRUPT] {
-            system.enabled = true;
-        }
         let mut registers = Registers::default();
         registers.set(VTOR, crate::image::FLASH);
         Self {
             registers,
-            exceptions,
+            // Those of the system always are.
+            enabled: (1 << FIRST_INTERRUPT) - 1,
+            pending: 0,
+            active: 0,
+            asking: 0,
+            priorities: [0; EXCEPTIONS],
             nested: Vec::new(),
             tick_ps: None,
             reset_requested: false,
@@ -70,9 +70,13 @@ impl Core {
     /// Level of the line of an interrupt. It pends by rising, and by being high when its handler is
     /// not running (ARMv7-M, B3.4.1).
     pub(super) fn line(&mut self, interrupt: usize, asks: bool) {
-        let exception = &mut self.exceptions[FIRST_INTERRUPT + interrupt];
-        exception.pending |= asks && !(exception.asks && exception.active);
-        exception.asks = asks;
+        let bit = 1 << (FIRST_INTERRUPT + interrupt);
+        if !asks {
+            self.asking &= !bit;
+            return;
+        }
+        self.pending |= bit & !(self.asking & self.active);
+        self.asking |= bit;
     }
 
     /// What would be taken now, by priority and then by number: it must be more urgent than what is
@@ -82,20 +86,21 @@ impl Core {
         let running = self.nested.last().map(|&n| self.priority(n));
         let limit = [running, (base > 0).then_some(i16::from(base))];
         let limit = limit.into_iter().flatten().min().unwrap_or(i16::MAX);
-        let waiting = (0..EXCEPTIONS).filter(|&n| self.waits(n));
-        let urgent = waiting.min_by_key(|&n| self.priority(n));
+        let mut waiting = self.pending & self.enabled;
+        let each = std::iter::from_fn(|| {
+            let number = (waiting != 0).then(|| waiting.trailing_zeros() as usize)?;
+            waiting &= waiting - 1;
+            Some(number)
+        });
+        let urgent = each.min_by_key(|&n| self.priority(n));
         urgent.filter(|&n| self.priority(n) < limit)
-    }
-
-    fn waits(&self, number: usize) -> bool {
-        self.exceptions[number].pending && self.exceptions[number].enabled
     }
 
     fn priority(&self, number: usize) -> i16 {
         if number == HARD_FAULT {
             -1
         } else {
-            i16::from(self.exceptions[number].priority)
+            i16::from(self.priorities[number])
         }
     }
 
@@ -119,8 +124,8 @@ impl Core {
 
     /// A handler begins; its address is in the table of vectors at the address returned.
     pub(crate) fn enter(&mut self, number: usize) -> u32 {
-        self.exceptions[number].pending = false;
-        self.exceptions[number].active = true;
+        self.pending &= !(1 << number);
+        self.active |= 1 << number;
         self.entered[number] += 1;
         self.nested.push(number);
         self.registers.get(VTOR) + 4 * number as u32
@@ -129,9 +134,8 @@ impl Core {
     /// The innermost handler ends.
     pub(crate) fn leave(&mut self) {
         if let Some(number) = self.nested.pop() {
-            let exception = &mut self.exceptions[number];
-            exception.active = false;
-            exception.pending |= exception.asks;
+            self.active &= !(1 << number);
+            self.pending |= self.asking & 1 << number;
         }
     }
 
@@ -144,7 +148,9 @@ impl Core {
         while let Some(tick_ps) = self.tick_ps
             && tick_ps <= now_ps
         {
-            self.exceptions[SYSTICK].pending = self.registers.get(SYST_CSR) & 0b10 != 0;
+            if self.registers.get(SYST_CSR) & 0b10 != 0 {
+                self.pending |= 1 << SYSTICK;
+            }
             self.tick_ps = Some(tick_ps + self.period_ps(hclk));
         }
     }
@@ -156,16 +162,11 @@ impl Core {
     }
 
     pub(crate) fn read(&self, offset: u32) -> u32 {
-        let bits = |is: fn(&Exception) -> bool, from: u32| {
-            let first = FIRST_INTERRUPT + 8 * (offset - from) as usize;
-            let all = self.exceptions.iter().skip(first).take(32).enumerate();
-            all.map(|(bit, e)| u32::from(is(e)) << bit).sum()
-        };
         match offset {
-            ISER..0x180 => bits(|e| e.enabled, ISER),
-            ICER..0x200 => bits(|e| e.enabled, ICER),
-            ISPR..0x280 => bits(|e| e.pending, ISPR),
-            ICPR..0x300 => bits(|e| e.pending, ICPR),
+            ISER..0x180 => (self.enabled >> first(offset - ISER)) as u32,
+            ICER..0x200 => (self.enabled >> first(offset - ICER)) as u32,
+            ISPR..0x280 => (self.pending >> first(offset - ISPR)) as u32,
+            ICPR..0x300 => (self.pending >> first(offset - ICPR)) as u32,
             _ => self.registers.get(offset),
         }
     }
@@ -177,10 +178,10 @@ impl Core {
                 self.tick_ps = starts.then(|| now_ps + self.period_ps(hclk));
                 self.registers.set(offset, value);
             }
-            ISER..0x180 => self.each(offset - ISER, value, |e| e.enabled = true),
-            ICER..0x200 => self.each(offset - ICER, value, |e| e.enabled = false),
-            ISPR..0x280 => self.each(offset - ISPR, value, |e| e.pending = true),
-            ICPR..0x300 => self.each(offset - ICPR, value, |e| e.pending = false),
+            ISER..0x180 => self.enabled |= Set::from(value) << first(offset - ISER),
+            ICER..0x200 => self.enabled &= !(Set::from(value) << first(offset - ICER)),
+            ISPR..0x280 => self.pending |= Set::from(value) << first(offset - ISPR),
+            ICPR..0x300 => self.pending &= !(Set::from(value) << first(offset - ICPR)),
             IPR..0x500 => self.set_priorities(FIRST_INTERRUPT as u32 + offset - IPR, size, value),
             // MemManage is the fourth.
             SHPR1..0xd24 => self.set_priorities(4 + offset - SHPR1, size, value),
@@ -189,20 +190,17 @@ impl Core {
         }
     }
 
-    /// The interrupts whose bits are set in the word at `offset` of a row of them.
-    fn each(&mut self, offset: u32, value: u32, change: fn(&mut Exception)) {
-        let first = FIRST_INTERRUPT + 8 * offset as usize;
-        let all = self.exceptions.iter_mut().skip(first).enumerate().take(32);
-        all.filter(|(bit, _)| value >> bit & 1 != 0)
-            .for_each(|(_, exception)| change(exception));
-    }
-
     /// A byte each; this part has the upper four bits (PM0214, 4.3.7).
     fn set_priorities(&mut self, first: u32, size: u32, value: u32) {
         let bytes = value.to_le_bytes();
-        let all = self.exceptions.iter_mut().skip(first as usize);
-        for (exception, byte) in all.zip(&bytes[..size.min(4) as usize]) {
-            exception.priority = byte & 0xf0;
+        let all = self.priorities.iter_mut().skip(first as usize);
+        for (priority, byte) in all.zip(&bytes[..size.min(4) as usize]) {
+            *priority = byte & 0xf0;
         }
     }
+}
+
+/// Exception of the lowest bit of the word at `offset` in a row of them.
+fn first(offset: u32) -> u32 {
+    FIRST_INTERRUPT as u32 + 8 * offset
 }

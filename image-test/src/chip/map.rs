@@ -64,7 +64,10 @@ impl Chip {
         };
         let value = self.look(block, offset);
         self.wait(block, address, value);
-        self.settle();
+        // Reading a data register says that it was read; nothing else changes by being looked at.
+        if matches!(block, Block::Spi(_) | Block::Usart | Block::Adc) {
+            self.settle();
+        }
         value
     }
 
@@ -95,6 +98,7 @@ impl Chip {
     fn come_in_between(&mut self) {
         if std::mem::take(&mut self.edge_at_next_stamp) {
             self.fall(0);
+            self.settle();
         }
     }
 
