@@ -11,6 +11,8 @@
 //!   bench     the estimators beside other programs, the simulator
 //!   docs      what the README shows of `inm demo`, by `excerpt`
 //!   study     simulations too long for every test run
+//!   image_test
+//!             the board's image on a model of its chip, where the tools are there
 //!   fuzz      bytes that a reader does not bear, looked for
 //!   deny      licences of what is linked, and defects that are known
 //!
@@ -28,6 +30,7 @@ mod excerpt;
 mod firmware;
 mod fuzz;
 mod image;
+mod image_test;
 mod instructions;
 #[cfg(test)]
 mod layers;

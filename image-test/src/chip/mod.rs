@@ -32,7 +32,7 @@ const CYCLES: (u64, u64) = (3, 2);
 
 const PS_PER_S: u64 = 1_000_000_000_000;
 
-/// Interrupts of the image (RM0090, table 62).
+/// Interrupts of the image, by their places among the vectors (RM0090, 12.2): line 4 of EXTI.
 pub const EXTI4: usize = 10;
 /// Lines 5 to 9.
 pub const EXTI9_5: usize = 23;

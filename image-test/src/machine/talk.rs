@@ -46,7 +46,7 @@ impl Talk {
     pub fn ask(&mut self, machine: &mut Machine, request: Request) -> Result<Answer, Refusal> {
         self.id += 1;
         let command = ToBoard::Command(Command {
-            id: self.id.into(),
+            id: self.id,
             request,
         });
         let mut frame = [0; MAX_FRAME];
@@ -65,7 +65,7 @@ impl Talk {
 
     fn take_reply(&mut self) -> Option<Reply> {
         let id = self.id;
-        let mine = |message: &ToHost| matches!(message, ToHost::Reply(r) if u64::from(r.id) == u64::from(id));
+        let mine = |message: &ToHost| matches!(message, ToHost::Reply(reply) if reply.id == id);
         let at = self.heard.iter().position(mine)?;
         match self.heard.remove(at) {
             Some(ToHost::Reply(reply)) => Some(reply),
