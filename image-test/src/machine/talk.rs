@@ -83,6 +83,7 @@ impl Talk {
 
     /// The next health record; what came before it is gone.
     pub fn health(&mut self, machine: &mut Machine) -> Health {
+        self.listen(machine);
         self.heard.clear();
         for _ in 0..PATIENCE_MS {
             machine.run(PS_PER_MS);
