@@ -186,10 +186,7 @@ impl Machine {
     }
 
     fn reset(&mut self, cause: Cause) {
-        // The chip is rebuilt from what survives; a blank one stands in for the moment.
-        let blank = Chip::new(Board::new(true));
-        let old = std::mem::replace(self.uc.get_data_mut(), blank);
-        *self.uc.get_data_mut() = old.reset(cause);
+        self.chip_mut().reset(cause);
         self.resets.push(cause);
         self.begin();
     }
