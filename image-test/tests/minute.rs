@@ -59,8 +59,11 @@ fn stream(rate: Rate, config0: u8) {
         health: None,
     };
     machine.chip_mut().spent = Spent::default();
+    let mut late_ps = 0;
     for _ in 0..DURATION_S * 10 {
         machine.run(100 * PS_PER_MS);
+        let period_ps = PS_PER_S / u64::from(rate.hz());
+        late_ps = late_ps.max(latest_ps(&mut machine, period_ps));
         talk.listen(&mut machine);
         talk.heard
             .drain(..)
@@ -79,7 +82,26 @@ fn stream(rate: Rate, config0: u8) {
     assert_eq!(machine.chip().board.bench.violation(), None);
     assert!(machine.chip().misuse.is_empty());
     tell(rate, stream.received, machine.chip().spent);
-    println!("in {:.1} s", begin.elapsed().as_secs_f64());
+    println!(
+        "X is read {} us behind its edge at most; in {:.1} s",
+        late_ps / 1_000_000,
+        begin.elapsed().as_secs_f64()
+    );
+}
+
+/// Longest from an edge of X to the reading of its word, picoseconds: four bytes on end, which those of a
+/// command never are. The bytes are used up.
+fn latest_ps(machine: &mut Machine, period_ps: u64) -> u64 {
+    let board = &mut machine.chip_mut().board;
+    let edge_ps = board.bench.last_edge_ps(0).expect("it streams");
+    let bytes = board.bytes.replace(Vec::new()).unwrap_or_default();
+    let of_x: Vec<_> = bytes.iter().filter(|byte| byte.axis == 0).collect();
+    let words = of_x.windows(4).filter(|word| {
+        word.windows(2)
+            .all(|pair| pair[0].gap_ps(pair[1]) < 4 * pair[0].bit_ps)
+    });
+    let late = words.map(|word| (word[0].begin_ps + period_ps - edge_ps % period_ps) % period_ps);
+    late.max().unwrap_or(0)
 }
 
 /// Nothing went wrong on the board.

@@ -46,11 +46,11 @@ impl<P: Platform> Instrument<P> {
         true
     }
 
-    /// Whether a quarter of the data period is left: neither has a batch been framed just now, nor a
-    /// register read back.
+    /// Whether no batch was framed in this step, nor in the last one, nor a register read back: a
+    /// quarter of the data period is left.
     fn is_prompt(&self) -> bool {
         let took = self.position.since(self.platform.now());
-        took <= self.clock.periods(3) / 4
+        self.batcher.len() > 0 && took <= self.clock.periods(3) / 4
     }
 
     /// Sends what has been gathered, so that the host can compare the bins as soon as it is told
