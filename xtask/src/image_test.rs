@@ -1,4 +1,4 @@
-//! The image of the board, unmodified, on a model of its chip: the workspace `image-test`, where the
+//! `cargo xtask image-test`: the image of the board, unmodified, on a model of its chip: the workspace `image-test`, where the
 //! tools that build it are there. What it is and why it is apart stands in its README.md.
 
 use std::ffi::OsString;
@@ -6,9 +6,11 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::{env, fs};
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 
+use crate::image::Image;
 use crate::run::{cargo, output, run as execute, target};
+use crate::tools::ensure_target;
 
 /// Environment variable by which the tests find the image.
 const IMAGE_VARIABLE: &str = "INM_BOARD_IMAGE";
@@ -22,6 +24,18 @@ const LIBRARIES: [&str; 5] = [
     "/usr/local/opt/llvm/lib",
 ];
 
+/// Builds the image and tests it.
+///
+/// # Errors
+/// A tool is missing (says which), or something fails.
+pub fn run() -> Result<()> {
+    if let Some(missing) = missing() {
+        bail!("{missing}");
+    }
+    ensure_target()?;
+    test(&Image::Board.build()?)
+}
+
 /// Format, lints and tests, where the tools are there; says what is missing where not. Installs nothing.
 ///
 /// # Errors
@@ -31,6 +45,10 @@ pub fn check(image: &Path) -> Result<()> {
         eprintln!("\nleft out: {missing}");
         return Ok(());
     }
+    test(image)
+}
+
+fn test(image: &Path) -> Result<()> {
     execute(cargo(&["fmt", "--check"]).args(manifest()))?;
     execute(
         built(&["clippy", "--all-targets"])

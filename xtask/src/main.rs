@@ -56,6 +56,7 @@ usage: cargo xtask <command>
   size       flash and RAM of both images, by section and symbol, held to their budgets
   instructions
              what a conversion takes of the processor at 4000/s, counted under QEMU
+  image-test the board's image, unmodified, on a model of its chip; needs cmake and libclang
   faults [FIRST] [RUNS]
              RUNS random fault runs in company (1000) from seed FIRST (0), a tenth of them each on a dirty
              link and with frames out of place, a twentieth of each fault alone; 4 minutes for 20000
@@ -94,6 +95,7 @@ fn main() -> ExitCode {
         ["firmware"] => firmware::run(),
         ["size"] => size::run(),
         ["instructions"] => instructions::run(),
+        ["image-test"] => image_test::run(),
         ["faults", ref options @ ..] => study::faults(options),
         ["bench"] => bench::run(),
         ["bench", "simulator"] => bench::simulator(),
