@@ -132,6 +132,12 @@ impl<S: Signal> Bench<S> {
         self.converter(axis).timeline().fell_ps()
     }
 
+    /// Time at which the converter of `axis` next does something by itself, picoseconds: makes a word, or
+    /// lets DRDY fall. `None` while it does not convert.
+    pub fn next_change_ps(&self, axis: usize) -> Option<u64> {
+        self.converter(axis).timeline().next_ps()
+    }
+
     /// Lets a fault happen now.
     pub fn inject(&self, axis: usize, fault: Fault) {
         self.converter(axis).suffer(self.now_ps(), fault);

@@ -50,6 +50,20 @@ fn drdy_follows_the_data_sheet_from_conversion_to_conversion() {
 }
 
 #[test]
+fn what_comes_next_is_known_without_letting_time_pass() {
+    let bench = bench(Constant(0));
+    let edge = bench.run_until_edge(0, u64::MAX).expect("converting");
+    // The word is made 4 clocks ahead of the fall that shows it.
+    let fall = edge + time::period_ps(1000);
+    assert_eq!(bench.next_change_ps(0), Some(fall - time::UPDATE_LEAD_PS));
+    assert_eq!(bench.now_ps(), edge);
+    bench.advance_ps(fall - time::UPDATE_LEAD_PS - edge);
+    assert_eq!(bench.next_change_ps(0), Some(fall));
+    send(&bench, 0, &[0x02]);
+    assert_eq!(bench.next_change_ps(0), None, "in standby");
+}
+
+#[test]
 fn every_rate_has_its_period() {
     for setting in 0..5 {
         let bench = bench(Constant(12_345));

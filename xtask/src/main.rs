@@ -11,6 +11,8 @@
 //!   bench     the estimators beside other programs, the simulator
 //!   docs      what the README shows of `inm demo`, by `excerpt`
 //!   study     simulations too long for every test run
+//!   image_test
+//!             the board's image on a model of its chip, where the tools are there
 //!   fuzz      bytes that a reader does not bear, looked for
 //!   deny      licences of what is linked, and defects that are known
 //!
@@ -28,6 +30,7 @@ mod excerpt;
 mod firmware;
 mod fuzz;
 mod image;
+mod image_test;
 mod instructions;
 #[cfg(test)]
 mod layers;
@@ -53,6 +56,7 @@ usage: cargo xtask <command>
   size       flash and RAM of both images, by section and symbol, held to their budgets
   instructions
              what a conversion takes of the processor at 4000/s, counted under QEMU
+  image-test the board's image, unmodified, on a model of its chip; needs cmake and libclang
   faults [FIRST] [RUNS]
              RUNS random fault runs in company (1000) from seed FIRST (0), a tenth of them each on a dirty
              link and with frames out of place, a twentieth of each fault alone; 4 minutes for 20000
@@ -91,6 +95,7 @@ fn main() -> ExitCode {
         ["firmware"] => firmware::run(),
         ["size"] => size::run(),
         ["instructions"] => instructions::run(),
+        ["image-test"] => image_test::run(),
         ["faults", ref options @ ..] => study::faults(options),
         ["bench"] => bench::run(),
         ["bench", "simulator"] => bench::simulator(),

@@ -14,7 +14,7 @@ use crate::image::Image;
 use crate::run::{cargo, run as execute};
 use crate::size;
 use crate::tools::{QEMU_VARIABLE, TARGET, ensure_qemu, ensure_target, qemu};
-use crate::{deny, fuzz, instructions};
+use crate::{deny, fuzz, image_test, instructions};
 
 /// Crates that run on the board. Each is checked alone: in a build of the workspace the host's
 /// features leak into what they share.
@@ -88,6 +88,7 @@ fn run_all(stages: &mut Stages) -> Result<()> {
     test_workspace(stages)?;
     stages.run("image that `inm flash` takes", || flash_takes(&board))?;
     stages.run("tests under QEMU", || test_image(&qemu, &overflow))?;
+    stages.run("image on its chip", || image_test::check(&board))?;
     stages.run("dependencies", deny::check)?;
     stages.run("fuzzing", fuzz::check)
 }

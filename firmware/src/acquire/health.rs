@@ -9,17 +9,21 @@ use crate::{Part, Platform};
 /// [`BATCH_LEN`], unless conversions have stopped.
 const PATIENCE: u32 = 2 * BATCH_LEN as u32;
 
+/// Conversions that may have been gathered when the bins are marked: handing them to the link takes time.
+const FEW: usize = 4;
+
 impl<P: Platform> Instrument<P> {
     /// Works on the record that is due, `converted` telling whether this step has read a
     /// conversion; `true` if there was something to do.
     ///
-    /// A step that did all of it would cost a conversion at 4000/s. While conversions come the
-    /// bins are marked behind the first of a batch, when little waits to be framed, and the
-    /// record leaves behind the next.
+    /// A step that did all of it would cost a conversion at 4000/s, and so would two long steps behind
+    /// each other. While conversions come the bins are marked early in a batch, when little waits to be
+    /// framed, and the record leaves after that; each behind a conversion that took no longer than most.
     pub(super) fn report_health(&mut self, converted: bool, now: u64) -> bool {
         let overdue = now >= self.next_health + self.clock.periods(PATIENCE);
+        let prompt = converted && self.is_prompt();
         if matches!(self.stage, Stage::Stream) && self.mark.is_none() && !overdue {
-            if !converted || self.batcher.len() != 1 {
+            if !prompt || self.batcher.len() > FEW {
                 return false;
             }
             self.platform.enter(Part::Health);
@@ -28,7 +32,7 @@ impl<P: Platform> Instrument<P> {
             if self.mark.is_some() {
                 return true;
             }
-        } else if self.mark.is_some() && !converted && !overdue {
+        } else if self.mark.is_some() && !prompt && !overdue {
             return false;
         }
         let second = u64::from(self.board.timer_hz);
@@ -40,6 +44,13 @@ impl<P: Platform> Instrument<P> {
         let mark = self.mark.take();
         self.send_health(now, mark);
         true
+    }
+
+    /// Whether no batch was framed in this step, nor in the last one, nor a register read back: a
+    /// quarter of the data period is left.
+    fn is_prompt(&self) -> bool {
+        let took = self.position.since(self.platform.now());
+        self.batcher.len() > 0 && took <= self.clock.periods(3) / 4
     }
 
     /// Sends what has been gathered, so that the host can compare the bins as soon as it is told

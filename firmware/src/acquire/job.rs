@@ -109,6 +109,9 @@ impl<P: Platform> Instrument<P> {
                 return true;
             }
         }
+        if matches!(job.task, Task::Start) {
+            self.prepare_stream();
+        }
         self.synchronise(Some(job));
         true
     }

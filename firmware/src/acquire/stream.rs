@@ -21,15 +21,25 @@ impl Position {
     pub(super) fn next_index(&self) -> u64 {
         self.last.map_or(0, |(index, _)| index + 1)
     }
+
+    /// Ticks from the stamp of the last conversion to now; 0 before the first.
+    pub(super) fn since(&self, now: u64) -> u64 {
+        self.last.map_or(0, |(_, stamp)| now.saturating_sub(stamp))
+    }
 }
 
 impl<P: Platform> Instrument<P> {
-    /// The converters have settled after a start command: index 0 comes next.
-    pub(super) fn begin_stream(&mut self, job: Job) {
+    /// Index 0 comes next, once the converters have settled. Beginning 48 KB of bins takes longer than
+    /// the first word can wait at 4000/s.
+    pub(super) fn prepare_stream(&mut self) {
         self.position = Position::default();
+        self.platform.bins().begin(0);
+    }
+
+    /// The converters have settled after a start command, and the first word is there.
+    pub(super) fn begin_stream(&mut self, job: Job) {
         self.rounds = Rounds::default();
         self.batcher.restart();
-        self.platform.bins().begin(0);
         self.mark = None;
         self.lost_conversions = 0;
         self.recovering = [false; AXES];
