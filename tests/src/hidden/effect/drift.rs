@@ -18,7 +18,25 @@ struct Drift {
     /// Non-centrality, and what is left of it beside the best of a row of steps.
     energy: f64,
     beside_step: f64,
+    /// The lowest ordinates of the record.
+    ordinates: Vec<Ordinate>,
 }
+
+/// The product of the record with a half-wave of a cosine, whose square is expected to be the density for noise.
+#[derive(Clone, Copy)]
+struct Ordinate {
+    f_hz: f64,
+    /// Density of the noise.
+    noise: f64,
+    /// Square of what the course adds.
+    course: f64,
+}
+
+/// Ordinates that are looked at: sixteen times those that hold the course.
+const ORDINATES: usize = 16 * HALF_WAVES;
+
+/// Places in which the course is multiplied with a half-wave.
+const PLACES: usize = 1024;
 
 /// Each half-wave is as large as its length, at random.
 pub fn draw(scene: &Scene, draw: &mut Draw) -> Box<dyn Effect> {
@@ -29,6 +47,9 @@ pub fn draw(scene: &Scene, draw: &mut Draw) -> Box<dyn Effect> {
     let energy = energy(&course(&sizes, scene), scene, scene.target);
     let share = share_beside_step(scene, |thinned| course(&sizes, thinned));
     Box::new(Drift {
+        ordinates: (1..=ORDINATES)
+            .map(|j| ordinate(&sizes, scene, j))
+            .collect(),
         sizes,
         energy,
         beside_step: energy * share,
@@ -36,16 +57,52 @@ pub fn draw(scene: &Scene, draw: &mut Draw) -> Box<dyn Effect> {
 }
 
 fn course(sizes: &[[f64; 2]], scene: &Scene) -> Vec<f64> {
-    let at = |i: usize| {
-        let turn = PI * i as f64 / scene.samples as f64;
-        let waves = sizes.iter().zip(1..);
-        let waves = waves.map(|([cosine, sine], number)| {
-            let turn = turn * f64::from(number);
-            cosine * turn.cos() + sine * turn.sin()
-        });
-        waves.sum()
-    };
+    let at = |i: usize| level(sizes, i as f64 / scene.samples as f64);
     (0..scene.samples).map(at).collect()
+}
+
+/// The course at a share of the record.
+fn level(sizes: &[[f64; 2]], place: f64) -> f64 {
+    let waves = sizes.iter().zip(1..);
+    let waves = waves.map(|([cosine, sine], number)| {
+        let turn = PI * place * f64::from(number);
+        cosine * turn.cos() + sine * turn.sin()
+    });
+    waves.sum()
+}
+
+fn ordinate(sizes: &[[f64; 2]], scene: &Scene, j: usize) -> Ordinate {
+    let duration_s = scene.duration_s();
+    let f_hz = 0.5 * j as f64 / duration_s;
+    let places = (0..PLACES).map(|i| (i as f64 + 0.5) / PLACES as f64);
+    let products = places.map(|place| level(sizes, place) * (PI * j as f64 * place).cos());
+    let product = products.sum::<f64>() / PLACES as f64;
+    Ordinate {
+        f_hz,
+        noise: scene.density(scene.target, f_hz),
+        course: 2.0 * duration_s * product.powi(2),
+    }
+}
+
+/// What the log-likelihood of a course and noise that are both known is ahead, on average, of the likeliest walk and flicker
+/// that are taken for them, nats. Their sizes are tried in octaves, over what there is at the lowest ordinate.
+fn ahead_of_walk(ordinates: &[Ordinate]) -> f64 {
+    const OCTAVES: i32 = 24;
+    let first = ordinates[0];
+    let most = first.noise + first.course;
+    let sizes =
+        || std::iter::once(0.0).chain((-OCTAVES..4).map(|octave| most * f64::from(octave).exp2()));
+    let ahead = |walk: f64, flicker: f64| -> f64 {
+        let each = ordinates.iter().map(|one| {
+            let over = first.f_hz / one.f_hz;
+            let taken = one.noise + walk * over * over + flicker * over;
+            0.5 * ((taken / one.noise).ln() + (one.noise + one.course) / taken - 1.0)
+        });
+        each.sum()
+    };
+    let all = sizes().flat_map(|walk| sizes().map(move |flicker| (walk, flicker)));
+    all.map(|(walk, flicker)| ahead(walk, flicker))
+        .fold(f64::INFINITY, f64::min)
 }
 
 impl Effect for Drift {
@@ -63,14 +120,25 @@ impl Effect for Drift {
                 .collect(),
             energy: self.energy * factor * factor,
             beside_step: self.beside_step * factor * factor,
+            ordinates: self
+                .ordinates
+                .iter()
+                .map(|one| Ordinate {
+                    course: one.course * factor * factor,
+                    ..*one
+                })
+                .collect(),
         })
     }
 
-    /// As many numbers as sizes, in one trial. The rival is one step anywhere.
+    /// As many numbers as sizes, in one trial. The rivals are one step anywhere, and walk and flicker: the log-likelihood's
+    /// lead is half of what a known waveform's non-centrality would be.
     fn evidence(&self, _scene: &Scene) -> Evidence {
+        let ahead = 2.0 * ahead_of_walk(&self.ordinates);
+        let freedom = 2.0 * HALF_WAVES as f64;
         Evidence {
-            power: power(self.energy, 2.0 * HALF_WAVES as f64, 1.0),
-            rival_error: Contrast::shift(self.beside_step).error(),
+            power: power(self.energy.min(ahead), freedom, 1.0),
+            rival_error: Contrast::shift(self.beside_step.min(ahead)).error(),
         }
     }
 
