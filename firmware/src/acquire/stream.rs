@@ -12,6 +12,8 @@ use crate::{Part, Platform};
 /// Where the stream stands.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Position {
+    /// Number of the command that began the stream.
+    pub(super) stream: u16,
     /// Index and stamp of the last conversion.
     last: Option<(u64, u64)>,
 }
@@ -26,9 +28,12 @@ impl Position {
 impl<P: Platform> Instrument<P> {
     /// The converters have settled after a start command: index 0 comes next.
     pub(super) fn begin_stream(&mut self, job: Job) {
-        self.position = Position::default();
+        self.position = Position {
+            stream: job.id,
+            last: None,
+        };
         self.rounds = Rounds::default();
-        self.batcher.restart();
+        self.batcher.restart(job.id);
         self.platform.bins().begin(0);
         self.mark = None;
         self.lost_conversions = 0;
@@ -208,6 +213,7 @@ impl<P: Platform> Instrument<P> {
             index,
             axis,
             trouble,
+            stream: self.position.stream,
         });
     }
 }
