@@ -4,7 +4,7 @@
 mod rig;
 
 use inm_emulator::channel::published;
-use inm_emulator::{Bench, Converter, ReadMode, Tear};
+use inm_emulator::{Bench, Converter, Fault, ReadMode, Tear};
 use inm_protocol::{Phase, Rate, Request, samples_load};
 use rig::{OFFSETS, Rig, bench, inputs, settings};
 
@@ -132,5 +132,34 @@ fn the_line_carries_every_rate_at_its_speed() {
         assert!(waiting < 1400, "{waiting} bytes at {rate:?}");
         rig.proven();
         assert_eq!(rig.fresh_health().link.frames_dropped, 0);
+    }
+}
+
+/// A host that heard neither the stop nor the start has to know one stream from the other.
+#[test]
+fn batches_notices_and_health_say_which_start_they_belong_to() {
+    let bench = bench(OFFSETS);
+    let mut rig = Rig::new(&bench);
+    rig.run_ms(1500);
+    assert!(
+        rig.health.iter().all(|health| health.stream == 0),
+        "at rest"
+    );
+    for stream in [700, 3] {
+        rig.batches.clear();
+        rig.events.clear();
+        rig.health.clear();
+        rig.send_as(stream, Request::Start);
+        rig.run_ms(300);
+        rig.inject(1, Fault::DrdyStops);
+        rig.run_ms(1500);
+        assert!(rig.batches.iter().all(|batch| batch.stream == stream));
+        assert!(rig.events.iter().all(|event| event.stream == stream));
+        let of =
+            |health: &inm_protocol::Health| health.stream == stream * u16::from(health.streaming);
+        assert!(rig.health.iter().all(of));
+        assert!(rig.batches.len() > 60 && rig.events.len() > 1 && rig.health.len() > 1);
+        rig.send_as(stream + 1, Request::Stop);
+        rig.run_ms(100);
     }
 }

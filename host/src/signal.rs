@@ -19,6 +19,10 @@ pub const SCALE: RangeInclusive<f64> = 1e-30..=1e30;
 /// square, summed over any record and scaled by [`SCALE`], still a number.
 pub const LARGEST: f64 = 1e100;
 
+/// What the largest sample of an axis is at least, in the unit of its file, unless all are 0: smaller
+/// ones have squares that, scaled by [`SCALE`], come to nothing.
+pub const SMALLEST: f64 = 1e-100;
+
 /// Description of a record, known before its first sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Signal {

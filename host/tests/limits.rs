@@ -116,6 +116,35 @@ fn numbers_whose_squares_overflow_are_refused_with_their_place() {
 }
 
 #[test]
+fn numbers_whose_squares_come_to_nothing_are_refused_and_larger_ones_are_right() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let noise = |row: u64| (row * 7919 % 1009) as f64 / 1009.0 - 0.5;
+    let write = |name: &str, scale: f64| {
+        let rows: String = (0..9000)
+            .map(|row| format!("{:e}\n", noise(row) * scale))
+            .collect();
+        fs::write(folder.join(name), format!("ax_g\n{rows}")).expect("written");
+    };
+    for scale in [1e-101, 1e-160, 1e-300] {
+        write("small.csv", scale);
+        for command in ["analyze", "diagnose"] {
+            let command = format!("{command} small.csv --rate 100");
+            assert_refused(folder, &command, &["small.csv", "ax", "1e-100", "unit"]);
+        }
+    }
+    let shortest = |scale| {
+        write("fair.csv", scale);
+        let output = inm(folder, "analyze fair.csv --rate 100 --json -");
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        let told = json["axes"][0]["allan"][0]["adev"].as_f64();
+        told.expect("a number") / scale
+    };
+    let ratio = shortest(1e-98) / shortest(1.0);
+    assert!((ratio - 1.0).abs() < 1e-9, "{ratio}");
+}
+
+#[test]
 fn a_table_with_more_columns_than_a_sensor_has_axes_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();

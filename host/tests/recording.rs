@@ -193,12 +193,12 @@ fn a_capture_of_another_protocol_version_is_refused() {
     let capture = folder.path("run.inmcap");
     assert!(record(&capture, "0.1").status.success());
     let bytes = std::fs::read(&capture).expect("the capture reads");
-    let foreign = text(&bytes[..200]).replace("\"protocol\":1", "\"protocol\":9");
+    let foreign = text(&bytes[..200]).replace("\"protocol\":2", "\"protocol\":9");
     let mut edited = foreign.into_bytes();
     edited.extend_from_slice(&bytes[200..]);
     std::fs::write(&capture, edited).expect("writable");
     let output = inm(&["analyze", &capture.display().to_string()]);
-    assert_refused(&output, &["version 9", "version 1", "run.inmcap"]);
+    assert_refused(&output, &["version 9", "versions 1 to 2", "run.inmcap"]);
 }
 
 #[test]

@@ -9,7 +9,8 @@ use crate::{AXES, REGISTERS, SensorRange, Settings, Trouble};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(target_os = "none", derive(defmt::Format))]
 pub struct Command {
-    /// Chosen by the host, repeated in the [`Reply`].
+    /// Chosen by the host, repeated in the [`Reply`]; that of a [`Request::Start`] is the number of its
+    /// stream, and not 0.
     pub id: u16,
     /// What is asked for.
     pub request: Request,

@@ -2,8 +2,8 @@
 
 use serde::de::DeserializeOwned;
 
-use crate::VERSION;
 use crate::frame::{CRC, CRC_LEN, FRAME_END, MAX_FRAME};
+use crate::{VERSION, WITHOUT_STREAM};
 
 /// What was wrong with the bytes between two zeros.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -65,6 +65,8 @@ pub struct Decoder<const N: usize = MAX_FRAME> {
     /// Bytes since the last zero; beyond `N` they are only counted.
     len: usize,
     counts: Counts,
+    /// Version of the last frame whose check sum matched.
+    version: Option<u8>,
 }
 
 impl Decoder {
@@ -91,6 +93,7 @@ impl<const N: usize> Decoder<N> {
                 faults: 0,
                 bytes_lost: 0,
             },
+            version: None,
         }
     }
 
@@ -140,6 +143,11 @@ impl<const N: usize> Decoder<N> {
         self.counts
     }
 
+    /// Protocol version of the last intact frame.
+    pub fn version(&self) -> Option<u8> {
+        self.version
+    }
+
     /// Bytes of the frame that has begun and not ended.
     pub fn pending(&self) -> usize {
         self.len
@@ -147,7 +155,10 @@ impl<const N: usize> Decoder<N> {
 
     fn finish<M: DeserializeOwned>(&mut self, len: usize) -> Result<M, Fault> {
         let result = match self.frame.get_mut(..len) {
-            Some(frame) => parse(frame),
+            Some(frame) => check(frame).and_then(|payload| {
+                self.version = payload.first().copied();
+                message(payload)
+            }),
             None => Err(Fault::TooLong),
         };
         match result {
@@ -161,23 +172,35 @@ impl<const N: usize> Decoder<N> {
     }
 }
 
-/// Decodes one frame (without its closing zero) in place.
-fn parse<M: DeserializeOwned>(frame: &mut [u8]) -> Result<M, Fault> {
+/// Decodes one frame (without its closing zero) in place, and checks its sum: what stands ahead of that,
+/// and a zero behind it.
+fn check(frame: &mut [u8]) -> Result<&[u8], Fault> {
     let len = cobs::decode_in_place(frame).map_err(|_| Fault::Framing)?;
-    let payload = frame.get(..len).ok_or(Fault::Framing)?;
+    let payload = frame.get_mut(..len).ok_or(Fault::Framing)?;
     let (checked, crc) = payload
-        .split_last_chunk::<CRC_LEN>()
+        .split_last_chunk_mut::<CRC_LEN>()
+        .filter(|(checked, _)| !checked.is_empty())
         .ok_or(Fault::Framing)?;
     if CRC.checksum(checked) != u32::from_le_bytes(*crc) {
         return Err(Fault::Crc);
     }
-    match checked.split_first() {
-        None => Err(Fault::Framing),
-        Some((&VERSION, message)) => match postcard::take_from_bytes(message) {
-            Ok((message, [])) => Ok(message),
-            // Left-over bytes mean that the sender knows a longer message.
-            Ok(_) | Err(_) => Err(Fault::Message),
-        },
-        Some((&theirs, _)) => Err(Fault::Version { theirs }),
+    crc[0] = 0;
+    payload.get(..=len - CRC_LEN).ok_or(Fault::Framing)
+}
+
+/// The message of a checked frame: its version, its bytes, and a zero.
+fn message<M: DeserializeOwned>(payload: &[u8]) -> Result<M, Fault> {
+    let (version, message) = payload.split_first().ok_or(Fault::Framing)?;
+    let (_, exact) = message.split_last().ok_or(Fault::Framing)?;
+    // Left-over bytes mean that the sender knows a longer message.
+    let whole = |bytes| match postcard::take_from_bytes(bytes) {
+        Ok((message, [])) => Ok(message),
+        Ok(_) | Err(_) => Err(Fault::Message),
+    };
+    match *version {
+        VERSION => whole(exact),
+        // The stream stands at the end: a message of then lacks it, and the zero says so.
+        WITHOUT_STREAM => whole(exact).or_else(|_| whole(message)),
+        theirs => Err(Fault::Version { theirs }),
     }
 }

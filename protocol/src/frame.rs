@@ -19,8 +19,8 @@ pub(crate) const CRC_LEN: usize = 4;
 /// Longest payload (version, message, CRC) of any frame: a full batch with every word flagged.
 ///
 /// Version 1, message tag 1, seq 5, first 10, stamp 10, length 1, codes, length 1, flags of
-/// three bytes each, CRC 4.
-pub const MAX_PAYLOAD: usize = 33 + BATCH_LEN * AXES * 4 + BATCH_LEN * AXES * 3;
+/// three bytes each, stream 3, CRC 4.
+pub const MAX_PAYLOAD: usize = 36 + BATCH_LEN * AXES * 4 + BATCH_LEN * AXES * 3;
 
 /// Longest frame on the wire, COBS overhead (one byte, and one more each 254) and the closing
 /// zero included.

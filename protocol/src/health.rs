@@ -32,6 +32,9 @@ pub struct Health {
     pub stack_size: u32,
     /// The board's own bins; `None` when not streaming, or while they wait for their beginning.
     pub bins: Option<BinsMark>,
+    /// The stream that `index` counts in, as [`Batch::stream`](crate::Batch::stream); 0 when not
+    /// streaming.
+    pub stream: u16,
 }
 
 /// What the board has accumulated of its stream, in short. A host that has received the same

@@ -39,8 +39,13 @@ pub use settings::{Filter, Phase, Rate, SensorRange, Settings};
 /// Version of the wire format, the first byte of every frame.
 ///
 /// It changes whenever any byte of any message changes its meaning; postcard is not
-/// self-describing, so two versions cannot be told apart by their content.
-pub const VERSION: u8 = 1;
+/// self-describing, so two versions cannot be told apart by their content. Frames of version 1, which
+/// did not say of which stream they are, are still read: captures hold them.
+pub const VERSION: u8 = 2;
+
+/// The version whose messages lack nothing but [`Batch::stream`], [`Health::stream`] and
+/// [`Event::stream`].
+const WITHOUT_STREAM: u8 = 1;
 
 /// Converters on the board: X, Y, Z.
 pub const AXES: usize = 3;

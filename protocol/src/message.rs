@@ -39,6 +39,8 @@ pub struct Event {
     pub axis: Option<u8>,
     /// What happened.
     pub trouble: Trouble,
+    /// The stream that `index` counts in, as [`Batch::stream`].
+    pub stream: u16,
 }
 
 /// What can go wrong on the board, and what it did about it.

@@ -80,6 +80,9 @@ pub struct Batch {
     pub codes: Vec<[Code; AXES], BATCH_LEN>,
     /// The words that are not good; usually empty.
     pub flags: Vec<Flag, { AXES * BATCH_LEN }>,
+    /// The stream that `seq` and `first` count in: number of the start command that began it. 0 where
+    /// that is not said, in version 1 and in what no board has sent.
+    pub stream: u16,
 }
 
 impl Batch {

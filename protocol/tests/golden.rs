@@ -124,6 +124,7 @@ fn samples() {
         }]
         .into_iter()
         .collect(),
+        stream: 4711,
     };
     assert_documented("Samples", &ToHost::Samples(batch));
 }
@@ -144,6 +145,7 @@ fn health() {
             index: 2000,
             digests: [1, 300, u64::MAX],
         }),
+        stream: 4711,
         ..Health::default()
     };
     assert_documented("Health", &ToHost::Health(health));
@@ -179,8 +181,49 @@ fn event() {
             index: 1000,
             axis: Some(1),
             trouble,
+            stream: 4711,
         }),
     );
+}
+
+/// The same frames as version 1 wrote them, which captures hold: the streams have no number.
+#[test]
+fn frames_of_version_1_are_read() {
+    const SAMPLES: &str = "02 01 0a 05 a0 01 80 94 9a 03 02 01 01 01 0a fe ff ff ff ff ff ff 7f 03 01 01 05 fc \
+        ff ff ff 01 01 03 10 01 07 02 01 c6 19 9a 26 00";
+    const EVENT: &str = "0f 01 03 e8 07 01 01 05 01 5a 52 c1 da 46 a5 00";
+    const HEALTH: &str = "15 01 01 80 fa 86 28 d0 0f 01 01 ea 30 01 f0 15 10 5a 08 32 03 01 01 01 01 07 40 10 \
+        5a 08 32 03 01 01 01 01 07 40 10 5a 08 32 03 01 01 01 01 02 40 01 01 01 01 01 01 01 \
+        01 01 01 01 01 01 01 01 01 01 01 01 01 01 01 01 01 01 01 01 01 07 dc 0b 80 80 04 01 \
+        14 d0 0f 01 ac 02 ff ff ff ff ff ff ff ff ff 01 80 1f 3d 25 00";
+    const REFUSED: &str = "11 01 02 ac 02 01 01 ac 89 06 80 d0 05 88 8c 77 a8 00";
+    let read = |frame: &str| -> ToHost {
+        let bytes = frame.split_whitespace();
+        let bytes: Vec<u8> = bytes
+            .map(|byte| u8::from_str_radix(byte, 16).expect("a byte"))
+            .collect();
+        let mut decoder: Decoder = Decoder::new();
+        let message = decoder.next(&mut &bytes[..]).expect("a frame");
+        assert_eq!(decoder.version(), Some(1));
+        message.expect("a message of then")
+    };
+    let ToHost::Samples(batch) = read(SAMPLES) else {
+        panic!("samples");
+    };
+    assert_eq!((batch.seq, batch.end(), batch.flags.len()), (5, 162, 1));
+    let ToHost::Health(health) = read(HEALTH) else {
+        panic!("a health record");
+    };
+    assert_eq!(health.bins.map(|mark| mark.index), Some(2000));
+    let ToHost::Event(event) = read(EVENT) else {
+        panic!("an event");
+    };
+    assert_eq!((event.index, event.axis), (1000, Some(1)));
+    assert_eq!([batch.stream, health.stream, event.stream], [0; 3]);
+    assert!(matches!(
+        read(REFUSED),
+        ToHost::Reply(Reply { id: 300, .. })
+    ));
 }
 
 #[test]

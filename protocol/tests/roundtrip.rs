@@ -23,6 +23,7 @@ fn longest_batch() -> Batch {
         seq: u32::MAX,
         first: u64::MAX,
         stamp: u64::MAX,
+        stream: u16::MAX,
         ..Batch::default()
     };
     for conversion in 0..BATCH_LEN {
@@ -85,6 +86,7 @@ fn lost_zero_merges_two_frames_and_the_third_arrives() {
                 index,
                 axis: Some(1),
                 trouble: Trouble::Stalled,
+                stream: 3,
             })
         })
         .collect();
@@ -125,22 +127,22 @@ fn any_code() -> impl Strategy<Value = [Code; AXES]> {
 fn any_batch() -> impl Strategy<Value = Batch> {
     let codes = prop::collection::vec(any_code(), 0..=BATCH_LEN);
     let flags = prop::collection::vec((any::<u8>(), any::<u8>(), any::<u8>()), 0..8);
-    (any::<u32>(), any::<u64>(), any::<u64>(), codes, flags).prop_map(
-        |(seq, first, stamp, codes, flags)| Batch {
-            seq,
-            first,
-            stamp,
-            codes: codes.into_iter().collect(),
-            flags: flags
-                .into_iter()
-                .map(|(conversion, axis, bits)| Flag {
-                    conversion,
-                    axis,
-                    flags: Flags(bits),
-                })
-                .collect(),
-        },
-    )
+    let numbers = (any::<u32>(), any::<u64>(), any::<u64>(), any::<u16>());
+    (numbers, codes, flags).prop_map(|((seq, first, stamp, stream), codes, flags)| Batch {
+        stream,
+        seq,
+        first,
+        stamp,
+        codes: codes.into_iter().collect(),
+        flags: flags
+            .into_iter()
+            .map(|(conversion, axis, bits)| Flag {
+                conversion,
+                axis,
+                flags: Flags(bits),
+            })
+            .collect(),
+    })
 }
 
 fn any_message() -> impl Strategy<Value = ToHost> {
@@ -153,7 +155,8 @@ fn any_message() -> impl Strategy<Value = ToHost> {
         1 => (any::<u64>(), any::<u32>()).prop_map(|(stamp, stack_used)| {
             let digests = [stamp, !stamp, stamp.rotate_left(7)];
             let bins = Some(BinsMark { epoch: stamp, index: !stamp, digests });
-            ToHost::Health(Health { stamp, stack_used, bins, ..Health::default() })
+            let stream = stack_used as u16;
+            ToHost::Health(Health { stamp, stack_used, bins, stream, ..Health::default() })
         }),
         1 => (any::<u16>(), any::<u64>()).prop_map(|(id, index)| {
             ToHost::Reply(Reply { id, result: Ok(Answer::BinsEpoch { index }) })
@@ -161,7 +164,8 @@ fn any_message() -> impl Strategy<Value = ToHost> {
         1 => any::<u16>().prop_map(|id| ToHost::Reply(Reply { id, result: Ok(Answer::Done) })),
         1 => any::<u16>().prop_map(move |id| ToHost::Reply(Reply { id, result: Err(refusal) })),
         1 => (any::<u64>(), any::<u32>()).prop_map(|(index, lost)| {
-            ToHost::Event(Event { index, axis: None, trouble: Trouble::Recovered { lost } })
+            let trouble = Trouble::Recovered { lost };
+            ToHost::Event(Event { index, axis: None, trouble, stream: lost as u16 })
         }),
     ]
 }

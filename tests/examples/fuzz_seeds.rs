@@ -24,12 +24,15 @@ const WITH_COMMAS: u8 = 0x24;
 const AS_FILE: u8 = 0x80;
 
 fn main() {
-    let capture = fs::read(golden::path("board.inmcap")).expect("a capture");
-    let mut lines = capture.splitn(3, |&byte| byte == b'\n');
-    let header = lines.nth(1).expect("a header");
-    let stream = lines.next().expect("frames");
-    write("header", "recorded", header);
-    frames(stream);
+    // Of each version of the protocol.
+    for (file, version) in [("board.inmcap", ""), ("board-2.inmcap", "-2")] {
+        let capture = fs::read(golden::path(file)).expect("a capture");
+        let mut lines = capture.splitn(3, |&byte| byte == b'\n');
+        let header = lines.nth(1).expect("a header");
+        let stream = lines.next().expect("frames");
+        write("header", &format!("recorded{version}"), header);
+        frames(stream, version);
+    }
     text();
     npy();
     for name in ["model", "cyclic.model", "unnamed.model", "diagnosis.model"] {
@@ -55,7 +58,7 @@ fn write(target: &str, name: &str, bytes: &[u8]) {
 }
 
 /// The shortest frames of each kind, as they came, and as pieces with their lengths.
-fn frames(stream: &[u8]) {
+fn frames(stream: &[u8], version: &str) {
     let mut frames: Vec<&[u8]> = stream.split_inclusive(|&byte| byte == 0).collect();
     frames.sort_by_key(|frame| frame.len());
     let mut kept = std::collections::BTreeMap::<u8, usize>::new();
@@ -79,8 +82,8 @@ fn frames(stream: &[u8]) {
         pieces.extend_from_slice(message);
     }
     for target in ["capture", "frames"] {
-        write(target, "as-it-came", &as_is);
-        write(target, "pieces", &pieces);
+        write(target, &format!("as-it-came{version}"), &as_is);
+        write(target, &format!("pieces{version}"), &pieces);
     }
 }
 

@@ -1,6 +1,6 @@
 //! Files as a release wrote them, which every later one has to read with the same meaning.
 //!
-//! `tests/golden` holds a capture of a virtual board with every kind of message in it and its
+//! `tests/golden` holds a capture of each protocol version, of a virtual board with every kind of message in it, and its
 //! analysis, a model with every effect of the catalogue and its law, an analysis, and a diagnosis
 //! with its model. Files are added to it, never written anew: what was written once stays readable.
 

@@ -22,6 +22,12 @@ const MODELS: [[&str; 2]; 3] = [
     ["unnamed.model.json", "unnamed.law.json"],
 ];
 
+/// Captures and what was said of them, by the version of the protocol.
+const CAPTURES: [[&str; 2]; 2] = [
+    ["board.inmcap", "board.json"],
+    ["board-2.inmcap", "board-2.json"],
+];
+
 fn inm(folder: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::new(Program::built().0);
     let output = command.current_dir(folder).args(arguments).output();
@@ -42,28 +48,35 @@ fn assert_same(before: &Value, now: &Value) {
 
 #[test]
 fn a_capture_of_then_is_analysed_as_it_was_then() {
-    let golden = path("");
-    let output = inm(&golden, &["analyze", "board.inmcap", "--json", "-"]);
-    let mut now: Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    let then = json(&path("board.json"));
-    // Fields that came since: what was missing of single axes, and the rate by the stamps.
-    let source = now["source"].as_object_mut().expect("an object");
-    for field in ["unusable", "measured_rate_hz"] {
-        assert!(
-            source.remove(field).is_some_and(|told| !told.is_null()),
-            "{field}"
-        );
-        assert!(then["source"].get(field).is_none(), "{field}");
+    for [capture, said] in CAPTURES {
+        let output = inm(&path(""), &["analyze", capture, "--json", "-"]);
+        let mut now: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        let then = json(&path(said));
+        // Fields that came since the first: what was missing of single axes, and the rate by the stamps.
+        let source = now["source"].as_object_mut().expect("an object");
+        for field in ["unusable", "measured_rate_hz"] {
+            assert!(!source[field].is_null(), "{field}");
+            if then["source"].get(field).is_none() {
+                assert_eq!(capture, "board.inmcap", "{field}");
+                source.remove(field);
+            }
+        }
+        // It is worth something only if much has happened.
+        assert!(then["source"]["lost_samples"].as_u64() > Some(0));
+        assert!(then["axes"][0]["invalid_samples"].as_u64() > Some(0));
+        assert_same(&then, &now);
     }
-    // It is worth something only if much has happened.
-    assert!(then["source"]["lost_samples"].as_u64() > Some(0));
-    assert!(then["axes"][0]["invalid_samples"].as_u64() > Some(0));
-    assert_same(&then, &now);
 }
 
 #[test]
-fn every_message_of_the_capture_but_the_damaged_is_understood() {
-    let capture = std::fs::read(path("board.inmcap")).expect("there");
+fn every_message_of_the_captures_but_the_damaged_is_understood() {
+    for (version, [capture, _]) in (1..).zip(CAPTURES) {
+        understood(version, &std::fs::read(path(capture)).expect("there"));
+    }
+}
+
+/// Nearly every message of a capture, which has all kinds of them, in frames of this version.
+fn understood(version: u8, capture: &[u8]) {
     let header = capture
         .iter()
         .enumerate()
@@ -80,6 +93,7 @@ fn every_message_of_the_capture_but_the_damaged_is_understood() {
     }
     // One bit was flipped, and the port vanished within a frame and came back within another.
     assert!((1..=3).contains(&damaged), "{damaged} frames are damaged");
+    assert_eq!(decoder.version(), Some(version));
     let kinds: Vec<_> = messages.iter().map(discriminant).collect();
     let of = |kind: fn(&ToHost) -> bool| messages.iter().find(|one| kind(one));
     for one in [

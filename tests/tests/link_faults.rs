@@ -11,7 +11,7 @@ use inm_tests::port::{Damage, DamagedConnect};
 use inm_tests::record::Record;
 
 /// Bytes of a full batch on the link, at most.
-const BATCH_BYTES: u64 = 420;
+const BATCH_BYTES: u64 = 423;
 
 struct Outcome {
     record: Record,

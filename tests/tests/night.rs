@@ -11,7 +11,7 @@ const WEATHER: Weather = Weather {
     speed: 60.0,
     cable_s: 60.0,
     power_s: 60.0,
-    slips: false,
+    slips: true,
 };
 
 #[test]

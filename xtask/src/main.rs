@@ -60,6 +60,8 @@ usage: cargo xtask <command>
   faults [FIRST] [RUNS]
              RUNS random fault runs in company (1000) from seed FIRST (0), a tenth of them each on a dirty
              link and with frames out of place, a twentieth of each fault alone; 4 minutes for 20000
+  faults --kills N
+             kills N recordings, each at a random moment, and compares what is left with what had been written
   bench      speed and memory of the estimators beside other programs, and of the simulator; minutes
   bench simulator
              samples a second of the simulator alone

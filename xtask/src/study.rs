@@ -59,11 +59,16 @@ pub fn night(options: &[&str]) -> Result<()> {
     judge("study_night", options)
 }
 
-/// Random fault runs; prints a table. `options` are the first seed and the number of runs.
+/// Random fault runs; prints a table. `options` are the first seed and the number of runs, or `--kills`
+/// and how many recordings are to be killed.
 ///
 /// # Errors
-/// It does not build, the options are wrong, or a wrong sample was taken for good.
+/// It does not build, the options are wrong, a wrong sample was taken for good, or a recording that was
+/// killed lacks what it had written.
 pub fn faults(options: &[&str]) -> Result<()> {
+    if options.first() == Some(&"--kills") {
+        return judge("study_kills", options);
+    }
     // Not in release: the rules that only debug builds check are worth more than the time.
     let mut runs = cargo(&["run", "--package", "inm-tests", "--example", "faults", "--"]);
     execute(runs.args(options))

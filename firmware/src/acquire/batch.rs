@@ -21,6 +21,8 @@ pub(super) struct Batcher {
     batch: Batch,
     /// Sequence number of the batch after this one.
     next: u32,
+    /// What all of them are of.
+    stream: u16,
 }
 
 impl Batcher {
@@ -64,12 +66,16 @@ impl Batcher {
         }
         let mut batch = core::mem::take(&mut self.batch);
         batch.seq = self.next;
+        batch.stream = self.stream;
         self.next = self.next.wrapping_add(1);
         Some(batch)
     }
 
     /// Starts a new stream: nothing gathered, sequence number 0.
-    pub(super) fn restart(&mut self) {
-        *self = Self::default();
+    pub(super) fn restart(&mut self, stream: u16) {
+        *self = Self {
+            stream,
+            ..Self::default()
+        };
     }
 }

@@ -67,10 +67,10 @@ impl<P: Platform> Instrument<P> {
         let mark = mark.or_else(|| self.mark_bins());
         let streaming = self.is_streaming();
         let stack = self.platform.stack();
-        let index = if streaming {
-            self.position.next_index()
+        let (stream, index) = if streaming {
+            (self.position.stream, self.position.next_index())
         } else {
-            0
+            (0, 0)
         };
         let health = Health {
             stamp: now,
@@ -85,6 +85,7 @@ impl<P: Platform> Instrument<P> {
             stack_used: stack.used,
             stack_size: stack.size,
             bins: mark.filter(|_| streaming),
+            stream,
         };
         self.outbox.health(&mut self.platform, health);
         self.platform.enter(Part::Rest);

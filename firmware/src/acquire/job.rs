@@ -110,7 +110,7 @@ impl<P: Platform> Instrument<P> {
             }
         }
         if matches!(job.task, Task::Start) {
-            self.prepare_stream();
+            self.prepare_stream(job);
         }
         self.synchronise(Some(job));
         true

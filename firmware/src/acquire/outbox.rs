@@ -106,7 +106,7 @@ impl Outbox {
     /// Sends a batch or drops it.
     #[inline(never)]
     pub(super) fn batch<P: Platform>(&mut self, platform: &mut P, batch: Batch) {
-        let first = batch.first;
+        let Batch { first, stream, .. } = batch;
         if self.send(platform, &ToHost::Samples(batch)) {
             let (batches, index) = core::mem::take(&mut self.dropped);
             if batches > 0 {
@@ -114,6 +114,7 @@ impl Outbox {
                     index,
                     axis: None,
                     trouble: Trouble::LinkFull { batches },
+                    stream,
                 });
             }
         } else {

@@ -12,6 +12,8 @@ use crate::{Part, Platform};
 /// Where the stream stands.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Position {
+    /// Number of the command that began the stream.
+    pub(super) stream: u16,
     /// Index and stamp of the last conversion.
     last: Option<(u64, u64)>,
 }
@@ -29,17 +31,20 @@ impl Position {
 }
 
 impl<P: Platform> Instrument<P> {
-    /// Index 0 comes next, once the converters have settled. Beginning 48 KB of bins takes longer than
-    /// the first word can wait at 4000/s.
-    pub(super) fn prepare_stream(&mut self) {
-        self.position = Position::default();
+    /// Index 0 of the stream of a job comes next, once the converters have settled. Beginning 48 KB of bins takes longer
+    /// than the first word can wait at 4000/s.
+    pub(super) fn prepare_stream(&mut self, job: Job) {
+        self.position = Position {
+            stream: job.id,
+            last: None,
+        };
         self.platform.bins().begin(0);
     }
 
     /// The converters have settled after a start command, and the first word is there.
     pub(super) fn begin_stream(&mut self, job: Job) {
         self.rounds = Rounds::default();
-        self.batcher.restart();
+        self.batcher.restart(job.id);
         self.mark = None;
         self.lost_conversions = 0;
         self.recovering = [false; AXES];
@@ -218,6 +223,7 @@ impl<P: Platform> Instrument<P> {
             index,
             axis,
             trouble,
+            stream: self.position.stream,
         });
     }
 }

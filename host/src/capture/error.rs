@@ -45,7 +45,7 @@ pub enum CaptureError {
     },
     /// Written under another protocol version.
     #[error(
-        "{}: line 2: written with protocol version {theirs}, this program reads version {VERSION}",
+        "{}: line 2: written with protocol version {theirs}, this program reads versions 1 to {VERSION}",
         path.display()
     )]
     Protocol {

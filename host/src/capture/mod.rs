@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! #inm-capture 1\n
-//! {"protocol":1,"created":"...","board":{...},"settings":{...},"axes":[...]}\n
+//! {"protocol":2,"created":"...","board":{...},"settings":{...},"axes":[...]}\n
 //! frame frame frame ...            as in protocol/WIRE.md, damaged ones included
 //! ```
 //!

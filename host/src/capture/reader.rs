@@ -84,7 +84,7 @@ impl<R: BufRead> Reader<R> {
         // The version first: another version may have another header.
         let value: serde_json::Value = serde_json::from_slice(json).map_err(bad_header)?;
         match value.get("protocol").and_then(serde_json::Value::as_u64) {
-            Some(theirs) if theirs != u64::from(VERSION) => {
+            Some(theirs) if !(1..=u64::from(VERSION)).contains(&theirs) => {
                 let theirs = u8::try_from(theirs).unwrap_or(u8::MAX);
                 return Err(CaptureError::Protocol {
                     path: path.to_owned(),

@@ -69,6 +69,14 @@ impl Client {
         self
     }
 
+    /// The same, with numbers that go on behind another's: the number of a start is that of its stream,
+    /// and a record must not have two of one number.
+    #[must_use]
+    pub fn behind(mut self, other: &Self) -> Self {
+        self.next_id = other.next_id;
+        self
+    }
+
     /// The time by which it waits.
     pub fn now(&self) -> Instant {
         self.clock.now()
@@ -177,10 +185,10 @@ impl Client {
         self.send(id, request)
     }
 
-    /// Number of the next command.
+    /// Number of the next command; never 0, which stands for a stream of no number.
     fn number(&mut self) -> u16 {
         let id = self.next_id;
-        self.next_id = self.next_id.wrapping_add(1);
+        self.next_id = self.next_id.checked_add(1).unwrap_or(1);
         id
     }
 

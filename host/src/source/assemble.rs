@@ -1,5 +1,6 @@
 //! Batches into blocks: continuity, loss, and words that must not be used.
 
+mod ahead;
 mod building;
 mod held;
 mod losses;
@@ -8,8 +9,9 @@ mod ranges;
 use std::collections::VecDeque;
 use std::ops::Range;
 
-use inm_protocol::{AXES, Batch, Flags};
+use inm_protocol::{AXES, Batch, Event, Flags};
 
+use self::ahead::Ahead;
 use self::held::Held;
 use self::ranges::mark;
 use super::line::Line;
@@ -59,6 +61,10 @@ pub struct Assembler {
     seq: Option<u32>,
     /// The present stream.
     line: Option<Line>,
+    /// The one before, if it had another number.
+    former: Option<Line>,
+    /// What was told of a stream of which nothing else has arrived.
+    ahead: Ahead,
     /// First index and stamp of the present stretch without a gap, in the board's own count.
     begun: (u64, u64),
     /// Conversions and ticks of the longest such stretch so far.
@@ -89,7 +95,7 @@ impl Assembler {
         self.cause = None;
         match &mut self.line {
             Some(line) => line.extend(batch),
-            None => self.line = Some(Line::new(batch)),
+            None => self.begin(first, batch),
         }
         self.seq = Some(batch.seq);
         self.next = Some(first + batch.codes.len() as u64);
@@ -120,6 +126,19 @@ impl Assembler {
         }
     }
 
+    /// A stream begins with this batch, sample `first` of the record.
+    fn begin(&mut self, first: u64, batch: &Batch) {
+        self.line = Some(Line::new(batch));
+        if batch.stream != 0 {
+            // Every board that numbers its streams confirms them.
+            self.confirmed.get_or_insert(first);
+        }
+        for (axis, range) in self.ahead.take(batch).into_iter().enumerate() {
+            let [from, to] = [range.start, range.end].map(|at| at.wrapping_add(self.offset));
+            self.spoil_range(axis, from..to);
+        }
+    }
+
     /// Index of a batch in the record, once the gap ahead of it is told.
     fn place(&mut self, batch: &Batch) -> u64 {
         let mut first = batch.first.wrapping_add(self.offset);
@@ -128,8 +147,8 @@ impl Assembler {
             .map_or(0, |seq| batch.seq.wrapping_sub(seq.wrapping_add(1)));
         match self.next {
             None if first > LONGEST_GAP => first = self.anew(batch, 0),
-            Some(next) if first < next => {
-                // The board counts from 0 again: how much time passed is not known.
+            Some(next) if first < next || self.is_of_another(batch.stream) => {
+                // The board has counted from 0 again: how much time passed is not known.
                 first = self.anew(batch, next + 1);
                 self.losses.restarts += 1;
                 self.gap(
@@ -194,20 +213,27 @@ impl Assembler {
         }
     }
 
-    /// Every notice up to the board's conversion `index` has arrived, or is known to be missing. If
+    /// Every notice up to conversion `index` of `stream` has arrived, or is known to be missing. If
     /// the board has also proved its words up to there, `to_the_end`, nothing more will be said
     /// about them.
-    pub fn confirm(&mut self, index: u64, to_the_end: bool) {
+    pub fn confirm(&mut self, stream: u16, index: u64, to_the_end: bool) {
+        if self.is_of_another(stream) {
+            return;
+        }
         let index = index.wrapping_add(self.offset).min(self.next_index());
         let late = if to_the_end { 0 } else { SLIP_NOTICE };
         self.confirmed = Some(index.saturating_sub(late));
     }
 
-    /// A fault of `axis` was noticed at the board's conversion `index`: the `words` before it
-    /// must not be used.
-    pub fn spoil(&mut self, axis: u8, index: u64, words: u64) {
-        let index = index.wrapping_add(self.offset);
-        self.spoil_range(usize::from(axis), index.saturating_sub(words)..index);
+    /// A fault was told of: the `words` before it must not be used.
+    pub fn spoil(&mut self, axis: u8, event: &Event, words: u64) {
+        let axis = usize::from(axis);
+        if self.is_of_another(event.stream) {
+            let range = event.index.saturating_sub(words)..event.index;
+            return self.ahead.spoil(event.stream, axis, range);
+        }
+        let index = event.index.wrapping_add(self.offset);
+        self.spoil_range(axis, index.saturating_sub(words)..index);
     }
 
     fn spoil_range(&mut self, axis: usize, range: Range<u64>) {
@@ -220,8 +246,15 @@ impl Assembler {
     /// Has the record go on with this batch as sample `first`, and returns that.
     fn anew(&mut self, batch: &Batch, first: u64) -> u64 {
         self.offset = first.wrapping_sub(batch.first);
-        self.line = None;
+        let before = self.line.take();
+        let other = before.filter(|line| !line.is_of(batch.stream));
+        self.former = other.map(Line::over).or(self.former);
         first
+    }
+
+    /// Whether what says that it is of `stream` is of another than the present one.
+    fn is_of_another(&self, stream: u16) -> bool {
+        self.line.is_some_and(|line| !line.is_of(stream))
     }
 
     /// What comes next may be of a new stream.
@@ -231,18 +264,19 @@ impl Assembler {
         }
     }
 
-    /// Whether a batch is one of the present stream that was there already, or comes too late. It is
-    /// left out, and counted.
+    /// Whether a batch is one of the present stream that was there already, or comes too late, be it
+    /// of the stream before. It is left out, and counted.
     pub fn leaves_out(&mut self, batch: &Batch) -> bool {
-        let left_out = self.line.is_some_and(|line| line.holds(batch)) && !self.is_later(batch);
+        let holds = |line: Option<Line>| line.is_some_and(|line| line.holds(batch));
+        let left_out = holds(self.former) || (holds(self.line) && !self.is_later(batch));
         self.losses.left_out += u64::from(left_out);
         left_out
     }
 
     /// Whether a batch goes on with the count, be it after a gap.
     pub fn is_later(&self, batch: &Batch) -> bool {
-        self.next
-            .is_none_or(|next| batch.first.wrapping_add(self.offset) >= next)
+        let place = batch.first.wrapping_add(self.offset);
+        !self.is_of_another(batch.stream) && self.next.is_none_or(|next| place >= next)
     }
 
     /// The next batch, if a gap is ahead of it, has this one for a cause.

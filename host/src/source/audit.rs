@@ -113,8 +113,8 @@ pub struct Audit {
     bins: Box<ProofBins>,
     /// Good words by axis that are still to enter the bins.
     runs: [Run; AXES],
-    /// Sequence number and end of the last batch.
-    last: Option<(u32, u64)>,
+    /// Stream, sequence number and end of the last batch.
+    last: Option<(u16, u32, u64)>,
     /// Whether the bins hold everything since their beginning.
     complete: bool,
     /// Where the board will begin anew.
@@ -145,15 +145,17 @@ impl Audit {
     /// Takes the next batch that arrived intact. `offset` leads from its index to that of the
     /// record. Returns the state if it became one worth telling.
     pub fn batch(&mut self, batch: &Batch, offset: u64) -> Option<State> {
-        let before = self.last.replace((batch.seq, batch.end()));
-        let follows =
-            before.is_some_and(|(seq, end)| batch.seq == seq.wrapping_add(1) && batch.first >= end);
+        let this = (batch.stream, batch.seq, batch.end());
+        let before = self.last.replace(this);
+        let follows = before.is_some_and(|(stream, seq, end)| {
+            batch.stream == stream && batch.seq == seq.wrapping_add(1) && batch.first >= end
+        });
         self.offset = offset;
         let mut told = None;
         if !follows && batch.seq == 0 {
             self.begin(0);
         } else if !follows {
-            told = self.lose(before.map_or(0, |(_, end)| end));
+            told = self.lose(before.map_or(0, |(_, _, end)| end));
         }
         if let Some(epoch) = self.pending.filter(|&epoch| batch.end() > epoch) {
             self.pending = None;
@@ -173,7 +175,11 @@ impl Audit {
     /// Takes a health record. Returns the state if it became one worth telling.
     pub fn health(&mut self, health: &Health) -> Option<State> {
         let mark = health.bins.filter(|_| self.complete)?;
-        let (_, end) = self.last?;
+        let (stream, _, end) = self.last?;
+        // Of another stream the first batch is still to come, and says so.
+        if health.stream != stream {
+            return None;
+        }
         if mark.epoch != self.bins.epoch() || mark.index != end {
             return self.lose(end);
         }
@@ -198,7 +204,7 @@ impl Audit {
     /// Takes the board's answer to a request to begin anew: with conversion `epoch`. Returns the
     /// state if it became one worth telling.
     pub fn begins_anew(&mut self, epoch: u64) -> Option<State> {
-        let (_, end) = self.last?;
+        let (_, _, end) = self.last?;
         if epoch < end {
             // The answer was late, the board has begun without us.
             return self.lose(end);

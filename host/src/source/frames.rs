@@ -2,6 +2,7 @@
 
 use inm_protocol::{
     Answer, Batch, Decoder, Event, Fault, Health, Note, Reply, ToHost, Trouble, UNPROVEN_PERIODS,
+    VERSION,
 };
 
 use super::assemble::{Assembler, Losses, SLIP_NOTICE};
@@ -71,7 +72,10 @@ impl Frames {
         while let Some(result) = self.decoder.next(&mut bytes) {
             match result {
                 _ if self.status.ended => self.behind_end += 1,
-                Ok(message) => self.message(message),
+                Ok(message) => {
+                    self.note_version();
+                    self.message(message);
+                }
                 Err(fault) => self.fault(fault),
             }
         }
@@ -165,6 +169,14 @@ impl Frames {
         self.assembler.next_index()
     }
 
+    /// What a capture may hold is understood, and yet no board to record.
+    fn note_version(&mut self) {
+        let theirs = self.decoder.version();
+        if theirs.is_some_and(|theirs| theirs != VERSION) {
+            self.status.foreign_version = theirs;
+        }
+    }
+
     fn message(&mut self, message: ToHost) {
         match message {
             ToHost::Samples(batch) => self.batch(&batch),
@@ -190,7 +202,7 @@ impl Frames {
                 Trouble::Slipped { .. } => SLIP_NOTICE,
                 _ => UNPROVEN_PERIODS,
             };
-            self.assembler.spoil(axis, event.index, words);
+            self.assembler.spoil(axis, &event, words);
         }
         let axis = event
             .axis
@@ -237,7 +249,7 @@ impl Frames {
         self.status.idle_s += u64::from(health.streaming && before.is_some_and(idle));
         self.assembler.miss_notice(self.told.unheard(&health));
         if health.streaming {
-            self.assembler.confirm(health.index, false);
+            self.assembler.confirm(health.stream, health.index, false);
         }
         let told = self.audit.health(&health);
         self.tell(told);
@@ -279,9 +291,9 @@ impl Frames {
     fn stream_ended(&mut self) {
         let end = self.assembler.next_index();
         let health = self.status.health.filter(|health| health.streaming);
-        let last = health.map(|health| health.index);
-        if let Some(last) = last.filter(|last| last.wrapping_add(self.assembler.offset()) == end) {
-            self.assembler.confirm(last, true);
+        let last = |health: &Health| health.index.wrapping_add(self.assembler.offset());
+        if let Some(health) = health.filter(|health| last(health) == end) {
+            self.assembler.confirm(health.stream, health.index, true);
         }
     }
 

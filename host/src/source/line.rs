@@ -1,5 +1,5 @@
-//! Where on the board's clock the conversions of a stream are: a straight line from index to stamp, by
-//! which a batch that came before, or too late, is distinguished from the first of a new stream.
+//! One stream: its number, and where on the board's clock its conversions are, a straight line from index
+//! to stamp. By these a batch that came before, or too late, is distinguished from the first of a new stream.
 
 use inm_protocol::{BATCH_LEN, Batch};
 
@@ -14,9 +14,11 @@ const JITTER: f64 = 2.0;
 /// are no accident.
 const FIRST_FEW: u32 = 8;
 
-/// First and last batch of the present stream, index and stamp, in the board's own count.
+/// First and last batch of a stream, index and stamp, in the board's own count.
 #[derive(Debug, Clone, Copy)]
 pub struct Line {
+    /// Which stream: number of the command that began it; 0 on a board that does not say.
+    stream: u16,
     from: (u64, u64),
     to: (u64, u64),
     /// Number of the last batch.
@@ -30,6 +32,7 @@ impl Line {
     pub fn new(batch: &Batch) -> Self {
         let from = (batch.first, batch.stamp);
         Self {
+            stream: batch.stream,
             from,
             to: from,
             seq: batch.seq,
@@ -42,6 +45,19 @@ impl Line {
         self.to = (batch.first, batch.stamp);
         self.seq = batch.seq;
         self.ends = false;
+    }
+
+    /// Whether what says that it is of `stream` is of this one.
+    pub fn is_of(&self, stream: u16) -> bool {
+        self.stream == stream
+    }
+
+    /// The same once another stream has begun.
+    pub fn over(self) -> Self {
+        Self {
+            ends: false,
+            ..self
+        }
     }
 
     /// What comes next may be of another stream.
@@ -58,9 +74,10 @@ impl Line {
             && (1..=numbers * BATCH_LEN as u64).contains(&back)
     }
 
-    /// Whether a batch that is not ahead of the stream is one of it.
+    /// Whether a batch that is not ahead of the stream is one of it. Of the same number is also what a
+    /// board sends that was asked once more to start, and had lost its power since the first time.
     pub fn holds(&self, batch: &Batch) -> bool {
-        if self.ends && batch.seq < FIRST_FEW {
+        if !self.is_of(batch.stream) || (self.ends && batch.seq < FIRST_FEW) {
             return false;
         }
         if self.to.0 == self.from.0 {

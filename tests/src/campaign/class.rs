@@ -124,7 +124,7 @@ impl Class {
             Self::Single(_) => Link::Sound,
             Self::Company if dice.one_in(3) => Link::Lossy(10 + dice.below(100)),
             Self::Company => Link::Sound,
-            // A batch takes 420 bytes: from every other one to one in fifty.
+            // A batch takes 423 bytes: from every other one to one in fifty.
             Self::Dirty => Link::Dirty(500 + dice.below(20_000)),
             Self::OutOfPlace => Link::OutOfPlace(3 + dice.below(60)),
         }

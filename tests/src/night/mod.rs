@@ -11,6 +11,7 @@
 
 mod check;
 mod far_end;
+mod kills;
 mod memory;
 mod terminal;
 mod truth;
@@ -21,6 +22,7 @@ use std::process::{Command, Stdio};
 
 pub use check::Account;
 pub use far_end::{Happened, Weather};
+pub use kills::{Killed, kill};
 pub use memory::Memory;
 
 /// What came of a night.

@@ -43,6 +43,23 @@ fn the_numbers_of_commands_begin_at_random() {
     assert!(ids.iter().all(|id| FIRST_IDS.contains(id)), "{ids:?}");
 }
 
+/// The number of a start is that of its stream: none twice in a record, and none is 0.
+#[test]
+fn numbers_go_on_behind_another_client_and_leave_0_out() {
+    let client = || {
+        Client::new(
+            Box::new(Reads(Vec::new())),
+            "port".into(),
+            Patience::default(),
+        )
+    };
+    let mut first = client();
+    first.next_id = u16::MAX - 1;
+    assert_eq!([first.number(), first.number()], [u16::MAX - 1, u16::MAX]);
+    let mut second = client().behind(&first);
+    assert_eq!([second.number(), second.number()], [1, 2]);
+}
+
 #[test]
 fn what_is_behind_a_reply_waits_for_the_next_read() {
     let health = frame(&ToHost::Health(Health::default()));

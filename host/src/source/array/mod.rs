@@ -1,9 +1,12 @@
 //! An array file as a [`Source`]: chooses the columns, places the rows in time, cuts the part
 //! that is wanted and marks what is no number.
 
+mod sizes;
+
 use std::collections::VecDeque;
 use std::ops::Range;
 
+use self::sizes::Sizes;
 use super::options::ArrayOptions;
 use super::stamps::{self, Stamps};
 use super::table::Table;
@@ -33,6 +36,7 @@ pub struct ArraySource {
     ready: VecDeque<Chunk>,
     /// Infinite numbers among the samples so far, and where the first one stands.
     infinite: (u64, Option<String>),
+    sizes: Sizes,
 }
 
 impl ArraySource {
@@ -83,6 +87,7 @@ impl ArraySource {
             expected: None,
             ready: notes.into_iter().map(Chunk::News).collect(),
             infinite: (0, None),
+            sizes: Sizes::default(),
         })
     }
 
@@ -187,6 +192,7 @@ impl ArraySource {
         }
         let from = rows.start + (first - index) as usize;
         let to = rows.start + (end - index) as usize;
+        self.sizes.take(columns, &(from..to));
         let columns = columns
             .iter()
             .map(|values| column(values, from..to))
@@ -221,6 +227,7 @@ impl Source for ArraySource {
                         remedy: "see --from and --to".into(),
                     });
                 }
+                self.sizes.check(&self.signal)?;
                 return Ok(None);
             }
         }

@@ -1,4 +1,4 @@
-use inm_protocol::{Code, Flag};
+use inm_protocol::{Code, Flag, Trouble};
 
 use super::super::Values;
 use super::ranges::split_ranges;
@@ -18,6 +18,20 @@ fn batch(seq: u32, first: u64, len: usize) -> Batch {
         stamp: BOOT + TICKS * first,
         codes,
         ..Batch::default()
+    }
+}
+
+/// The same batch of a numbered stream.
+fn of(stream: u16, batch: Batch) -> Batch {
+    Batch { stream, ..batch }
+}
+
+fn notice(stream: u16, index: u64) -> Event {
+    Event {
+        index,
+        axis: Some(2),
+        trouble: Trouble::Stalled,
+        stream,
     }
 }
 
@@ -125,7 +139,7 @@ fn a_fault_spoils_what_came_before_its_notice() {
         assembler.flush();
         if seq == 30 {
             // The notice overtakes the batch that holds its conversion.
-            assembler.spoil(2, 1000, 500);
+            assembler.spoil(2, &notice(0, 1000), 500);
         }
     }
     assembler.finish();
@@ -158,7 +172,7 @@ fn a_notice_behind_a_gap_spoils_what_was_before_it() {
         assembler.push(&batch(seq, 32 * u64::from(seq), 32));
         assembler.flush();
     }
-    assembler.spoil(2, 240, 128);
+    assembler.spoil(2, &notice(0, 240), 128);
     assembler.finish();
     let expected: Vec<u64> = (112..160).chain(192..240).collect();
     assert_eq!(spoilt(&mut assembler), expected);
@@ -171,11 +185,11 @@ fn a_notice_that_was_lost_spoils_all_since_the_last_confirmation() {
         assembler.push(&batch(seq, 32 * u64::from(seq), 32));
         assembler.flush();
         if seq == 19 {
-            assembler.confirm(640, false);
+            assembler.confirm(0, 640, false);
         }
     }
     assembler.miss_notice([false, false, true]);
-    assembler.confirm(1280, true);
+    assembler.confirm(0, 1280, true);
     assembler.finish();
     let from = 640 - SLIP_NOTICE;
     assert_eq!(spoilt(&mut assembler), (from..1280).collect::<Vec<_>>());
@@ -188,7 +202,7 @@ fn an_end_that_the_board_has_not_confirmed_is_spoilt() {
     for seq in 0..20 {
         assembler.push(&batch(seq, 32 * u64::from(seq), 32));
         if seq == 18 {
-            assembler.confirm(608, false);
+            assembler.confirm(0, 608, false);
         }
     }
     assembler.finish();
@@ -276,4 +290,61 @@ fn a_jump_that_no_record_can_hold_is_a_gap_of_unknown_length() {
         ..batch(9, 0, 32)
     };
     assert_eq!(received(&run(&[first]).0)[0].0, 0);
+}
+
+/// The port was away over a stop and a start, and the new stream's count is ahead of the old one's.
+#[test]
+fn a_stream_whose_start_was_not_heard_is_not_taken_for_the_old_one() {
+    let late = of(7, batch(1, 32, 32));
+    let (chunks, losses) = run(&[
+        of(7, batch(0, 0, 32)),
+        of(7, batch(2, 64, 32)),
+        of(8, batch(3, 96, 32)),
+        late,
+        of(8, batch(4, 128, 32)),
+    ]);
+    let old = (0..32).chain(64..96).map(|i| (i, i as i32));
+    let new = (97..161).map(|i| (i, i as i32 - 1));
+    let good: Vec<(u64, i32)> = old.chain(new).collect();
+    assert_eq!(received(&chunks), good);
+    assert_eq!(
+        (losses.restarts, losses.gaps, losses.lost_samples),
+        (1, 2, 32)
+    );
+    assert_eq!(losses.left_out, 1, "the frame of the old stream");
+}
+
+#[test]
+fn what_is_told_of_a_stream_ahead_of_its_first_batch_is_of_that_stream() {
+    let mut assembler = Assembler::default();
+    for seq in 0..4 {
+        assembler.push(&of(7, batch(seq, 32 * u64::from(seq), 32)));
+    }
+    assembler.confirm(7, 128, true);
+    assembler.flush();
+    // Of the next stream: its first two batches are lost.
+    assembler.confirm(8, 0, false);
+    assembler.spoil(2, &notice(8, 100), 128);
+    for seq in 2..8 {
+        assembler.push(&of(8, batch(seq, 32 * u64::from(seq), 32)));
+        assembler.flush();
+    }
+    assembler.confirm(8, 256, true);
+    assembler.finish();
+    // Conversions 64 to 100 of the new stream stand behind the place that is left open.
+    assert_eq!(spoilt(&mut assembler), (129..165).collect::<Vec<_>>());
+}
+
+/// A notice that is lost leaves no hole: no sample of a stream is handed on before the board has told
+/// how many there were, from the first on.
+#[test]
+fn a_numbered_stream_waits_for_its_board_from_the_first_sample() {
+    for (stream, handed_on) in [(0, true), (7, false)] {
+        let mut assembler = Assembler::default();
+        for seq in 0..30 {
+            assembler.push(&of(stream, batch(seq, 32 * u64::from(seq), 32)));
+            assembler.flush();
+        }
+        assert_eq!(assembler.pop().is_some(), handed_on);
+    }
 }

@@ -224,3 +224,31 @@ fn numbers_from_the_wire_may_be_anything() {
         }
     }
 }
+
+/// Another stream may go on where the last one was left, by its counts.
+#[test]
+fn what_is_of_another_stream_is_not_compared() {
+    let (mut board, mut audit) = (Board::new(), Audit::default());
+    pass(&mut board, &mut audit, 10);
+    let other = |health: Health| Health {
+        stream: 8,
+        ..health
+    };
+    assert_eq!(audit.health(&other(board.health())), None);
+    assert_eq!(audit.proof().proven, 0);
+    audit.health(&board.health());
+    assert_eq!(audit.proof().proven, 320);
+    let first_heard = Batch {
+        stream: 8,
+        ..board.batch(None)
+    };
+    assert_eq!(
+        audit.batch(&first_heard, 0),
+        Some(State::Lost { index: 320 })
+    );
+    assert_eq!(audit.health(&other(board.health())), None);
+    assert_eq!(
+        (audit.proof().proven, audit.proof().disagreements),
+        (320, 0)
+    );
+}

@@ -126,8 +126,8 @@ impl BoardSource {
             self.ask_to_stream()
         } else {
             let port = open_to_record(self.connect.as_mut())?;
-            self.client =
-                Client::new(port, self.connect.name(), self.plan.patience).by(self.connect.clock());
+            let client = Client::new(port, self.connect.name(), self.plan.patience);
+            self.client = client.by(self.connect.clock()).behind(&self.client);
             *open = true;
             self.recognise().and_then(|()| self.ask_to_stream())
         };
