@@ -16,7 +16,12 @@ pub struct Departure {
     pub p_value: f64,
 }
 
-/// The band in which the bins depart most from `expected`, over all bands of 1, 2, 4 ... bins.
+/// Degrees of freedom of a band that says anything, at least: a tenth of what the bin with the most correlated neighbours
+/// keeps, and far more than excluded ones have. By the law of a mean square of next to none, any power at all would be
+/// rare.
+const LEAST_FREEDOM: f64 = 0.01;
+
+/// The band in which the bins depart most from `expected`, over all bands of 1, 2, 4 ... bins that are not excluded.
 pub fn departure(data: &Data, expected: &[f64]) -> Option<Departure> {
     let bins = data.len();
     let mut best: Option<Departure> = None;
@@ -24,9 +29,12 @@ pub fn departure(data: &Data, expected: &[f64]) -> Option<Departure> {
     let mut width = 1;
     while width <= bins {
         for start in (0..=bins - width).step_by((width / 2).max(1)) {
-            trials += 1.0;
             let band = start..start + width;
             let freedom: f64 = data.dof[band.clone()].iter().sum();
+            if freedom < LEAST_FREEDOM {
+                continue;
+            }
+            trials += 1.0;
             let ratio = band
                 .clone()
                 .map(|b| data.dof[b] * data.psd[b] / expected[b])
@@ -48,4 +56,29 @@ pub fn departure(data: &Data, expected: &[f64]) -> Option<Departure> {
         p_value: p_value::searched(best.p_value, trials),
         ..best
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Forty bins of as many degrees of freedom, but for one that is excluded, at which `power` is measured where 1 is
+    /// expected.
+    fn with_one_excluded(power: f64) -> Departure {
+        let count = 40;
+        let f_hz: Vec<f64> = (1..=count).map(f64::from).collect();
+        let (mut psd, mut dof) = (vec![1.0; f_hz.len()], vec![40.0; f_hz.len()]);
+        (psd[17], dof[17]) = (power, 4e-8);
+        let mut data = Data::independent(f_hz, psd, &[40.0; 40]).expect("bins");
+        data.dof = dof;
+        departure(&data, &[1.0; 40]).expect("bins that count")
+    }
+
+    #[test]
+    fn power_in_an_excluded_bin_is_no_departure() {
+        for power in [0.5, 1.2, 1e6] {
+            let found = with_one_excluded(power);
+            assert!(found.p_value > 0.5, "{power}: {found:?}");
+        }
+    }
 }

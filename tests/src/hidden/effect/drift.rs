@@ -84,8 +84,9 @@ fn ordinate(sizes: &[[f64; 2]], scene: &Scene, j: usize) -> Ordinate {
     }
 }
 
-/// What the log-likelihood of a course and noise that are both known is ahead, on average, of the likeliest walk and flicker
-/// that are taken for them, nats. Their sizes are tried in octaves, over what there is at the lowest ordinate.
+/// What the log-likelihood of a course as noise of its own spectrum beside noise that is known is ahead, on average, of the
+/// likeliest walk and flicker that are taken for both, nats. Their sizes are tried in octaves, over what there is at the
+/// lowest ordinate.
 fn ahead_of_walk(ordinates: &[Ordinate]) -> f64 {
     const OCTAVES: i32 = 24;
     let first = ordinates[0];
@@ -96,7 +97,8 @@ fn ahead_of_walk(ordinates: &[Ordinate]) -> f64 {
         let each = ordinates.iter().map(|one| {
             let over = first.f_hz / one.f_hz;
             let taken = one.noise + walk * over * over + flicker * over;
-            0.5 * ((taken / one.noise).ln() + (one.noise + one.course) / taken - 1.0)
+            let own = one.noise + one.course;
+            0.5 * ((taken / own).ln() + own / taken - 1.0)
         });
         each.sum()
     };
@@ -131,13 +133,12 @@ impl Effect for Drift {
         })
     }
 
-    /// As many numbers as sizes, in one trial. The rivals are one step anywhere, and walk and flicker: the log-likelihood's
-    /// lead is half of what a known waveform's non-centrality would be.
+    /// As Gaussian noise of its spectrum. The rivals are one step anywhere, and walk and flicker: the log-likelihood's lead
+    /// is half of what a known waveform's non-centrality would be.
     fn evidence(&self, _scene: &Scene) -> Evidence {
         let ahead = 2.0 * ahead_of_walk(&self.ordinates);
-        let freedom = 2.0 * HALF_WAVES as f64;
         Evidence {
-            power: power(self.energy.min(ahead), freedom, 1.0),
+            power: power(self.energy.min(ahead), 2.0, 1.0),
             rival_error: Contrast::shift(self.beside_step.min(ahead)).error(),
         }
     }
