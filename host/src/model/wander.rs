@@ -16,6 +16,11 @@ use super::random::Gaussian;
 /// numerical transform of the covariance.
 const LEVELS: u32 = 48;
 
+/// Levels that do as well far from the line, and from where on, half widths: with three the error is below 1e-4 there at
+/// any `b` from 0.03 to 1000, and twice as many are a reserve.
+const FAR_LEVELS: u32 = 6;
+const FAR: f64 = 8.0;
+
 /// Deviations beyond which a simulated frequency does not go: 6e-5 of the time.
 const FURTHEST: f64 = 4.0;
 
@@ -42,6 +47,12 @@ impl Wander {
     /// `J = 1 / (z + D^2 / (z + g + 2 D^2 / (z + 2 g + ...)))` with `D = 2 pi rms`, `g = 1 / T`. The last level is the
     /// root of its own equation with the level below it a little larger.
     pub fn shape(self, offset_hz: f64) -> f64 {
+        let is_far = offset_hz.abs() > FAR * self.half_width_hz();
+        self.shape_by(offset_hz, if is_far { FAR_LEVELS } else { LEVELS })
+    }
+
+    /// The same by so many levels of the fraction.
+    fn shape_by(self, offset_hz: f64, levels: u32) -> f64 {
         let square = (TAU * self.rms_hz).powi(2);
         let rate = self.time_s.recip();
         let z = Complex64::new(0.0, -TAU * offset_hz);
@@ -49,9 +60,9 @@ impl Wander {
             let own = z + level * rate + beyond;
             0.5 * ((own * own + 4.0 * level * square).sqrt() - own)
         };
-        let last = f64::from(LEVELS);
+        let last = f64::from(levels);
         let beyond = root(last + 1.0, Complex64::ZERO) - root(last, Complex64::ZERO);
-        let inner = (1..LEVELS).rev().map(f64::from);
+        let inner = (1..levels).rev().map(f64::from);
         let fraction = inner.fold(root(last, beyond), |below, level| {
             level * square / (z + level * rate + below)
         });
@@ -126,6 +137,23 @@ mod tests {
     use std::f64::consts::PI;
 
     use super::*;
+
+    #[test]
+    fn far_from_the_line_few_levels_do() {
+        for tenth in -15..=30 {
+            // From a tenth of a turn in a correlation time to a hundred times as many.
+            let turns = 10_f64.powf(0.1 * f64::from(tenth));
+            let line = wander(turns / TAU, 1.0);
+            for widths in [8.001, 12.0, 30.0, 1e3] {
+                let offset_hz = widths * line.half_width_hz();
+                let (few, all) = (line.shape(offset_hz), line.shape_by(offset_hz, LEVELS));
+                assert!(
+                    (few / all - 1.0).abs() < 1e-4,
+                    "{turns} {widths}: {few} {all}"
+                );
+            }
+        }
+    }
 
     fn wander(rms_hz: f64, time_s: f64) -> Wander {
         Wander { rms_hz, time_s }
