@@ -16,10 +16,11 @@ use inm_tests::hidden::judge::program::Program;
 use serde_json::Value;
 
 /// Models and what they mean. One with a new effect is a new file and a line here.
-const MODELS: [[&str; 2]; 3] = [
+const MODELS: [[&str; 2]; 4] = [
     ["model.json", "law.json"],
     ["cyclic.model.json", "cyclic.law.json"],
     ["unnamed.model.json", "unnamed.law.json"],
+    ["drift.model.json", "drift.law.json"],
 ];
 
 /// Captures and what was said of them, by the version of the protocol.
