@@ -47,7 +47,9 @@ impl Stretch {
 
     /// The first of its samples, and the first after it.
     fn samples(&self, rate_hz: f64) -> (u64, u64) {
-        let number = |time_s: f64| (time_s * rate_hz).round().max(0.0) as u64;
+        /// No record has a sample of this number, and there is room for more behind it.
+        const LATEST: f64 = (1_u64 << 62) as f64;
+        let number = |time_s: f64| (time_s * rate_hz).round().clamp(0.0, LATEST) as u64;
         let (from, to) = (number(self.time_s), number(self.time_s + self.duration_s));
         (from, to.max(from + 1))
     }
@@ -340,6 +342,15 @@ mod tests {
     }
 
     /// The mean over records comes to what is expected, from the shortest averages to those longer than the stretch.
+    #[test]
+    fn a_motion_beyond_the_end_of_time_adds_nothing() {
+        let motion = Motion(vec![Stretch::of(&[5e107, 0.5, -0.02, 3.0, 1.0, 0.05])]);
+        let mut samples = vec![0.0; 1000];
+        let seed = Seed { seed: 1, stream: 0 };
+        motion.course(RATE_HZ, seed).add_to(&mut samples);
+        assert!(samples.iter().all(|sample| *sample == 0.0));
+    }
+
     #[test]
     fn records_have_the_allan_variance_that_is_expected() {
         const RECORDS: u64 = 400;
