@@ -9,7 +9,8 @@ use inm_host::internals::capture::{Durable, Header, Writer};
 use inm_host::internals::source::board::{BoardSource, Plan, Stop};
 use inm_host::internals::source::capture::CaptureSource;
 use inm_host::internals::virtual_board::VirtualConnect;
-use inm_protocol::{AXES, Decoder, Settings, ToHost};
+use inm_protocol::{AXES, Settings};
+use inm_tests::night::conversions;
 use inm_tests::record::Record;
 
 /// What was done to the file.
@@ -82,23 +83,9 @@ fn read(bytes: &[u8]) -> Result<Record, String> {
         .map_err(|error| error.to_string())
 }
 
-/// Conversions in the whole frames of a capture, counted without the host's reader.
-fn conversions(capture: &[u8]) -> usize {
-    let mut lines = capture.splitn(3, |&byte| byte == b'\n');
-    let mut frames = lines.nth(2).unwrap_or_default();
-    let mut decoder: Decoder = Decoder::default();
-    let mut count = 0;
-    while let Some(message) = decoder.next(&mut frames) {
-        if let Ok(ToHost::Samples(batch)) = message {
-            count += batch.codes.len();
-        }
-    }
-    count
-}
-
 /// Whatever became of what the disk had not got, all frames up to the last sync are read.
 fn check(synced: &[u8], waiting: &[u8], whole: &[[u32; AXES]]) {
-    let held = conversions(synced);
+    let held = conversions(synced) as usize;
     let half = &waiting[..waiting.len() / 2];
     let tails = [
         Vec::new(),

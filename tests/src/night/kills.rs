@@ -111,8 +111,8 @@ fn there(file: &Path) -> io::Result<Vec<u8>> {
     }
 }
 
-/// Conversions in the whole frames of a capture, behind the two lines of its header.
-fn conversions(capture: &[u8]) -> u64 {
+/// Conversions in the whole frames of a capture, behind the two lines of its header, counted without the host's reader.
+pub fn conversions(capture: &[u8]) -> u64 {
     let mut lines = capture.splitn(3, |&byte| byte == b'\n');
     let mut frames = lines.nth(2).unwrap_or_default();
     let mut decoder: Decoder = Decoder::default();

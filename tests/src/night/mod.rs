@@ -22,7 +22,7 @@ use std::process::{Command, Stdio};
 
 pub use check::Account;
 pub use far_end::{Happened, Weather};
-pub use kills::{Killed, kill};
+pub use kills::{Killed, conversions, kill};
 pub use memory::Memory;
 
 /// What came of a night.

@@ -150,6 +150,8 @@ fn gain(near: &[CrossBin], far: &[CrossBin]) -> (f64, f64) {
 fn nats(fitted: &[CrossBin], held: &[CrossBin]) -> f64 {
     /// Correlation that is expected at most: a choice.
     const MOST: f64 = 0.999;
+    /// Distance of two bands that are the same, in `ln f`: less than that of neighbours, half an octave.
+    const SAME: f64 = 0.25;
     let plainest = enough(fitted).min_by(|a, b| in_band(a).total_cmp(&in_band(b)));
     let Some(plainest) = plainest else {
         return 0.0;
@@ -163,7 +165,7 @@ fn nats(fitted: &[CrossBin], held: &[CrossBin]) -> f64 {
     };
     let bands = enough(fitted).count() as f64;
     if p_value::searched(in_band(plainest), bands) < together(fitted) {
-        let same = |bin: &&CrossBin| (bin.f_hz / plainest.f_hz).ln().abs() < 0.25;
+        let same = |bin: &&CrossBin| (bin.f_hz / plainest.f_hz).ln().abs() < SAME;
         return enough(held)
             .find(same)
             .map_or(0.0, |bin| gain(bin, normalised(plainest)));

@@ -44,8 +44,13 @@ const LEAST: f64 = 1e-3;
 /// that they are weighted with.
 const TURNS: usize = 6;
 
-/// Half-waves at which a course is made as strong as the noise, to begin with: the likelihood has several tops.
-const BEGINNINGS: [f64; 4] = [3.0, 8.0, 20.0, 50.0];
+/// Half-waves at which a course is made as strong as the noise, to begin with: the likelihood has several tops. Each is
+/// some two and a half times the one before, a choice.
+const BEGINNINGS: [usize; 4] = [3, 8, 20, 50];
+
+/// The half-wave at which walk and flicker are made as strong as the rest, to begin with: a choice. Where they end hardly
+/// depends on it.
+const BEGUN: usize = 8;
 
 /// The coefficients of a record and the noise in them.
 pub struct Cosines {
@@ -66,8 +71,9 @@ pub struct Cosines {
 pub struct Fitted {
     /// Log-likelihood, nats.
     pub nats: f64,
-    /// Density of the noise at each half-wave, and of the course.
+    /// Density of the noise at each half-wave.
     pub noise: Vec<f64>,
+    /// Density of the course at each half-wave; zero without one.
     pub course: Vec<f64>,
     /// What the slopes come to.
     pub fixed: Vec<f64>,
@@ -76,13 +82,14 @@ pub struct Fitted {
 }
 
 impl Cosines {
-    /// Of `means` of the record, which last `mean_s` seconds each, in the noise of an axis.
+    /// Of `means` of the record, which last `mean_s` seconds each, in the noise of an axis. Of as short a record as is
+    /// diagnosed there are 4096 means or more, so that there are [`MOST`] half-waves.
     pub fn new(axis: &AxisState, means: &[f64], mean_s: f64) -> Self {
         let duration_s = means.len() as f64 * mean_s;
         let count = MOST.min(means.len() / SHARE);
         let f_hz = |j: usize| 0.5 * j as f64 / duration_s;
-        let numbers = || (1..=count).into_par_iter();
-        let coefficients = numbers().map(|j| coefficient(means, mean_s, j)).collect();
+        let numbers = (1..=count).into_par_iter();
+        let coefficients = numbers.map(|j| coefficient(means, mean_s, j)).collect();
         let excluded_hz = axis.excluded_hz();
         let is_excluded = |j: usize| excluded_hz.iter().any(|band| band.contains(&f_hz(j)));
         let unit = |term: usize| -> Vec<f64> {
@@ -133,10 +140,7 @@ impl Cosines {
         let waves = [self.slopes[0].as_slice(), &self.slopes[1]];
         let last = self.coefficients.len();
         let level = self.rest[last / 2..].iter().sum::<f64>() / (last - last / 2) as f64;
-        let starts = BEGINNINGS.iter().map(|j| {
-            let place = (*j as usize).min(last) - 1;
-            level / self.shapes[2][place]
-        });
+        let starts = BEGINNINGS.iter().map(|j| level / self.shapes[2][j - 1]);
         let fits = starts.filter_map(|start| self.likeliest(&waves, Some(start)));
         fits.max_by(|a, b| a.nats.total_cmp(&b.nats))
     }
@@ -145,10 +149,9 @@ impl Cosines {
     fn likeliest(&self, waves: &[&[f64]], course: Option<f64>) -> Option<Fitted> {
         let shapes = &self.shapes[..if course.is_some() { 3 } else { 2 }];
         let first = self.rest.iter().sum::<f64>() / self.rest.len() as f64;
-        let mut squared: Vec<f64> = [8, 8]
-            .iter()
-            .zip(shapes)
-            .map(|(j, shape)| first / shape[(*j).min(shape.len()) - 1])
+        let walk_and_flicker = self.shapes[..2].iter();
+        let mut squared: Vec<f64> = walk_and_flicker
+            .map(|shape| first / shape[BEGUN - 1])
             .collect();
         squared.extend(course);
         let mut nats = f64::NEG_INFINITY;
