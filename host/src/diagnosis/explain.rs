@@ -3,6 +3,7 @@
 use std::cell::OnceCell;
 use std::sync::Arc;
 
+use crate::chain::Chain;
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::detect::look::Context;
 use crate::diagnosis::detect::telegraph;
@@ -15,6 +16,7 @@ use crate::diagnosis::laws::departure::departure;
 use crate::diagnosis::laws::spread::Spread;
 use crate::diagnosis::options::Options;
 use crate::diagnosis::progress::{Progress, Step};
+use crate::diagnosis::recognised;
 use crate::diagnosis::record::samples::AxisSamples;
 use crate::diagnosis::refused::{LEAST, Refused};
 use crate::diagnosis::result::estimate::Estimate;
@@ -44,6 +46,8 @@ pub struct Explained {
     pub axis: AxisState,
     /// Mean of the record, in the unit of the signal.
     pub mean: f64,
+    /// The signal chain that it shows, where none is declared.
+    pub recognised: Option<Chain>,
     /// What was noted of it before anything was explained.
     pub base: Bare,
     /// What no effect of the catalogue explains.
@@ -91,16 +95,21 @@ pub fn explain(
     }
     let level = level_of_one_test(options);
     let measured = Arc::new(measured);
-    let begin = || {
-        let axis = AxisState::new(Arc::clone(&measured), rate_hz, signal.chain.as_ref());
+    let begin_with = |chain: Option<&Chain>| {
+        let axis = AxisState::new(Arc::clone(&measured), rate_hz, chain);
         axis.ok_or_else(|| refusal(signal, &measured))
     };
     let own_mean = mean - signal.zero * signal.scale;
     let (values, first) = rayon::join(
         || ValueFindings::new(declared, level, &measured, own_mean),
-        begin,
+        || begin_with(signal.chain.as_ref()),
     );
-    let first = first?;
+    let mut first = first?;
+    let recognised = recognised::chain(&first);
+    if let Some(chain) = &recognised {
+        first = begin_with(Some(chain))?;
+    }
+    let begin = || begin_with(recognised.as_ref().or(signal.chain.as_ref()));
     let base = Bare::of(&first, level, options);
     let found = |kind| progress(&signal.name, Step::Found(kind));
     let explained = without_losers(&signal.name, first, begin, |axis, refused| {
@@ -122,6 +131,7 @@ pub fn explain(
     Ok(Explained {
         axis,
         mean: own_mean,
+        recognised,
         base,
         unexplained,
         unnamed: completed.p_value,

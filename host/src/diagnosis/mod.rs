@@ -11,6 +11,7 @@ pub mod held_out;
 pub mod laws;
 pub mod options;
 pub mod progress;
+pub mod recognised;
 pub mod record;
 pub mod refused;
 pub mod result;

@@ -40,6 +40,7 @@ pub(crate) fn describe(
     let Explained {
         axis,
         mean,
+        recognised,
         base: bare,
         unexplained,
         unnamed,
@@ -90,6 +91,7 @@ pub(crate) fn describe(
             allan_error_sampling_percent: base.sampling_percent,
         },
         refused: None,
+        recognised_chain: recognised,
         unexplained,
         unnamed,
         last,
@@ -114,6 +116,7 @@ pub(crate) fn undiagnosed(signal: &Axis, refused: &Refused) -> AxisDiagnosis {
         name: signal.name.clone(),
         unit: signal.unit,
         refused: Some(refused.to_string()),
+        recognised_chain: None,
         base: Base {
             model: model.clone(),
             discrepancies: Vec::new(),
@@ -197,7 +200,7 @@ impl Judge<'_> {
             name: self.signal.name.clone(),
             unit: self.signal.unit,
             mean: self.mean,
-            chain: self.signal.chain.clone(),
+            chain: self.axis.chain.clone(),
             coefficients: PerCoefficient {
                 r,
                 ..held_out::coefficients(&fit.squared)

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Serialize, Serializer};
 
 use crate::analyse::SourceSummary;
+use crate::chain::Chain;
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::place::Place;
 use crate::diagnosis::result::value::Value;
@@ -59,6 +60,9 @@ pub struct AxisDiagnosis {
     /// Why it could not be diagnosed, beside others that could; all else is empty then.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub refused: Option<String>,
+    /// The signal chain that the spectrum's upper end shows, where none is declared; it is part of the models.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub recognised_chain: Option<Chain>,
     /// The five terms alone.
     pub base: Base,
     /// What there is beyond them.

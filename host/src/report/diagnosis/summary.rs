@@ -1,7 +1,8 @@
 //! What an axis comes to, in a few sentences: may one simulate with the model, what happened when, what has no name.
 
 use super::super::number::significant;
-use crate::diagnosis::result::finding::{AxisDiagnosis, Unnamed, UnnamedBand};
+use crate::chain::Chain;
+use crate::diagnosis::result::finding::{AxisDiagnosis, Finding, Unnamed, UnnamedBand};
 use crate::diagnosis::result::verdict::Verdict;
 use crate::model::marks::Mark;
 
@@ -17,6 +18,11 @@ const LEAST_PERCENT: f64 = 0.1;
 /// The sentences about an axis, the most important first.
 pub fn summary(axis: &AxisDiagnosis) -> Vec<String> {
     let mut sentences = vec![verdict(&axis.verdict)];
+    sentences.extend(
+        axis.recognised_chain
+            .as_ref()
+            .map(|chain| recognised(axis, chain)),
+    );
     sentences.extend(events(axis));
     sentences.extend(axis.unnamed.as_ref().map(without_name));
     sentences
@@ -54,6 +60,22 @@ fn verdict(verdict: &Verdict) -> String {
             },
         ),
     }
+}
+
+/// What a chain that was recognised asks for.
+fn recognised(axis: &AxisDiagnosis, chain: &Chain) -> String {
+    let poles = axis.findings.iter().flat_map(Finding::marks);
+    let poles = poles.filter_map(|mark| match mark {
+        Mark::Corner(f_hz) => Some(f_hz),
+        _ => None,
+    });
+    let declared = poles.fold(chain.to_string(), |chain, f_hz| {
+        format!("{chain}+{}hz", significant(f_hz, 3))
+    });
+    format!(
+        "Its spectrum ends as behind an ADS1281's digital filter, which is not declared and is taken as if it were: \
+         --chain {declared}."
+    )
 }
 
 /// What happened when.

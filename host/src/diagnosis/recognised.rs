@@ -1,0 +1,183 @@
+//! A converter whose filter a record shows, where no signal chain is declared.
+//!
+//! The digital filter of an ADS1281 passes all up to 0.41 of the data rate and next to nothing from 0.5 of it on: a wall that
+//! noise of no sensor has by itself, and that every law of the catalogue would be tried on in vain. So it is looked for
+//! before anything else: the upper end of the spectrum is fitted as white noise behind a pole, with the filter and without.
+
+use inm_protocol::Phase;
+
+use crate::chain::Chain;
+use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::laws::{self, Law};
+use crate::diagnosis::record::bins::SpectralBins;
+use crate::fit::likelihood::{Data, Fit};
+use crate::model::rolloff;
+
+/// Share of the data rate from which the spectrum is looked at: half an octave below the wall shows the pole that may be
+/// ahead of it, and little of what moves slowly.
+const FROM: f64 = 0.25;
+
+/// Share of the data rate where the wall begins: the filter's corner, at -3 dB, is 0.413 (ADS1281 data sheet, SBAS378, digital
+/// filter).
+const WALL: f64 = 0.41;
+
+/// Least fall from below the wall to the end of the spectrum without which no filter is tried: 10 dB are far less than the
+/// filter's, and more than a pole's (3 dB from 0.35 to 0.5 of the rate).
+const LEAST_FALL: f64 = 10.0;
+
+/// How far off a bin of the wall may be, as a share, beside what chance makes of it: a choice, about what the nearest other
+/// filter, of the other phase, is off by at its end.
+const TOLERANCE: f64 = 0.15;
+
+/// Deviations of a bin that chance may make of it: passed once in 16 000 by a bin, of which there are five.
+const BY_CHANCE: f64 = 4.0;
+
+/// By how much likelier the record has to be with the filter, nats: twenty are one in 5e8, for two filters that are tried.
+const LEAST_NATS: f64 = 20.0;
+
+/// Corner over rate at which the search of a pole ahead of the filter begins.
+const STARTS: [f64; 3] = [0.1, 0.3, 1.0];
+
+/// First move of the pole, as a logarithm.
+const STEP: f64 = 0.3;
+
+/// The chain with which the upper end of an axis's spectrum agrees, where none is declared; its poles are found as
+/// [`rolloff`].
+pub fn chain(axis: &AxisState) -> Option<Chain> {
+    if axis.chain.is_some() || !falls(&axis.data, axis.rate_hz) {
+        return None;
+    }
+    let without = fitted(&axis.bins, &axis.data)?.log_likelihood;
+    let measured = axis.residual.measured();
+    let phases = [Phase::Linear, Phase::Minimum];
+    let fits = phases.into_iter().filter_map(|phase| {
+        let chain = Chain {
+            converter: Some(phase),
+            poles_hz: Vec::new(),
+        };
+        let bins = SpectralBins::new(measured, axis.rate_hz, Some(&chain))?;
+        let fit = fitted(&bins, &axis.data)?;
+        agrees(&axis.data, &fit, axis.rate_hz).then_some((chain, fit.log_likelihood))
+    });
+    let (chain, with) = fits.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (with > without + LEAST_NATS).then_some(chain)
+}
+
+/// Whether the spectrum falls by more than a pole at its end.
+fn falls(data: &Data, rate_hz: f64) -> bool {
+    let below = |from: f64, to: f64| {
+        let band = from * rate_hz..to * rate_hz;
+        let bins = data.f_hz.iter().zip(&data.psd);
+        let inside = bins.filter(|(f_hz, _)| band.contains(f_hz));
+        inside.fold((0.0, 0.0), |(sum, count), (_, psd)| {
+            (sum + psd, count + 1.0)
+        })
+    };
+    let ((level, count), end) = (below(FROM, WALL), data.psd.last());
+    end.is_some_and(|end| count > 0.0 && level > LEAST_FALL * count * end)
+}
+
+/// The likeliest fit of the upper end of a spectrum, with a pole or without.
+fn fitted(bins: &SpectralBins, data: &Data) -> Option<Fit> {
+    let rate_hz = bins.rate_hz();
+    let is_seen = |f_hz: &f64| *f_hz >= FROM * rate_hz;
+    let pairs = data.f_hz.iter().zip(&data.dof);
+    let data = Data {
+        dof: pairs
+            .map(|(f_hz, dof)| if is_seen(f_hz) { *dof } else { UNSEEN * dof })
+            .collect(),
+        ..data.clone()
+    };
+    let pole = |start: f64| {
+        let mut laws = vec![Law {
+            effect: rolloff::KIND,
+            values: vec![start * rate_hz],
+        }];
+        laws::search::polish(bins, &data, &mut laws, 0, STEP)
+    };
+    let fits = STARTS.into_iter().filter_map(pole);
+    let fits = fits.chain(laws::fit(bins, &data, &[]));
+    fits.max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood))
+}
+
+/// What is left of the weight of a bin that is not looked at: no number, but no zero to divide by.
+const UNSEEN: f64 = 1e-9;
+
+/// Whether every bin of the wall is what a fit expects there.
+fn agrees(data: &Data, fit: &Fit, rate_hz: f64) -> bool {
+    let bins = data.f_hz.iter().zip(&data.psd).zip(&data.dof);
+    let mut wall = bins
+        .zip(&fit.expected)
+        .filter(|(((f_hz, _), _), _)| **f_hz >= WALL * rate_hz);
+    wall.all(|(((_, psd), dof), expected)| {
+        let deviation = (2.0 / dof).sqrt();
+        (psd / expected - 1.0).abs() <= TOLERANCE + BY_CHANCE * deviation
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::model::whole::Model;
+    use crate::simulate::source::Simulation;
+
+    /// Samples a record: the bins of the wall then have hundreds of degrees of freedom.
+    const SAMPLES: u64 = 1 << 16;
+
+    /// What is recognised in noise of this chain at a rate, undeclared.
+    fn seen(chain: &str, rate_hz: f64, seed: u64) -> Option<String> {
+        let text = format!(
+            r#"{{ "schema": 1, "rate_hz": {rate_hz}, "axes": [ {{ "name": "X", "chain": "{chain}",
+                "coefficients": {{ "K": 1e-3, "B": 5e-3, "N": 0.01 }} }} ] }}"#
+        );
+        let model = Model::from_json(&text).expect("a model");
+        let mut simulation = Simulation::new(&model, SAMPLES, seed).expect("a model");
+        let values = simulation.next_columns(SAMPLES as usize).remove(0);
+        let axis = AxisState::new(Arc::new(values), rate_hz, None).expect("a spectrum");
+        super::chain(&axis).map(|chain| chain.to_string())
+    }
+
+    #[test]
+    fn the_converters_filter_is_recognised_with_a_pole_and_without() {
+        for (seed, [converter, pole]) in (1..).zip([
+            ["ads1281:linear", ""],
+            ["ads1281:minimum", ""],
+            ["ads1281:linear", "+400hz"],
+            ["ads1281:minimum", "+150hz"],
+            ["ads1281:linear", "+1507hz"],
+        ]) {
+            let rate_hz = [2000.0, 1000.0, 4000.0][seed as usize % 3];
+            let found = seen(&format!("{converter}{pole}"), rate_hz, seed);
+            assert_eq!(
+                found.as_deref(),
+                Some(converter),
+                "seed {seed}, {rate_hz}/s, {pole}"
+            );
+        }
+    }
+
+    #[test]
+    fn poles_alone_are_no_converter() {
+        for (seed, poles) in (11..).zip(["400hz", "30hz", "30hz+40hz", "5hz+80hz+300hz"]) {
+            assert_eq!(seen(poles, 2000.0, seed), None, "seed {seed}, {poles}");
+        }
+    }
+
+    #[test]
+    fn another_steep_filter_is_no_converter() {
+        const SEED: u64 = 21;
+        // Averages of neighbours fall to nothing at half the rate, but not as a wall.
+        let mut noise = crate::diagnosis::trial::numbers(SEED, 0);
+        let white: Vec<f64> = (0..SAMPLES + 8).map(|_| noise.draw()).collect();
+        for order in [2, 4, 8] {
+            let mut values = white.clone();
+            for _ in 0..order {
+                values = values.windows(2).map(|two| two[0] + two[1]).collect();
+            }
+            let axis = AxisState::new(Arc::new(values), 100.0, None).expect("a spectrum");
+            assert_eq!(super::chain(&axis), None, "seed {SEED}, order {order}");
+        }
+    }
+}
