@@ -11,6 +11,8 @@ use inm_host::internals::simulate::source::Simulation;
 use inm_host::internals::source::capture::CaptureSource;
 use inm_host::internals::source::{Chunk, Source, Values};
 use inm_host::internals::spectrum::{Cascade, Estimate, Plan, Settings};
+use rand_distr::{Distribution, StandardUniform};
+use rand_pcg::Pcg64;
 
 const RATE_HZ: f64 = 2000.0;
 const SEED: u64 = 20;
@@ -113,39 +115,17 @@ fn spectrum_follows_the_law() {
         if name.starts_with("sinusoid") {
             continue;
         }
-        let law = law(&model);
-        let mut simulation = Simulation::new(&model, LONG, SEED).expect("a model");
-        let mut cascade = Cascade::new(&Plan::new());
-        let mut first = 0;
-        while first < LONG {
-            let column = simulation.next_columns(1 << 16).remove(0);
-            cascade.push_values(first, &column).expect("in order");
-            first += column.len() as u64;
-        }
-        let estimate = Estimate::new(&cascade, RATE_HZ, &Settings::default());
-        let expected = estimate.expected(|f_hz| law.density(f_hz));
-        let z: Vec<f64> = estimate
-            .bins
-            .iter()
-            .zip(&expected)
-            // Bins of many degrees of freedom are nearly Gaussian. In the stop band there is
-            // nothing but what leaks there.
-            .filter(|(bin, _)| bin.edf > 30.0 && bin.f_hz < 0.45 * RATE_HZ)
-            .map(|(bin, expected)| (bin.psd / expected - 1.0) * (0.5 * bin.edf).sqrt())
-            .collect();
-        let count = z.len() as f64;
-        let mean = z.iter().sum::<f64>() / count;
-        let square = z.iter().map(|z| z * z).sum::<f64>() / count;
-        assert!(count > 150.0, "{name}: {count} bins");
+        let [mean, square] = deviations(&model, LONG, SEED);
         // Neighbours overlap: their z correlate, which widens the mean by less than 1.5. The
         // square is chi^2 over its degrees of freedom.
         assert!(
-            mean.abs() < 1.5 * 4.0 / count.sqrt(),
-            "{name}, seed {SEED}: mean z of {count} bins {mean}"
+            mean.abs() < 1.5 * 4.0,
+            "{name}, seed {SEED}: mean z {mean} deviations of it"
         );
+        // At least 100 bins.
         assert!(
-            (square - 1.0).abs() < 1.5 * 4.0 * (2.0 / count).sqrt(),
-            "{name}, seed {SEED}: mean square z of {count} bins {square}"
+            (square - 1.0).abs() < 1.5 * 4.0 * (2.0_f64 / 100.0).sqrt(),
+            "{name}, seed {SEED}: mean square z {square}"
         );
     }
 }
@@ -252,4 +232,84 @@ fn a_capture_holds_the_simulation_in_codes() {
         }
     }
     assert_eq!(read, length);
+}
+
+/// Effects that are Gaussian, each from anywhere in its range: rates, times and corners over decades, as what is right in the
+/// middle of the band need not be at its ends.
+#[test]
+fn effects_follow_their_law_over_their_range() {
+    const DRAWS: u64 = 12;
+    for kind in ["markov", "resonance", "unnamed", "powerlaw", "rolloff"] {
+        for seed in 0..DRAWS {
+            let mut random = Pcg64::new(u128::from(seed), 41);
+            let mut between = |low: f64, high: f64| {
+                let share: f64 = StandardUniform.sample(&mut random);
+                low * (high / low).powf(share)
+            };
+            let rate_hz = between(0.1, 4000.0);
+            let parameters = match kind {
+                "markov" => {
+                    let time_s = between(0.3, 3000.0) / rate_hz;
+                    format!(r#""amplitude": 1.0, "time_s": {time_s}"#)
+                }
+                "rolloff" => format!(r#""corner_hz": {}"#, between(1e-4, 4.0) * rate_hz),
+                "powerlaw" => {
+                    let exponent = between(0.3, 1.9);
+                    format!(
+                        r#""exponent": {exponent}, "density_1hz": {}"#,
+                        1.0 / rate_hz
+                    )
+                }
+                _ => {
+                    let f_hz = between(3e-4, 0.49) * rate_hz;
+                    let width_hz = between(0.02, 2.0) * f_hz;
+                    format!(r#""f_hz": {f_hz}, "width_hz": {width_hz}, "amplitude": 1.0"#)
+                }
+            };
+            // White noise, without which there would be nothing for a roll-off.
+            let white = 1e-2 / rate_hz.sqrt();
+            let text = format!(
+                r#"{{ "schema": 1, "rate_hz": {rate_hz}, "axes": [ {{ "name": "X", "coefficients": {{ "N": {white} }},
+                    "effects": [ {{ "effect": "{kind}", "parameters": {{ {parameters} }} }} ] }} ] }}"#
+            );
+            let model = Model::from_json(&text).expect("a model");
+            let [mean, square] = deviations(&model, 1 << 17, seed);
+            let what = format!("{kind}, seed {seed}, {rate_hz}/s, {parameters}");
+            // Neighbours overlap, as below; bins of thirty degrees of freedom are a little lopsided.
+            assert!(
+                mean.abs() < 1.5 * 4.0,
+                "{what}: mean z {mean} deviations of it"
+            );
+            assert!(square < 1.8, "{what}: mean square z {square}");
+        }
+    }
+}
+
+/// How far the bins of a simulated record are off the model's law, in deviations: their mean, in those of the mean, and their
+/// mean square.
+fn deviations(model: &Model, length: u64, seed: u64) -> [f64; 2] {
+    let law = law(model);
+    let mut simulation = Simulation::new(model, length, seed).expect("a model");
+    let mut cascade = Cascade::new(&Plan::new());
+    let mut first = 0;
+    while first < length {
+        let column = simulation.next_columns(1 << 16).remove(0);
+        cascade.push_values(first, &column).expect("in order");
+        first += column.len() as u64;
+    }
+    let estimate = Estimate::new(&cascade, model.rate_hz, &Settings::default());
+    let expected = estimate.expected(|f_hz| law.density(f_hz));
+    let bins = estimate.bins.iter().zip(&expected);
+    let z: Vec<f64> = bins
+        // Bins of many degrees of freedom are nearly Gaussian. In the stop band there is
+        // nothing but what leaks there.
+        .filter(|(bin, _)| bin.edf > 30.0 && bin.f_hz < 0.45 * model.rate_hz)
+        .map(|(bin, expected)| (bin.psd / expected - 1.0) * (0.5 * bin.edf).sqrt())
+        .collect();
+    let count = z.len() as f64;
+    assert!(count > 100.0, "{count} bins");
+    [
+        z.iter().sum::<f64>() / count.sqrt(),
+        z.iter().map(|z| z * z).sum::<f64>() / count,
+    ]
 }

@@ -43,6 +43,7 @@ pub mod shock;
 pub mod sinusoid;
 pub mod stale;
 pub mod steps;
+pub mod symmetric_filter;
 pub mod telegraph;
 pub mod thermal;
 pub mod timebase;

@@ -5,6 +5,7 @@ use super::kernel::{self, Kernel};
 use super::kind::Kind;
 use super::markov::Markov;
 use super::random::Generator;
+use super::symmetric_filter::{REACH, SymmetricFilter};
 use super::{Seed, Term};
 
 /// Noise of the two-sided density `density_1hz (f / 1 Hz)^-exponent`.
@@ -49,9 +50,21 @@ const OCTAVES: f64 = 30.0;
 /// Streams of random numbers further on that the shelves take, out of reach of other terms.
 const STREAMS: u64 = 1 << 32;
 
+/// Frequency over half the rate at and below which the sum is level with the law, and is left as it is.
+const LEVEL: f64 = 1.0 / REACH as f64;
+
+/// Samples that are made at a time.
+const BLOCK: usize = 4096;
+
 /// Markov processes whose corners are equally spaced in the logarithm: a sum of shelves with
-/// weights `f^(1 - exponent)` falls as `f^-exponent` between the lowest and the highest.
-struct Shelves(Vec<Box<dyn Generator>>);
+/// weights `f^(1 - exponent)` falls as `f^-exponent` between the lowest and the highest. What sampling folds back into
+/// the upper end of the band, up to three times the law, is taken off by a filter.
+struct Shelves {
+    markov: Vec<Box<dyn Generator>>,
+    filter: SymmetricFilter,
+    /// Samples that were made and not asked for yet.
+    ready: Vec<f64>,
+}
 
 impl Shelves {
     fn new(law: PowerLaw, rate_hz: f64, seed: Seed) -> Self {
@@ -65,31 +78,46 @@ impl Shelves {
             deviation: power.sqrt(),
             time_s: 1.0 / (std::f64::consts::TAU * corner_hz),
         };
+        let power = |corner: f64| corner.powf(1.0 - law.exponent);
         let unit = |f_hz: f64| -> f64 {
-            corners
-                .iter()
-                .map(|&corner| {
-                    markov(corner, corner.powf(1.0 - law.exponent)).spectrum(f_hz, rate_hz)
-                })
-                .sum()
+            let shelves = corners.iter();
+            let each = shelves.map(|&corner| markov(corner, power(corner)).spectrum(f_hz, rate_hz));
+            each.sum()
         };
-        // Level with the law in the middle of the band that counts.
-        let middle_hz = 1e-3 * rate_hz;
-        let gain = law.spectrum(middle_hz, rate_hz) / unit(middle_hz);
+        let over = |share: f64| {
+            let f_hz = 0.5 * rate_hz * share.max(LEVEL);
+            law.spectrum(f_hz, rate_hz) / unit(f_hz)
+        };
+        let gain = over(0.0);
         let shelf = |(k, &corner): (u64, &f64)| {
             let stream = Seed {
                 seed: seed.seed,
                 stream: seed.stream + STREAMS * (k + 1),
             };
-            markov(corner, gain * corner.powf(1.0 - law.exponent)).generator(rate_hz, stream)
+            markov(corner, gain * power(corner)).generator(rate_hz, stream)
         };
-        Self((0..).zip(&corners).map(shelf).collect())
+        Self {
+            markov: (0..).zip(&corners).map(shelf).collect(),
+            filter: SymmetricFilter::new(|share| (over(share) / gain).sqrt()),
+            ready: Vec::new(),
+        }
     }
 }
 
 impl Generator for Shelves {
     fn add_to(&mut self, samples: &mut [f64]) {
-        self.0.iter_mut().for_each(|shelf| shelf.add_to(samples));
+        while self.ready.len() < samples.len() {
+            let mut block = vec![0.0; BLOCK];
+            for shelf in &mut self.markov {
+                shelf.add_to(&mut block);
+            }
+            self.ready.append(&mut self.filter.pass(&block));
+        }
+        let made = self.ready.drain(..samples.len());
+        samples
+            .iter_mut()
+            .zip(made)
+            .for_each(|(sample, made)| *sample += made);
     }
 }
 

@@ -6,6 +6,7 @@ use super::Seed;
 use super::effect::{Band, Distorter, Distortion, Effect, Parameter, Part, Quantity};
 use super::kind::Kind;
 use super::marks::Mark;
+use super::symmetric_filter::{REACH, SymmetricFilter};
 
 /// One pole ahead of the sampler: power `1 / (1 + (f / corner)^2)` on all that is there.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,10 +25,6 @@ impl Distortion for RollOff {
     }
 }
 
-/// Taps on either side of the middle one: what the digital pole leaves of the response is smooth, and the kink at half the
-/// rate that its mirror image makes of it fades as the square of their number.
-const REACH: usize = 128;
-
 /// Time constants that the digital pole runs ahead of the record: what it began with is then `e^-8` of it, 0.03 %.
 const SETTLED: f64 = 8.0;
 
@@ -37,53 +34,34 @@ const MOST_SETTLING: usize = 1 << 20;
 /// A digital pole of the same time constant, whose memory is as long as it has to be, behind a symmetric filter with what is
 /// left of the amplitude response up to half the rate. Phases, which no spectrum shows, are the digital pole's.
 struct Filter {
-    taps: Vec<f64>,
+    symmetric: SymmetricFilter,
     /// What the digital pole keeps of its last value a sample.
     kept: f64,
     last: f64,
-    /// Samples that it runs ahead of the record.
-    ahead: usize,
-    /// Samples that windows to come begin with.
-    past: Vec<f64>,
-    begun: bool,
+    /// Samples that are mirrored before the record: those in which the pole settles, and a window's.
+    mirrored: usize,
+    /// The beginning of the record, until there is enough for its mirror image.
+    beginning: Vec<f64>,
+    /// Values that are not the record's yet, once it has begun.
+    unsettled: Option<usize>,
 }
 
 impl Filter {
     fn new(law: &RollOff, rate_hz: f64) -> Self {
         let decay = 2.0 * PI * law.corner_hz / rate_hz;
         let kept = (-decay).exp();
-        // Response at equal steps to half the rate, back to time, and a taper over its ends.
-        const STEPS: usize = 8 * REACH;
-        let gain = |step: usize| {
-            let share = step as f64 / STEPS as f64;
+        let gain = |share: f64| {
             let pole = pole_power(kept, PI * share);
             (law.power(0.5 * rate_hz * share, rate_hz) / pole).sqrt()
         };
-        let gains: Vec<f64> = (0..=STEPS).map(gain).collect();
-        let tap = |lag: usize| {
-            let sum: f64 = (0..=STEPS)
-                .map(|step| {
-                    let share = if step == 0 || step == STEPS { 0.5 } else { 1.0 };
-                    share * gains[step] * (PI * (lag * step) as f64 / STEPS as f64).cos()
-                })
-                .sum();
-            let taper = 0.5 + 0.5 * (PI * lag as f64 / (REACH + 1) as f64).cos();
-            sum / STEPS as f64 * taper
-        };
-        let half: Vec<f64> = (0..=REACH).map(tap).collect();
-        let taps: Vec<f64> = (1..=REACH)
-            .rev()
-            .map(|lag| half[lag])
-            .chain(half.iter().copied())
-            .collect();
-        let total: f64 = taps.iter().sum();
+        let settling = ((SETTLED / decay).ceil() as usize).min(MOST_SETTLING);
         Self {
-            taps: taps.iter().map(|tap| tap / total).collect(),
+            symmetric: SymmetricFilter::new(gain),
             kept,
             last: 0.0,
-            ahead: ((SETTLED / decay).ceil() as usize).min(MOST_SETTLING),
-            past: Vec::new(),
-            begun: false,
+            mirrored: settling + REACH,
+            beginning: Vec::new(),
+            unsettled: None,
         }
     }
 
@@ -103,31 +81,31 @@ fn pole_power(kept: f64, radians: f64) -> f64 {
 
 impl Distorter for Filter {
     fn apply(&mut self, samples: &mut Vec<f64>) {
-        self.past.append(samples);
-        let mut unsettled = 0;
-        if !self.begun {
-            unsettled = self.ahead;
-            let mirrored = REACH + self.ahead;
-            if self.past.len() <= mirrored {
-                return;
+        let mut came = std::mem::take(samples);
+        let mut unsettled = match self.unsettled {
+            Some(unsettled) => unsettled,
+            None => {
+                self.beginning.append(&mut came);
+                if self.beginning.len() <= self.mirrored {
+                    return;
+                }
+                // Before the record its mirror image: at the same level, and as loud.
+                let mut mirror: Vec<f64> = self.beginning[1..=self.mirrored].to_vec();
+                mirror.reverse();
+                self.last = mirror[0];
+                came = [mirror, std::mem::take(&mut self.beginning)].concat();
+                self.mirrored - REACH
             }
-            // Before the record its mirror image: at the same level, and as loud.
-            let mirror: Vec<f64> = self.past[1..=mirrored].iter().rev().copied().collect();
-            self.last = mirror[0];
-            self.past.splice(..0, mirror);
-            self.begun = true;
-        }
-        let mut line = std::mem::take(&mut self.past);
-        // Each sample in the middle of its window: the last ones wait for the next block.
-        for (made, window) in line.windows(self.taps.len()).enumerate() {
-            let products = window.iter().zip(&self.taps);
-            let filtered = products.map(|(value, tap)| value * tap).sum::<f64>();
-            let value = self.follow(filtered);
-            if made >= unsettled {
+        };
+        for value in self.symmetric.pass(&came) {
+            let value = self.follow(value);
+            if unsettled > 0 {
+                unsettled -= 1;
+            } else {
                 samples.push(value);
             }
         }
-        self.past = line.split_off(line.len().saturating_sub(2 * REACH));
+        self.unsettled = Some(unsettled);
     }
 }
 
@@ -215,12 +193,7 @@ mod tests {
             let filter = Filter::new(&law, RATE_HZ);
             for f_hz in (1..90).map(|step| 0.05 * f64::from(step)) {
                 let radians = 2.0 * PI * f_hz / RATE_HZ;
-                let lags = (0..filter.taps.len()).map(|tap| tap as f64 - REACH as f64);
-                let gain: f64 = lags
-                    .zip(&filter.taps)
-                    .map(|(lag, tap)| tap * (lag * radians).cos())
-                    .sum();
-                let made = gain * gain * pole_power(filter.kept, radians);
+                let made = filter.symmetric.power(radians) * pole_power(filter.kept, radians);
                 let ratio = made / law.power(f_hz, RATE_HZ);
                 // Less than 0.02 dB, which no record shows.
                 assert!((ratio - 1.0).abs() < 4e-3, "{share} {f_hz} Hz: {ratio}");
