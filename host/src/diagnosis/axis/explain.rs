@@ -138,6 +138,15 @@ impl AxisState {
         !gone.is_empty()
     }
 
+    /// Takes the explanation off the list whose law has this number; its place among the explanations.
+    pub fn withdraw_law(&mut self, number: usize) -> Option<usize> {
+        let places = self.explanations.iter().enumerate();
+        let mut laws = places.filter(|(_, one)| one.law().is_some());
+        let (place, _) = laws.nth(number)?;
+        self.explanations.remove(place);
+        Some(place)
+    }
+
     /// Takes the explanations off the list whose laws have these `numbers`.
     pub fn withdraw_laws(&mut self, numbers: &[usize]) {
         let mut number = 0;

@@ -42,6 +42,15 @@ pub struct Completed {
     pub fit: Fit,
     /// Power of each tone over that with which it was named.
     pub tones: Vec<f64>,
+    /// What a law costs, nats.
+    pub cost_nats: f64,
+}
+
+impl Completed {
+    /// Log-likelihood of the spectrum, all laws paid for; only differences on the same spectrum have a meaning.
+    pub fn worth_nats(&self) -> f64 {
+        self.fit.log_likelihood - self.cost_nats * self.laws.len() as f64
+    }
 }
 
 /// The model of an axis with bands, and its fit to all of `data` together with the sizes of its `tones`; `None` where no
@@ -51,7 +60,7 @@ pub fn fitted(axis: &AxisState, data: &Data, tones: &[Vec<f64>]) -> Option<Compl
     let dictionary = Dictionary::new(axis, data);
     let cost_nats = (dictionary.trials() / NEEDLESS).ln();
     while search.bands.len() < MOST && search.add_best(&dictionary, cost_nats).is_some() {}
-    search.finish()
+    search.finish(cost_nats)
 }
 
 /// A model with one more band.
@@ -226,7 +235,7 @@ impl<'a> Search<'a> {
     }
 
     /// The laws with the bands behind them, and the fit of all beside the tones at the sizes that they come to.
-    fn finish(mut self) -> Option<Completed> {
+    fn finish(mut self, cost_nats: f64) -> Option<Completed> {
         if self.bands.is_empty() {
             return None;
         }
@@ -245,6 +254,7 @@ impl<'a> Search<'a> {
             laws: named.chain(bands).collect(),
             fit,
             tones,
+            cost_nats,
         })
     }
 }

@@ -8,6 +8,8 @@
 mod bands;
 mod dictionary;
 
+use rayon::prelude::*;
+
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::explanation::Explanation;
 use crate::diagnosis::laws::departure::departure;
@@ -29,7 +31,8 @@ pub struct Completed {
 }
 
 /// Adds to an axis's model what none of its explanations speaks for, where anything is missing at a `level`. A tone whose
-/// law does not hold beside that is taken back, and left to the noise without a name.
+/// law does not hold beside that is taken back, and so is a law without which as much is explained: they are left to the
+/// noise without a name.
 pub fn complete(axis: &mut AxisState, level: f64) -> Completed {
     let mut withdrawn = Vec::new();
     loop {
@@ -45,8 +48,12 @@ pub fn complete(axis: &mut AxisState, level: f64) -> Completed {
             let p_value = None;
             return Completed { p_value, withdrawn };
         };
-        if let Some(number) = found.another() {
-            withdrawn.extend(axis.withdraw_tone(number));
+        let place = match found.another() {
+            Some(number) => axis.withdraw_tone(number),
+            None => needless(axis, &found).and_then(|number| axis.withdraw_law(number)),
+        };
+        if let Some(place) = place {
+            withdrawn.push(place);
             if axis.refresh().is_ok() {
                 continue;
             }
@@ -72,6 +79,8 @@ pub fn complete(axis: &mut AxisState, level: f64) -> Completed {
 struct Lacking {
     /// Probability of as much by chance.
     p_value: f64,
+    /// The spectrum that lacks it.
+    data: Data,
     completed: bands::Completed,
 }
 
@@ -99,7 +108,29 @@ fn lacking(axis: &AxisState, dof: Vec<f64>, tones: &[Vec<f64>], level: f64) -> O
     add_mixture(&mut expected, tones, &vec![1.0; tones.len()]);
     let p_value = departure(&data, &expected)?.p_value;
     let completed = (p_value < level).then(|| bands::fitted(axis, &data, tones))??;
-    Some(Lacking { p_value, completed })
+    Some(Lacking {
+        p_value,
+        data,
+        completed,
+    })
+}
+
+/// Number of the law that is needed least beside noise without a name, if the spectrum is likelier without it, bands that
+/// take its place paid for as it is: where bands are needed anyway, a name has to explain what they do not. By half of what
+/// a law costs, that is: one that explains nothing gains all of it by going, one that a band replaces none.
+fn needless(axis: &AxisState, found: &Lacking) -> Option<usize> {
+    let with = found.completed.worth_nats();
+    let numbers = (0..axis.laws.len()).into_par_iter();
+    let gains = numbers.filter_map(|number| {
+        let mut other = axis.clone();
+        other.withdraw_law(number)?;
+        other.refresh().ok()?;
+        let (tones, _) = Tone::all(&other, &found.data.dof);
+        let without = bands::fitted(&other, &found.data, &tones)?;
+        Some((number, without.worth_nats() - with))
+    });
+    let best = gains.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (best.1 > 0.5 * found.completed.cost_nats).then_some(best.0)
 }
 
 /// A tone that has a name and is no part of any fit.
@@ -161,6 +192,55 @@ fn freedom(noise: &[f64], own: &[f64], tones: &[Tone]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnosis::laws;
+    use crate::diagnosis::trial::{
+        LEVEL, RATE_HZ, axis, kinds, law, long, markov, ringing, take_in,
+    };
+    use crate::model::kind::Kind;
+    use crate::model::{markov as markov_noise, resonance};
+
+    /// What is left of the names when noise that rings at two frequencies has none.
+    fn left(seed: u64, kind: Kind, values: &[f64], also: &mut dyn FnMut() -> f64) -> Vec<Kind> {
+        let mut one = ringing(seed, 0.11 * RATE_HZ, 0.03 * RATE_HZ);
+        let mut other = ringing(seed + 1, 0.2 * RATE_HZ, 0.05 * RATE_HZ);
+        let make = |_, noise| noise + 2.0 * one() + 3.0 * other() + also();
+        let mut axis = axis(seed, long(seed), make);
+        take_in(&mut axis, kind, law(kind, values));
+        // As it was named, not as it would be beside nothing else.
+        axis.laws[0].values = values.to_vec();
+        axis.fit = laws::fit(&axis.bins, &axis.data, &axis.laws).expect("a fit");
+        let completed = complete(&mut axis, LEVEL);
+        assert!(
+            completed.p_value.is_some(),
+            "seed {seed}: bands are missing"
+        );
+        kinds(&axis)
+    }
+
+    #[test]
+    fn a_name_without_which_bands_explain_as_much_is_taken_back() {
+        for seed in 1..5 {
+            let left = left(
+                seed,
+                resonance::KIND,
+                &[0.3 * RATE_HZ, 6.0, 2.0],
+                &mut || 0.0,
+            );
+            assert_eq!(left, [], "seed {seed}");
+        }
+    }
+
+    #[test]
+    fn a_name_that_bands_would_cost_more_than_stays_beside_them() {
+        for seed in 1..5 {
+            // Its shelf falls more slowly than any band's.
+            let mut noise = markov(seed, 30.0);
+            let time_s = 30.0 / RATE_HZ;
+            let values = [3.0, time_s];
+            let left = left(seed, markov_noise::KIND, &values, &mut || 3.0 * noise());
+            assert_eq!(left, [markov_noise::KIND], "seed {seed}");
+        }
+    }
 
     #[test]
     fn a_tone_that_wanders_a_few_times_is_no_better_known_than_these() {
