@@ -7,17 +7,17 @@
 use crate::{
     Conversion, Fault, Registers, Rule, Sent, Signal, Tear,
     alignment::Alignment,
-    command::{Action, Byte, Decoder},
+    command::Decoder,
     drdy::{Moment, Timeline},
     fault::Schedule,
     sent::Ledger,
     serial::Serial,
-    time::{
-        COMMAND_GAP_PS, INTERFACE_TIMEOUT_CONVERSIONS, POWER_ON_PS, SHORTEST_SCLK_PS, clocks_ps,
-    },
+    time::{COMMAND_GAP_PS, POWER_ON_PS},
 };
 
 mod calibration;
+mod clocking;
+mod commands;
 mod trouble;
 
 use calibration::Calibration;
@@ -148,79 +148,6 @@ impl<S: Signal> Converter<S> {
         &mut self.timeline
     }
 
-    /// Clocks a byte in and out: SCLK runs from `start_ps` with a period of `bit_ps`.
-    pub(crate) fn clock(&mut self, start_ps: u64, bit_ps: u64, din: u8) -> u8 {
-        self.catch_up(start_ps);
-        if start_ps < POWER_ON_PS {
-            self.breach(start_ps, Rule::PowerOn);
-        }
-        if bit_ps < SHORTEST_SCLK_PS {
-            self.breach(start_ps, Rule::SclkTooFast);
-        }
-        let timeout = INTERFACE_TIMEOUT_CONVERSIONS * self.timeline.period_ps();
-        if start_ps - self.timeline.sclk_ps >= timeout {
-            self.realign();
-        }
-        if self.requested && din < 2 {
-            self.breach(start_ps, Rule::RdataBeforeReady);
-        }
-
-        let end_ps = start_ps + 8 * bit_ps;
-        let last_ps = end_ps - bit_ps / 2;
-        let dout = if let Some(address) = self.decoder.register() {
-            let value = self.registers.get(address).unwrap_or(0);
-            self.serial.register(value)
-        } else if self.timeline.next_ps().is_none_or(|next| next > last_ps) {
-            self.serial.byte()
-        } else {
-            self.byte_across_update(start_ps, bit_ps)
-        };
-        self.timeline.sclk_ps = end_ps;
-
-        if let Some(din) = self.alignment.take(din) {
-            self.decode(din, start_ps + bit_ps / 2, last_ps);
-        }
-        match self.stuck {
-            Some((true, _)) => 0xFF,
-            Some((false, _)) => 0x00,
-            None => dout,
-        }
-    }
-
-    /// Carries out a byte as the part has put it together, clocked from `first_ps` to `last_ps`.
-    fn decode(&mut self, din: u8, first_ps: u64, last_ps: u64) {
-        let byte = Byte {
-            din,
-            first_ps,
-            last_ps,
-        };
-        let stopped = self.mode == ReadMode::Stopped;
-        let (action, breach) = self.decoder.take(byte, stopped);
-        if let Some(rule) = breach {
-            self.breach(first_ps, rule);
-        }
-        self.act(action, last_ps);
-    }
-
-    /// The serial interface begins a new byte, and the next word from its highest bit.
-    fn realign(&mut self) {
-        self.decoder.reset();
-        self.alignment = Alignment::default();
-        self.serial.slip = None;
-    }
-
-    /// A byte during which a word is made or DRDY falls: bit by bit.
-    fn byte_across_update(&mut self, start_ps: u64, bit_ps: u64) -> u8 {
-        let mut byte = 0;
-        for bit in 0..8 {
-            let rising_ps = start_ps + bit * bit_ps + bit_ps / 2;
-            self.catch_up(rising_ps);
-            byte = byte << 1 | u8::from(self.serial.bit());
-            self.timeline.sclk_ps = rising_ps + bit_ps / 2;
-        }
-        byte
-    }
-
     /// Lets everything happen that is due by `now_ps`.
     pub(crate) fn catch_up(&mut self, now_ps: u64) {
         while let Some((at_ps, moment)) = self.timeline.take(now_ps) {
@@ -273,88 +200,6 @@ impl<S: Signal> Converter<S> {
         if core::mem::take(&mut self.requested) {
             self.serial.load(self.word);
         }
-    }
-
-    fn act(&mut self, action: Action, at_ps: u64) {
-        match action {
-            Action::Nothing => {}
-            Action::Wakeup => {
-                if core::mem::take(&mut self.standby) {
-                    self.restart(at_ps);
-                }
-            }
-            Action::Standby => {
-                self.standby = true;
-                self.timeline.stop();
-            }
-            Action::Sync => self.sync(at_ps),
-            Action::Reset => self.reset(at_ps),
-            Action::ReadContinuous => {
-                self.mode = ReadMode::Continuous;
-                self.requested = false;
-                self.serial.empty();
-            }
-            Action::StopContinuous => {
-                self.mode = ReadMode::Stopped;
-                self.excused = false;
-                self.serial.empty();
-            }
-            Action::ReadOnce => self.requested = true,
-            Action::CalibrateOffset => self.start_calibration(at_ps, false),
-            Action::CalibrateGain => self.start_calibration(at_ps, true),
-            Action::Write {
-                address,
-                value,
-                last,
-            } => {
-                self.registers.set(address, value);
-                if last && !self.standby {
-                    self.restart(at_ps);
-                }
-            }
-        }
-    }
-
-    /// Empties the filter and starts it again.
-    fn restart(&mut self, at_ps: u64) {
-        self.calibration = None;
-        self.conversion.restart();
-        self.timeline.restart(at_ps, &self.registers);
-    }
-
-    /// RESET, by command or by the supply.
-    fn reset(&mut self, at_ps: u64) {
-        self.registers.reset();
-        self.decoder.reset();
-        // The opcode acts at the last bit of the byte as the part counts: a slip outlives it.
-        self.serial.clear();
-        self.mode = self.mode_after_reset;
-        self.requested = false;
-        self.standby = false;
-        self.synced_ps = None;
-        self.drdy_dead = false;
-        self.stuck = None;
-        self.excused = false;
-        self.restart(at_ps);
-    }
-
-    /// A SYNC command, or a rising edge on the SYNC pin.
-    ///
-    /// In continuous-sync mode a SYNC that comes a whole number of conversions (within a clock)
-    /// after the last one changes nothing.
-    pub(crate) fn sync(&mut self, at_ps: u64) {
-        if self.standby {
-            return;
-        }
-        if let Some(synced_ps) = self.synced_ps.filter(|_| self.registers.continuous_sync()) {
-            let period_ps = self.timeline.period_ps();
-            let phase_ps = (at_ps - synced_ps) % period_ps;
-            if phase_ps.min(period_ps - phase_ps) <= clocks_ps(1) {
-                return;
-            }
-        }
-        self.synced_ps = Some(at_ps);
-        self.restart(at_ps);
     }
 
     fn breach(&mut self, at_ps: u64, rule: Rule) {

@@ -148,3 +148,13 @@ fn temperature_and_supply_are_read() {
     assert!(supply_mv.abs_diff(2800) <= 4, "{supply_mv} mV");
     assert_lawful(&machine);
 }
+
+/// A program that a probe has halted is not to be restarted for it.
+#[test]
+fn the_watchdog_stands_still_under_a_debugger() {
+    /// DBG_IWDG_STOP (RM0090, 38.16.4).
+    const WATCHDOG: u32 = 1 << 12;
+    let machine = Machine::started(true);
+    assert_eq!(machine.chip().halted, WATCHDOG);
+    assert_lawful(&machine);
+}

@@ -22,6 +22,7 @@ mod outbox;
 mod prove;
 mod read_back;
 mod recover;
+mod self_test;
 mod settle;
 mod stream;
 
@@ -36,9 +37,10 @@ use crate::{Board, Platform};
 use axis::Axis;
 use batch::Batcher;
 use clock::Clock;
-use job::{Job, SelfTest};
+use job::Job;
 use outbox::Outbox;
 use read_back::Rounds;
+use self_test::SelfTest;
 use stream::Position;
 
 /// Driver of one converter on platform `P`.

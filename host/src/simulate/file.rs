@@ -5,7 +5,7 @@ use std::io::Write;
 use super::source::Simulation;
 use crate::signal::Unit;
 use crate::source::Source;
-use crate::source::npy_header::MAGIC;
+use crate::source::npy::MAGIC;
 
 /// Rows written at a time.
 const ROWS: usize = 8192;

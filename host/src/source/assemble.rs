@@ -3,27 +3,26 @@
 mod ahead;
 mod building;
 mod held;
+mod line;
 mod losses;
 mod ranges;
+mod spoilt;
+mod streams;
+mod stretches;
 
 use std::collections::VecDeque;
 use std::ops::Range;
 
-use inm_protocol::{AXES, Batch, Event, Flags};
+use inm_protocol::{AXES, Batch, Event};
 
 use self::ahead::Ahead;
 use self::held::Held;
-use self::ranges::mark;
-use super::line::Line;
+use self::spoilt::Spoilt;
+use self::streams::Streams;
+use self::stretches::Stretches;
 use super::{Chunk, Gap};
 
 pub use self::losses::Losses;
-
-/// Samples ahead of a clipped word that its filter ringing reaches (linear phase).
-const GUARD_BEFORE: u64 = 31;
-
-/// Samples after a clipped word until the converter is clean again (SBAS378D, page 12).
-const GUARD_AFTER: u64 = 62;
 
 /// Conversions that may have passed between a slipped bit and its notice on a board of 0.1.0, whose
 /// captures stay readable; since then it is [`inm_protocol::UNPROVEN_PERIODS`], which this includes.
@@ -46,35 +45,23 @@ const BLOCK: u64 = 4096;
 
 /// Puts batches together into long blocks and reports every hole between them.
 ///
-/// Words near a clipped one are marked too, `GUARD_BEFORE` and `GUARD_AFTER`, and those ahead
-/// of the notice of a fault. To be able to mark backwards, samples wait for what is still to be
-/// said about them, across gaps: until the board has [confirmed](Self::confirm) that every notice
-/// has arrived, or [`HELD`] of them.
+/// Words near a clipped one are marked too, and those ahead of the notice of a fault. To be able to
+/// mark backwards, samples wait for what is still to be said about them, across gaps: until the board
+/// has [confirmed](Self::confirm) that every notice has arrived, or [`HELD`] of them.
 #[derive(Debug, Default)]
 pub struct Assembler {
     held: Held,
     /// Nothing more will be said about samples before this index; `None` where the board does not
     /// tell.
     confirmed: Option<u64>,
-    /// Added to the board's index, so that the count goes on after a restart.
-    offset: u64,
     seq: Option<u32>,
-    /// The present stream.
-    line: Option<Line>,
-    /// The one before, if it had another number.
-    former: Option<Line>,
+    streams: Streams,
     /// What was told of a stream of which nothing else has arrived.
     ahead: Ahead,
-    /// First index and stamp of the present stretch without a gap, in the board's own count.
-    begun: (u64, u64),
-    /// Conversions and ticks of the longest such stretch so far.
-    longest: (u64, u64),
+    stretches: Stretches,
     /// Index that should come next, offset included.
     next: Option<u64>,
-    /// By axis: samples before this index follow a clipped word.
-    ringing_until: [u64; AXES],
-    /// By axis: samples that a fault was noticed to have spoilt.
-    suspect: [Range<u64>; AXES],
+    spoilt: Spoilt,
     losses: Losses,
     /// Why the next gap is there, where more is known than the batches tell.
     cause: Option<String>,
@@ -91,21 +78,17 @@ impl Assembler {
     /// Takes the next batch that arrived intact.
     pub fn push(&mut self, batch: &Batch) {
         let first = self.place(batch);
-        self.measure(batch, self.next == Some(first));
+        self.stretches.push(batch, self.next == Some(first));
         self.cause = None;
-        match &mut self.line {
-            Some(line) => line.extend(batch),
-            None => self.begin(first, batch),
+        if self.streams.begin_or_extend(batch) {
+            self.begin(first, batch);
         }
         self.seq = Some(batch.seq);
         self.next = Some(first + batch.codes.len() as u64);
         self.append(first, batch);
         let until = self.certain();
-        if self
-            .held
-            .oldest()
-            .is_some_and(|oldest| until.saturating_sub(oldest) >= BLOCK)
-        {
+        let is_long = |oldest| until.saturating_sub(oldest) >= BLOCK;
+        if self.held.oldest().is_some_and(is_long) {
             self.held.release(until, &mut self.done);
         }
     }
@@ -113,43 +96,32 @@ impl Assembler {
     /// Conversions and ticks from the first batch to the last of the longest stretch without a gap: over
     /// one, converters may have been synchronised anew.
     pub fn longest_stretch(&self) -> (u64, u64) {
-        self.longest
-    }
-
-    fn measure(&mut self, batch: &Batch, goes_on: bool) {
-        if !goes_on {
-            self.begun = (batch.first, batch.stamp);
-        }
-        let ticks = batch.stamp.saturating_sub(self.begun.1);
-        if ticks > self.longest.1 {
-            self.longest = (batch.first.saturating_sub(self.begun.0), ticks);
-        }
+        self.stretches.longest()
     }
 
     /// A stream begins with this batch, sample `first` of the record.
     fn begin(&mut self, first: u64, batch: &Batch) {
-        self.line = Some(Line::new(batch));
         if batch.stream != 0 {
             // Every board that numbers its streams confirms them.
             self.confirmed.get_or_insert(first);
         }
         for (axis, range) in self.ahead.take(batch).into_iter().enumerate() {
-            let [from, to] = [range.start, range.end].map(|at| at.wrapping_add(self.offset));
+            let [from, to] = [range.start, range.end].map(|at| self.streams.place(at));
             self.spoil_range(axis, from..to);
         }
     }
 
     /// Index of a batch in the record, once the gap ahead of it is told.
     fn place(&mut self, batch: &Batch) -> u64 {
-        let mut first = batch.first.wrapping_add(self.offset);
+        let mut first = self.streams.place(batch.first);
         let lost_batches = self
             .seq
             .map_or(0, |seq| batch.seq.wrapping_sub(seq.wrapping_add(1)));
         match self.next {
-            None if first > LONGEST_GAP => first = self.anew(batch, 0),
-            Some(next) if first < next || self.is_of_another(batch.stream) => {
+            None if first > LONGEST_GAP => first = self.streams.anew(batch, 0),
+            Some(next) if first < next || self.streams.is_another(batch.stream) => {
                 // The board has counted from 0 again: how much time passed is not known.
-                first = self.anew(batch, next + 1);
+                first = self.streams.anew(batch, next + 1);
                 self.losses.restarts += 1;
                 self.gap(
                     next,
@@ -159,7 +131,7 @@ impl Assembler {
             }
             Some(next) if first - next > LONGEST_GAP => {
                 let jump = first - next;
-                first = self.anew(batch, next + 1);
+                first = self.streams.anew(batch, next + 1);
                 self.gap(
                     next,
                     None,
@@ -217,10 +189,10 @@ impl Assembler {
     /// the board has also proved its words up to there, `to_the_end`, nothing more will be said
     /// about them.
     pub fn confirm(&mut self, stream: u16, index: u64, to_the_end: bool) {
-        if self.is_of_another(stream) {
+        if self.streams.is_another(stream) {
             return;
         }
-        let index = index.wrapping_add(self.offset).min(self.next_index());
+        let index = self.streams.place(index).min(self.next_index());
         let late = if to_the_end { 0 } else { SLIP_NOTICE };
         self.confirmed = Some(index.saturating_sub(late));
     }
@@ -228,55 +200,37 @@ impl Assembler {
     /// A fault was told of: the `words` before it must not be used.
     pub fn spoil(&mut self, axis: u8, event: &Event, words: u64) {
         let axis = usize::from(axis);
-        if self.is_of_another(event.stream) {
+        if self.streams.is_another(event.stream) {
             let range = event.index.saturating_sub(words)..event.index;
             return self.ahead.spoil(event.stream, axis, range);
         }
-        let index = event.index.wrapping_add(self.offset);
+        let index = self.streams.place(event.index);
         self.spoil_range(axis, index.saturating_sub(words)..index);
     }
 
     fn spoil_range(&mut self, axis: usize, range: Range<u64>) {
-        if let Some(suspect) = self.suspect.get_mut(axis) {
-            *suspect = range;
+        if let Some(suspect) = self.spoilt.suspect(axis, range) {
             self.held.mark_suspect(axis, suspect);
         }
     }
 
-    /// Has the record go on with this batch as sample `first`, and returns that.
-    fn anew(&mut self, batch: &Batch, first: u64) -> u64 {
-        self.offset = first.wrapping_sub(batch.first);
-        let before = self.line.take();
-        let other = before.filter(|line| !line.is_of(batch.stream));
-        self.former = other.map(Line::over).or(self.former);
-        first
-    }
-
-    /// Whether what says that it is of `stream` is of another than the present one.
-    fn is_of_another(&self, stream: u16) -> bool {
-        self.line.is_some_and(|line| !line.is_of(stream))
-    }
-
     /// What comes next may be of a new stream.
     pub fn announce(&mut self) {
-        if let Some(line) = &mut self.line {
-            line.announce();
-        }
+        self.streams.announce();
     }
 
     /// Whether a batch is one of the present stream that was there already, or comes too late, be it
     /// of the stream before. It is left out, and counted.
     pub fn leaves_out(&mut self, batch: &Batch) -> bool {
-        let holds = |line: Option<Line>| line.is_some_and(|line| line.holds(batch));
-        let left_out = holds(self.former) || (holds(self.line) && !self.is_later(batch));
+        let left_out = self.streams.hold(batch, self.is_later(batch));
         self.losses.left_out += u64::from(left_out);
         left_out
     }
 
     /// Whether a batch goes on with the count, be it after a gap.
     pub fn is_later(&self, batch: &Batch) -> bool {
-        let place = batch.first.wrapping_add(self.offset);
-        !self.is_of_another(batch.stream) && self.next.is_none_or(|next| place >= next)
+        let place = self.streams.place(batch.first);
+        !self.streams.is_another(batch.stream) && self.next.is_none_or(|next| place >= next)
     }
 
     /// The next batch, if a gap is ahead of it, has this one for a cause.
@@ -306,7 +260,7 @@ impl Assembler {
 
     /// What leads from the board's index to that of the record.
     pub(super) fn offset(&self) -> u64 {
-        self.offset
+        self.streams.offset()
     }
 
     /// Index that the next sample should have: the number of samples, lost ones included.
@@ -336,32 +290,7 @@ impl Assembler {
                 column.push(code.0);
             }
         }
-        let end = block.len();
-        for (invalid, &until) in block.invalid.iter_mut().zip(&self.ringing_until) {
-            mark(
-                invalid,
-                start..end.min(until.saturating_sub(block.first) as usize),
-            );
-        }
-        for (axis, suspect) in self.suspect.iter().enumerate() {
-            block.mark_suspect(axis, suspect);
-        }
-        for flag in &batch.flags {
-            let axis = usize::from(flag.axis);
-            let at = start + usize::from(flag.conversion);
-            // Numbers from the wire: an impossible place is ignored, the frame was intact.
-            let Some(invalid) = block.invalid.get_mut(axis).filter(|_| at < end) else {
-                continue;
-            };
-            self.losses.flagged[axis] += 1;
-            if flag.flags.has(Flags::OVER_RANGE) {
-                let ahead = at.saturating_sub(GUARD_BEFORE as usize);
-                mark(invalid, ahead..end.min(at + 1 + GUARD_AFTER as usize));
-                self.ringing_until[axis] = block.first + at as u64 + 1 + GUARD_AFTER;
-            } else {
-                mark(invalid, at..at + 1);
-            }
-        }
+        self.spoilt.mark(block, start, batch, &mut self.losses);
     }
 }
 

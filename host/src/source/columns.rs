@@ -1,6 +1,6 @@
 //! Which columns of a table are axes, which is the time, and in which unit they are.
 
-use super::npy_header::MOST_COLUMNS;
+use super::npy::MOST_COLUMNS;
 use super::options::{ArrayOptions, Selector};
 use super::table::Table;
 use super::{SourceError, Values, header};

@@ -1,10 +1,13 @@
 //! The one path from bytes to samples: live, from a capture, from the virtual board.
 
+mod notes;
+mod status;
+
 use inm_protocol::{
-    Answer, Batch, Decoder, Event, Fault, Health, Note, Reply, ToHost, Trouble, UNPROVEN_PERIODS,
-    VERSION,
+    Answer, Batch, Decoder, Event, Fault, Health, Reply, ToHost, Trouble, UNPROVEN_PERIODS, VERSION,
 };
 
+use self::status::REPLIES;
 use super::assemble::{Assembler, Losses, SLIP_NOTICE};
 use super::audit::{Audit, Proof, State};
 use super::interruption::{Clock, Interruption};
@@ -13,8 +16,7 @@ use super::{Chunk, Gap};
 use crate::capture::ClockSource;
 use crate::link::{axis_name, describe};
 
-/// Replies that are kept for who asked: one is asked for at a time, and late ones may be ahead of it.
-const REPLIES: usize = 8;
+pub use self::status::Status;
 
 /// Decodes frames and puts their samples together.
 #[derive(Debug, Default)]
@@ -33,22 +35,6 @@ pub struct Frames {
     behind_end: u64,
     /// What broke the stream off, until its next batch.
     interruption: Option<Interruption>,
-}
-
-/// What is known of board and link so far.
-#[derive(Debug, Clone, Default)]
-pub struct Status {
-    /// The last health record.
-    pub health: Option<Health>,
-    /// Frames of another protocol version were seen: theirs.
-    pub foreign_version: Option<u8>,
-    /// The recording was ended on purpose (captures only).
-    pub ended: bool,
-    /// The last that was heard of the stream is that the board does not stream.
-    pub stopped: bool,
-    /// Seconds, by the board's health records, in which a streaming board had no conversion.
-    pub idle_s: u64,
-    replies: Vec<Reply>,
 }
 
 impl Frames {
@@ -120,12 +106,7 @@ impl Frames {
 
     /// Takes the reply to command `id`, if it has arrived.
     pub fn take_reply(&mut self, id: u16) -> Option<Reply> {
-        let at = self
-            .status
-            .replies
-            .iter()
-            .position(|reply| reply.id == id)?;
-        Some(self.status.replies.swap_remove(at))
+        self.status.take_reply(id)
     }
 
     /// Board and link so far.
@@ -279,11 +260,7 @@ impl Frames {
             }
             _ => {}
         }
-        // Nobody asks for old ones; a stream may hold any number of them.
-        if self.status.replies.len() == REPLIES {
-            self.status.replies.remove(0);
-        }
-        self.status.replies.push(reply);
+        self.status.keep_reply(reply);
     }
 
     /// The board says that its stream is over. Its last health record, if it arrived, is behind the
@@ -300,36 +277,6 @@ impl Frames {
     fn tell(&mut self, state: Option<State>) {
         if let Some(state) = state {
             self.assembler.news(state.to_string());
-        }
-    }
-
-    fn note(&mut self, note: Note) {
-        if let Some(mut interruption) = Interruption::new(&note, self.streamed) {
-            interruption.look(&self.clock);
-            // What began it is told; what else happens before the next sample belongs to it.
-            self.interruption.get_or_insert(interruption);
-        }
-        match note {
-            Note::PortLost { .. } => self.assembler.news("the port went away".to_owned()),
-            Note::BoardSilent { .. } => self.assembler.news("the board fell silent".to_owned()),
-            Note::BoardStopped { .. } => {
-                self.assembler
-                    .news("the board stopped streaming".to_owned());
-            }
-            Note::Overrun { bytes, .. } => self.assembler.news(format!(
-                "this machine did not keep up: {bytes} bytes from the board were thrown away"
-            )),
-            Note::PortBack { unix_ms } => self.back("the port came back", unix_ms),
-            Note::StreamBack { unix_ms } => self.back("the stream is back", unix_ms),
-            Note::End { .. } => self.status.ended = true,
-            _ => {}
-        }
-    }
-
-    fn back(&mut self, what: &str, unix_ms: i64) {
-        self.assembler.news(what.to_owned());
-        if let Some(interruption) = &mut self.interruption {
-            interruption.until(unix_ms);
         }
     }
 

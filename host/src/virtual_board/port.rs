@@ -4,7 +4,7 @@ use std::io::{self, Read, Write};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender};
 use std::time::{Duration, Instant};
 
-use super::PARCEL;
+use super::line::PARCEL;
 use crate::link::Clock;
 
 /// How long one read waits for the board's thread.

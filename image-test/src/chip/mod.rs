@@ -112,6 +112,8 @@ pub struct Chip {
     pub watchdog: Watchdog,
     /// NVIC and SysTick.
     pub core: Core,
+    /// What of APB1 a halted core stops.
+    pub halted: u32,
     /// What is around the chip.
     pub board: Board,
     /// What the image did that the manual forbids.
@@ -151,6 +153,7 @@ impl Chip {
             adc: Adc::default(),
             watchdog: Watchdog::new(),
             core: Core::new(),
+            halted: 0,
             board,
             misuse: BTreeSet::new(),
             spent: Spent::default(),

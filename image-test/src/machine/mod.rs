@@ -32,6 +32,9 @@ const PRIVATE: u64 = 0xe000_0000;
 const PRIVATE_LEN: u64 = 0x10_0000;
 const SYSTEM_CONTROL: u64 = 0xe000_e000;
 
+/// Which peripherals of APB1 a halted core stops: DBGMCU_APB1_FZ (RM0090, 38.16.4).
+const HALTED: u64 = 0xe004_2008;
+
 /// Of the peripherals on APB1, APB2 and AHB1 as far as the image uses them.
 const PERIPHERALS_LEN: u64 = 0x4_0000;
 
@@ -249,14 +252,21 @@ fn map_registers(uc: &mut Unicorn<'static, Chip>) {
         |chip, offset| chip.core.read(offset),
         Chip::control,
     );
-    // Trace and debug: nobody is connected, nothing answers.
+    // Trace and debug: nobody is connected, and nothing answers but what a debugger would find set.
+    let ahead = (PRIVATE, SYSTEM_CONTROL - PRIVATE);
+    map(uc, ahead, |_, _| 0, |_, _, _, _| ());
     let behind = SYSTEM_CONTROL + PAGE;
-    for span in [
-        (PRIVATE, SYSTEM_CONTROL - PRIVATE),
+    let halted = (HALTED - behind) as u32;
+    map(
+        uc,
         (behind, PRIVATE + PRIVATE_LEN - behind),
-    ] {
-        map(uc, span, |_, _| 0, |_, _, _, _| ());
-    }
+        move |chip, offset| if offset == halted { chip.halted } else { 0 },
+        move |chip, offset, _, value| {
+            if offset == halted {
+                chip.halted = value;
+            }
+        },
+    );
 }
 
 /// Has reads (of an offset) and writes (offset, bytes, value) of a span of addresses go to the chip.

@@ -1,7 +1,7 @@
-use inm_protocol::{Code, Flag, Trouble};
+use inm_protocol::{Code, Flag, Flags, Trouble};
 
 use super::super::Values;
-use super::ranges::split_ranges;
+use super::ranges::{mark, split_ranges};
 use super::*;
 
 /// Stamp of conversion 0, and ticks of a data period.

@@ -79,6 +79,14 @@ impl Lines {
             })?;
             let is_whole = text.ends_with('\n');
             let (text, comment) = cut(text.trim_start_matches('\u{feff}'));
+            // The reader of cells would begin a row there, of which nobody has a number.
+            if text.contains('\r') {
+                return Err(self.error(
+                    None,
+                    "a carriage return within a line".into(),
+                    "save with a line feed at the end of each line, as `tr '\\r' '\\n'` writes them",
+                ));
+            }
             if text.matches('"').count() % 2 == 1 && is_whole {
                 return Err(self.error(
                     None,

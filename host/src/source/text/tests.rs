@@ -173,3 +173,21 @@ fn a_comment_behind_blanks_is_no_row() {
     assert_eq!(columns[0], [1.5, 3.0]);
     assert!(table("\n10ad1UU.2\n)\n\t#0\n").is_err());
 }
+
+#[test]
+fn a_carriage_return_within_a_line_hides_no_row() {
+    // Line ends of old computers, and one that went astray: each row but the first was lost.
+    for (text, line) in [
+        ("1.5,2\r3.5,4\r5.5,6\r", 1),
+        ("1.5,2\n3.5,4\r5.5,6\n7.5,8\n", 2),
+    ] {
+        let error = table(text).map(|_| ()).expect_err("refused").to_string();
+        let place = format!("t.csv:{line}: a carriage return within a line");
+        assert!(error.starts_with(&place), "{error}");
+    }
+    let mut table = table("1.5,2\r\r\n3.5,4\r\r\n").expect("two of them at an end hide nothing");
+    assert_eq!(
+        values(table.read(9).expect("rows")),
+        [[1.5, 3.5], [2.0, 4.0]]
+    );
+}

@@ -16,6 +16,26 @@ const WAYS: [(Separator, Decimal); 7] = [
     (Separator::Blanks, Decimal::Comma),
 ];
 
+/// What is tried between cells.
+const SEPARATORS: [Separator; 4] = [
+    Separator::Mark(b';'),
+    Separator::Mark(b'\t'),
+    Separator::Mark(b','),
+    Separator::Blanks,
+];
+
+/// The cells of each line, `None` where it has none of the marks.
+fn cells(lines: &[&Line], separator: Separator) -> Vec<Option<Vec<String>>> {
+    let has = |line: &Line| match separator {
+        Separator::Mark(mark) => line.text.as_bytes().contains(&mark),
+        Separator::Blanks => true,
+    };
+    let lines = lines.iter();
+    lines
+        .map(|line| has(line).then(|| separator.cells(&line.text)))
+        .collect()
+}
+
 /// The way that reads most lines as rows.
 ///
 /// # Errors
@@ -26,19 +46,18 @@ pub fn way(
     decimal: Option<Decimal>,
 ) -> Result<(Separator, Decimal), SourceError> {
     let texts: Vec<&Line> = lines.iter().filter(|line| line.comment.is_none()).collect();
-    let rows = |(separator, decimal): (Separator, Decimal)| -> Vec<Vec<String>> {
-        let texts = texts.iter().filter(|line| match separator {
-            Separator::Mark(mark) => line.text.as_bytes().contains(&mark),
-            Separator::Blanks => true,
-        });
-        texts
-            .map(|line| separator.cells(&line.text))
-            .filter(|cells| is_row(cells, decimal))
-            .collect()
+    let cut = SEPARATORS.map(|separator| (separator, cells(&texts, separator)));
+    let cut = |separator: Separator| {
+        let found = cut.iter().find(|(one, _)| *one == separator);
+        found.map_or(&[][..], |(_, cells)| cells)
+    };
+    let reads = |cells: &Option<Vec<String>>, decimal| {
+        cells.as_ref().is_some_and(|cells| is_row(cells, decimal))
     };
     let mut best = None;
     for one in WAYS {
-        let count = rows(one).len();
+        let rows = cut(one.0).iter().filter(|cells| reads(cells, one.1));
+        let count = rows.count();
         let is_allowed = decimal.is_none_or(|decimal| decimal == one.1);
         if is_allowed && count > best.map_or(0, |(most, _)| most) {
             best = Some((count, one));
@@ -56,13 +75,10 @@ pub fn way(
     };
     let column = (Separator::Blanks, Decimal::Comma);
     let two = (Separator::Mark(b','), Decimal::Point);
-    let pairs = rows(two);
-    let reads = |line: &Line, (separator, decimal): (Separator, Decimal)| {
-        is_row(&separator.cells(&line.text), decimal)
-    };
-    let both = texts
-        .iter()
-        .filter(|line| line.text.contains(',') && reads(line, two) && reads(line, column));
+    let pairs = cut(two.0).iter().filter(|cells| reads(cells, two.1));
+    let pairs: Vec<&Vec<String>> = pairs.flatten().collect();
+    let both = cut(two.0).iter().zip(cut(column.0));
+    let both = both.filter(|(pair, one)| reads(pair, two.1) && reads(one, column.1));
     let is_open = [two, column].contains(&best) && decimal.is_none();
     if is_open && !pairs.is_empty() && both.count() == pairs.len() {
         return commas(name, lines, &pairs, two, column);
@@ -74,7 +90,7 @@ pub fn way(
 fn commas(
     name: &str,
     lines: &[Line],
-    rows: &[Vec<String>],
+    rows: &[&Vec<String>],
     two: (Separator, Decimal),
     one: (Separator, Decimal),
 ) -> Result<(Separator, Decimal), SourceError> {

@@ -1,0 +1,38 @@
+//! What is known of board and link, and the replies that wait for who asked.
+
+use inm_protocol::{Health, Reply};
+
+/// Replies that are kept for who asked: one is asked for at a time, and late ones may be ahead of it.
+pub(super) const REPLIES: usize = 8;
+
+/// What is known of board and link so far.
+#[derive(Debug, Clone, Default)]
+pub struct Status {
+    /// The last health record.
+    pub health: Option<Health>,
+    /// Frames of another protocol version were seen: theirs.
+    pub foreign_version: Option<u8>,
+    /// The recording was ended on purpose (captures only).
+    pub ended: bool,
+    /// The last that was heard of the stream is that the board does not stream.
+    pub stopped: bool,
+    /// Seconds, by the board's health records, in which a streaming board had no conversion.
+    pub idle_s: u64,
+    replies: Vec<Reply>,
+}
+
+impl Status {
+    /// Takes the reply to command `id`, if it has arrived.
+    pub(super) fn take_reply(&mut self, id: u16) -> Option<Reply> {
+        let at = self.replies.iter().position(|reply| reply.id == id)?;
+        Some(self.replies.swap_remove(at))
+    }
+
+    /// Nobody asks for old ones; a stream may hold any number of them.
+    pub(super) fn keep_reply(&mut self, reply: Reply) {
+        if self.replies.len() == REPLIES {
+            self.replies.remove(0);
+        }
+        self.replies.push(reply);
+    }
+}

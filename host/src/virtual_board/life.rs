@@ -1,0 +1,124 @@
+//! The lives of a board, from power on to the restart that ends each, with what happens to it on the way.
+
+use std::thread;
+use std::time::{Duration, Instant};
+
+use inm_emulator::{Bench, Converter};
+use inm_firmware::emulated::{VirtualBoard, VirtualLink, describe};
+use inm_firmware::{Board, Instrument};
+use inm_protocol::{AXES, Restart};
+
+use super::line::{Line, PARCEL};
+use super::shaken::Shaken;
+use super::witness::{note_by_axis, note_words};
+use super::{Misfortune, VirtualConnect};
+use crate::link::Clock;
+
+/// Transmit queue of the board, bytes; that of the image.
+const QUEUE: usize = 4096;
+
+/// Steps of the instrument after which a parcel leaves, empty or not: 50 ms of a board at rest, of
+/// one that streams some 100 conversions. Much work compared with handing it over, and no long wait.
+const STEPS: u32 = 200;
+
+/// Runs the board until the host is gone.
+pub(super) fn power_on(plan: &VirtualConnect, line: &mut Line) {
+    let mut restart = Restart::Power;
+    let mut misfortunes = plan.restarts.iter();
+    loop {
+        let bench = Bench::new(plan.sensors().map(Converter::new));
+        let board = Board {
+            restart,
+            serial: plan.serial,
+            ..describe("virtual")
+        };
+        let instrument = VirtualBoard::instrument(&bench, VirtualLink::new(Some(plan.baud)), board);
+        let misfortune = misfortunes.as_slice().first();
+        restart = match run(instrument, plan, misfortune, line) {
+            Some(End::Command) => Restart::Command,
+            Some(End::Misfortune(Misfortune { cause, dark, .. })) => {
+                misfortunes.next();
+                stay_dark(*dark, &plan.clock);
+                cause.clone()
+            }
+            None => return,
+        };
+    }
+}
+
+/// Nothing comes through the port for so long.
+fn stay_dark(dark: Duration, clock: &Clock) {
+    let until = Instant::now() + dark;
+    while Instant::now() < until {
+        thread::sleep(PARCEL);
+        clock.pass(PARCEL);
+    }
+}
+
+type Running<'b> = Instrument<VirtualBoard<'b, Shaken, VirtualLink<QUEUE>>>;
+
+/// How a life of the board ended.
+enum End<'p> {
+    /// The host asked for it.
+    Command,
+    /// Nobody did.
+    Misfortune(&'p Misfortune),
+}
+
+/// Runs one life of the board: until it restarts, or the host is gone (`None`).
+fn run<'p>(
+    mut instrument: Running<'_>,
+    plan: &VirtualConnect,
+    misfortune: Option<&'p Misfortune>,
+    line: &mut Line,
+) -> Option<End<'p>> {
+    let started = Instant::now();
+    let mut parcel = Vec::new();
+    let mut steps = 0;
+    let mut words = 0;
+    let mut noted = [0; AXES];
+    let mut faults = &plan.faults[..];
+    let mut streams_from = None;
+    loop {
+        instrument.step();
+        steps += 1;
+        let bench = instrument.platform().bench();
+        if !faults.is_empty() && instrument.is_streaming() {
+            for &(axis, word, fault) in std::mem::take(&mut faults) {
+                bench.inject_at(axis, bench.sent(axis).words() + word, fault);
+            }
+        }
+        if let Some(misfortune) = misfortune.filter(|_| instrument.is_streaming()) {
+            let words = bench.sent(0).words();
+            if words - *streams_from.get_or_insert(words) >= misfortune.words {
+                return Some(End::Misfortune(misfortune));
+            }
+        }
+        if let Some(witness) = &plan.witness {
+            note_words(bench, &mut words, witness);
+        }
+        if let Some(witness) = &plan.axis_witness {
+            note_by_axis(bench, &mut noted, witness);
+        }
+        let now_ps = bench.now_ps();
+        let link = instrument.platform_mut().environment_mut();
+        link.take(now_ps, |byte| parcel.push(byte));
+        if link.restarts() > 0 {
+            return Some(End::Command);
+        }
+        if steps < STEPS {
+            continue;
+        }
+        steps = 0;
+        link.send(&line.exchange(std::mem::take(&mut parcel))?);
+        keep_pace(started, now_ps, plan.speed);
+    }
+}
+
+/// Sleeps until real time has come to where virtual time is.
+fn keep_pace(started: Instant, now_ps: u64, speed: f64) {
+    if speed > 0.0 {
+        let due = Duration::from_secs_f64(now_ps as f64 * 1e-12 / speed);
+        thread::sleep(due.saturating_sub(started.elapsed()));
+    }
+}
