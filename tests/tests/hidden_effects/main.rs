@@ -14,7 +14,7 @@ use inm_tests::hidden::noise::chain::Chain;
 use inm_tests::hidden::scene::Scene;
 use inm_tests::hidden::truth::Truth;
 use realfft::RealFftPlanner;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 const RATE_HZ: f64 = 2000.0;
 
