@@ -13,16 +13,15 @@
 //! by less. Differenced white noise no longer cancels at the edges of gaps: there the estimate is
 //! too large by about the number of runs in a block, and is not to be used.
 
+mod octave;
+
 use crate::engine::LAST_INDEX;
 use crate::fixed_point::CODE_LIMIT;
 use crate::statistic::{Estimate, Statistic};
-use crate::wide::Wide;
+use octave::{Block, FRACTION_BITS, Octave};
 
 /// Shortest block, in samples.
 const SHORTEST: u64 = 64;
-/// Fraction bits of a block's mean, which is rounded once: to 2^-21 of a count. Codes are below
-/// 2^42 ([`CODE_LIMIT`]), so means stay below 2^62 and their differences below 2^63.
-const FRACTION_BITS: u32 = 20;
 
 /// Allan variance from block means, to be marked as such.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,61 +40,6 @@ pub struct BlockMeans<const OCTAVES: usize> {
     octaves: [Octave; OCTAVES],
     /// The shortest block under way.
     current: Block,
-}
-
-/// Samples of a block, or of as much of it as is there.
-#[derive(Debug, Clone, Copy)]
-struct Block {
-    sum: i128,
-    samples: u64,
-}
-
-#[derive(Debug, Clone, Copy)]
-struct Octave {
-    /// The first half of the block under way, once complete.
-    half: Block,
-    /// Mean and samples of the block before, if it counts.
-    previous: Option<(i64, u64)>,
-    squares: Wide<3>,
-    terms: u64,
-    /// Sum of `1/f` of the blocks of each difference.
-    inverse_fractions: f64,
-}
-
-impl Block {
-    const EMPTY: Self = Self { sum: 0, samples: 0 };
-
-    /// Mean of the samples there, in steps of 2^-20, if they are 90 % of `m`.
-    fn mean(self, m: u64) -> Option<i64> {
-        if u128::from(self.samples) * 10 < u128::from(m) * 9 {
-            return None;
-        }
-        let samples = i128::from(self.samples);
-        Some((((self.sum << FRACTION_BITS) + samples / 2).div_euclid(samples)) as i64)
-    }
-}
-
-impl Octave {
-    const EMPTY: Self = Self {
-        half: Block::EMPTY,
-        previous: None,
-        squares: Wide::ZERO,
-        terms: 0,
-        inverse_fractions: 0.0,
-    };
-
-    /// Accepts a complete block of `m` samples, of which those there count.
-    fn push(&mut self, m: u64, block: Block) {
-        let recent = block.mean(m).map(|mean| (mean, block.samples));
-        if let (Some((before, before_samples)), Some((mean, samples))) = (self.previous, recent) {
-            self.squares
-                .add_square(i128::from(mean) - i128::from(before));
-            self.terms += 1;
-            let inverse = |samples: u64| m as f64 / samples as f64;
-            self.inverse_fractions += 0.5 * (inverse(before_samples) + inverse(samples));
-        }
-        self.previous = recent;
-    }
 }
 
 impl<const OCTAVES: usize> BlockMeans<OCTAVES> {

@@ -16,47 +16,33 @@
 //!
 //! Only a damaged state has differences beyond their bound; its sums wrap then.
 
+mod order;
+mod squares;
+
 use core::marker::PhantomData;
 
 use crate::grid::LONGEST;
 use crate::kernels::{CHUNK, WIDEST, squares};
+use squares::{SOME, chunks, pairs, parts, small_pairs};
+
+pub(crate) use order::{Order, Second, Third};
 
 /// Added to both halves of a word of differences, whose magnitude it exceeds.
 const BIAS: u64 = 1 << 31;
 const BIASES: u64 = BIAS << 32 | BIAS;
+
 /// Largest magnitude of a difference of which a word holds two.
 const PAIRED: u64 = BIAS - 1;
+
 /// Largest magnitude of differences of which 2^11 squares stay below 2^64.
 const SMALL: u64 = 1 << 26;
-/// Words in two parts that are summed before a partial sum is moved to a wider one: so many products
-/// of parts below 2^27 stay below 2^63.
-const SOME: usize = 1 << 9;
+
 /// Bits of the lower of two parts of a knot: third differences of it are below 2^27.
 const LOW_BITS: u32 = 25;
 const LOW_MASK: u64 = (1 << LOW_BITS) - 1;
+
 /// Largest magnitude of a difference that is taken in two parts, the upper one of 2^26 and a borrow.
 const SPLIT: u64 = 1 << 51;
-
-/// Which differences are squared.
-pub(crate) trait Order {
-    /// Lags that one spans.
-    const LAGS: usize;
-
-    /// What [`Packed::multiples`] are of a word.
-    fn multiple(word: u64) -> u64;
-
-    /// The words' differences, raised by [`BIASES`], that end from `from` to `to`.
-    fn raised(packed: &Packed, lag: usize, from: usize, to: usize) -> impl Iterator<Item = u64>;
-
-    /// The differences themselves.
-    fn plain(row: &[i64], lag: usize, from: usize, to: usize) -> impl Iterator<Item = i64>;
-}
-
-/// `v[i] - 2 v[i-lag] + v[i-2 lag]`
-pub(crate) struct Second;
-
-/// `v[i] - 3 v[i-lag] + 3 v[i-2 lag] - v[i-3 lag]`
-pub(crate) struct Third;
 
 /// Working space: the words of a row.
 pub(crate) struct Packed {
@@ -177,152 +163,6 @@ impl<'a, O: Order> Differences<'a, O> {
             *multiple = O::multiple(word);
         }
     }
-}
-
-impl Order for Second {
-    const LAGS: usize = 2;
-
-    #[inline(always)]
-    fn multiple(word: u64) -> u64 {
-        word.wrapping_add(word).wrapping_sub(BIASES)
-    }
-
-    #[inline(always)]
-    fn raised(packed: &Packed, lag: usize, from: usize, to: usize) -> impl Iterator<Item = u64> {
-        let words = |lags: usize| &packed.words[from - lags * lag..to - lags * lag];
-        let twice = &packed.multiples[from - lag..to - lag];
-        let knots = words(2).iter().zip(twice).zip(words(0));
-        knots.map(|((old, twice), new)| new.wrapping_add(*old).wrapping_sub(*twice))
-    }
-
-    #[inline(always)]
-    fn plain(row: &[i64], lag: usize, from: usize, to: usize) -> impl Iterator<Item = i64> {
-        let part = |lags: usize| &row[from - lags * lag..to - lags * lag];
-        let knots = part(2).iter().zip(part(1)).zip(part(0));
-        knots.map(|((old, middle), new)| {
-            let before = middle.wrapping_sub(*old);
-            new.wrapping_sub(*middle).wrapping_sub(before)
-        })
-    }
-}
-
-impl Order for Third {
-    const LAGS: usize = 3;
-
-    #[inline(always)]
-    fn multiple(word: u64) -> u64 {
-        word.wrapping_add(word).wrapping_add(word)
-    }
-
-    #[inline(always)]
-    fn raised(packed: &Packed, lag: usize, from: usize, to: usize) -> impl Iterator<Item = u64> {
-        let words = |lags: usize| &packed.words[from - lags * lag..to - lags * lag];
-        let thrice = |lags: usize| &packed.multiples[from - lags * lag..to - lags * lag];
-        let knots = words(3).iter().zip(thrice(2)).zip(thrice(1)).zip(words(0));
-        knots.map(|(((oldest, old), middle), new)| {
-            let outer = new.wrapping_sub(*oldest).wrapping_add(BIASES);
-            outer.wrapping_sub(middle.wrapping_sub(*old))
-        })
-    }
-
-    #[inline(always)]
-    fn plain(row: &[i64], lag: usize, from: usize, to: usize) -> impl Iterator<Item = i64> {
-        let part = |lags: usize| &row[from - lags * lag..to - lags * lag];
-        let knots = part(3).iter().zip(part(2)).zip(part(1)).zip(part(0));
-        knots.map(|(((oldest, old), middle), new)| {
-            let inner = middle.wrapping_sub(*old);
-            let thrice = inner.wrapping_add(inner).wrapping_add(inner);
-            new.wrapping_sub(*oldest).wrapping_sub(thrice)
-        })
-    }
-}
-
-/// Adds up what `sum` gives for the places from `from` to `to`, at most `most` at a time.
-#[inline(always)]
-fn chunks((from, to, most): (usize, usize, usize), sum: impl Fn(usize, usize) -> u128) -> u128 {
-    let mut total = 0;
-    let mut begin = from;
-    while begin < to {
-        let end = to.min(begin + most);
-        total = sum(begin, end).wrapping_add(total);
-        begin = end;
-    }
-    total
-}
-
-#[inline(always)]
-fn halves(word: u64) -> (u64, u64) {
-    (word & u64::from(u32::MAX), word >> 32)
-}
-
-/// `2 b^2` less the squares of both differences `d` of a word, as `(b + d)(b - d)` twice: the factors
-/// are positive, since not every vector unit multiplies signed numbers.
-#[inline(always)]
-fn short_of_biases(word: u64) -> u64 {
-    let (low, high) = halves(word);
-    // 2 b less b + d, in both halves.
-    let (low_rest, high_rest) = halves(BIASES.wrapping_mul(2).wrapping_sub(word));
-    (low * low_rest).wrapping_add(high * high_rest)
-}
-
-/// Sum of the squares of both differences of each word, below 2^64.
-#[inline(always)]
-fn small_pairs(words: impl Iterator<Item = u64>) -> u64 {
-    let (mut count, mut short) = (0_u64, 0_u64);
-    for word in words {
-        count += 1;
-        short = short.wrapping_add(short_of_biases(word));
-    }
-    // What wraps on the way does not matter.
-    count.wrapping_mul(2 * BIAS * BIAS).wrapping_sub(short)
-}
-
-/// Sum of the squares of both differences of each word.
-#[inline(always)]
-fn pairs(words: impl Iterator<Item = u64>) -> u128 {
-    let (mut count, mut low, mut high) = (0_u64, 0_u64, 0_u64);
-    for word in words {
-        let short = halves(short_of_biases(word));
-        count += 1;
-        low += short.0;
-        high += short.1;
-    }
-    let short = u128::from(low) + (u128::from(high) << 32);
-    (u128::from(count) * u128::from(2 * BIAS * BIAS)).wrapping_sub(short)
-}
-
-/// Sum of the squares of differences `d = 2^25 h + l` in at most [`SOME`] words that hold `h + b` and
-/// `l + b`: with the sums `H` and `L` of these,
-///
-/// ```text
-/// sum of l^2 = sum of (l+b)^2 - 2 b L + n b^2            likewise for h^2
-/// sum of h l = sum of (h+b)(l+b) - b (H + L) + n b^2
-/// ```
-#[inline(always)]
-fn parts(words: impl Iterator<Item = u64>) -> u128 {
-    let (mut count, mut totals, mut high_total) = (0_u64, 0_u64, 0_u64);
-    let (mut low_squares, mut products, mut high_squares) = (0_u64, 0_u64, 0_u64);
-    for word in words {
-        let (low, high) = halves(word);
-        low_squares = low_squares.wrapping_add(low * low);
-        products = products.wrapping_add(low * high);
-        high_squares = high_squares.wrapping_add(high * high);
-        totals = totals.wrapping_add(word);
-        high_total += high;
-        count += 1;
-    }
-    // Each of the three is known modulo 2^64 and lies within 2^63 on either side of zero.
-    let low_total = totals.wrapping_sub(high_total << 32);
-    let biases = count.wrapping_mul(BIAS * BIAS);
-    let square = |squares: u64, total: u64| {
-        let linear = total.wrapping_mul(2 * BIAS);
-        u128::from(squares.wrapping_sub(linear).wrapping_add(biases))
-    };
-    let linear = (low_total + high_total).wrapping_mul(BIAS);
-    let products = products.wrapping_sub(linear).wrapping_add(biases) as i64;
-    let squares =
-        square(low_squares, low_total) + (square(high_squares, high_total) << (2 * LOW_BITS));
-    squares.wrapping_add_signed(i128::from(products) << (LOW_BITS + 1))
 }
 
 #[cfg(test)]

@@ -1,41 +1,16 @@
 //! Accumulates the chunks of a source, axis by axis.
 
-use inm_allan::{BlockEstimate, Estimate, Statistic};
+mod account;
+mod axis;
+mod sum;
 
-use super::bridge::Bridge;
-use super::full::Segments;
-use super::strided::Strided;
 use super::unusable::Unusable;
-use crate::source::{Chunk, Column, Gap, Values};
-use crate::spectrum::{Cascade, Plan};
+use crate::source::{Chunk, Column};
+use crate::spectrum::Plan;
 
-/// Which differences enter an estimate.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Overlap {
-    /// At least 24 an averaging time, four averaging times an octave, in bounded memory.
-    #[default]
-    Strided,
-    /// Every one, at any averaging time; keeps the record in memory.
-    Full,
-}
-
-/// What a record consists of, for all axes.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Account {
-    /// Samples that arrived, an axis.
-    pub samples: u64,
-    /// Samples known to be missing from all axes.
-    pub lost: u64,
-    /// Gaps in all axes.
-    pub gaps: Vec<Gap>,
-    /// Samples a second by the board's stamps; `None` where there are none, or too few.
-    pub measured_rate_hz: Option<f64>,
-    /// What does not count of one axis alone, axis by axis; empty before the first block.
-    pub unusable: Vec<Unusable>,
-    /// News on the way, in words.
-    pub news: Vec<String>,
-}
+pub use account::Account;
+pub(super) use axis::Missing;
+pub use axis::{AxisRecord, Overlap};
 
 /// A record being accumulated.
 #[derive(Clone)]
@@ -46,53 +21,13 @@ pub struct Record {
     next: Option<u64>,
 }
 
-/// One axis of it.
-#[derive(Clone)]
-pub struct AxisRecord {
-    bins: AxisBins,
-    bridge: Bridge,
-    cascade: Cascade,
-    /// Samples and missing ones so far: the cascade's index.
-    position: u64,
-    count: u64,
-    invalid: u64,
-    sum: Sum,
-}
-
-/// What is missing from all axes.
-#[derive(Debug, Clone, Copy)]
-pub(super) enum Missing {
-    /// So many samples, perhaps none.
-    Samples(u64),
-    /// Nobody knows how many.
-    Unknown,
-}
-
-#[derive(Clone)]
-enum AxisBins {
-    Strided(Strided),
-    Full(Segments),
-}
-
 impl Record {
     /// An empty record of `axes` axes.
     pub fn new(axes: usize, overlap: Overlap) -> Self {
         let plan = Plan::new();
-        let axis = || AxisRecord {
-            bins: match overlap {
-                Overlap::Strided => AxisBins::Strided(Strided::default()),
-                Overlap::Full => AxisBins::Full(Segments::default()),
-            },
-            bridge: Bridge::default(),
-            cascade: Cascade::new(&plan),
-            position: 0,
-            count: 0,
-            invalid: 0,
-            sum: Sum::default(),
-        };
         Self {
             account: Account::default(),
-            axes: (0..axes).map(|_| axis()).collect(),
+            axes: (0..axes).map(|_| AxisRecord::new(overlap, &plan)).collect(),
             next: None,
         }
     }
@@ -164,194 +99,12 @@ impl Record {
     }
 }
 
-impl AxisRecord {
-    /// A gap in all axes.
-    pub(super) fn pass_over(&mut self, missing: Missing) {
-        match missing {
-            Missing::Samples(missing) => self.skip(missing),
-            Missing::Unknown => {
-                self.bins.skip(1);
-                self.bridge.restart();
-                self.position += 1;
-            }
-        }
-    }
-
-    /// The next samples.
-    pub(super) fn push(&mut self, column: &Column) {
-        let end = column.values.len();
-        let mut from = 0;
-        for bad in column
-            .invalid
-            .iter()
-            .cloned()
-            .chain(std::iter::once(end..end))
-        {
-            if bad.start > from {
-                self.push_run(&column.values, from..bad.start);
-            }
-            self.skip(bad.len() as u64);
-            self.invalid += bad.len() as u64;
-            from = bad.end;
-        }
-    }
-
-    fn skip(&mut self, missing: u64) {
-        if missing > 0 {
-            self.bins.skip(missing);
-            self.bridge.skip(missing);
-            self.position += missing;
-        }
-    }
-
-    fn push_run(&mut self, values: &Values, run: std::ops::Range<usize>) {
-        let first = self.position;
-        self.position += run.len() as u64;
-        self.count += run.len() as u64;
-        let in_order = match values {
-            Values::Codes(codes) => {
-                let run = &codes[run];
-                self.sum.add_codes(run);
-                self.bridge.push_codes(run);
-                match &mut self.bins {
-                    AxisBins::Strided(bins) => bins.push_codes(run),
-                    AxisBins::Full(segments) => segments.push_codes(run),
-                }
-                self.cascade.push_codes(first, run)
-            }
-            Values::Floats(floats) => {
-                let run = &floats[run];
-                self.sum.add_floats(run);
-                self.bridge.push_floats(run);
-                match &mut self.bins {
-                    AxisBins::Strided(bins) => bins.push_floats(run),
-                    AxisBins::Full(segments) => segments.push_floats(run),
-                }
-                self.cascade.push_values(first, run)
-            }
-        };
-        // The position only grows.
-        debug_assert!(in_order.is_ok());
-    }
-
-    /// The spectrum so far, in squared counts.
-    pub fn cascade(&self) -> &Cascade {
-        &self.cascade
-    }
-
-    /// Samples that count.
-    pub fn count(&self) -> u64 {
-        self.count
-    }
-
-    /// Samples of this axis alone that were marked as unusable.
-    pub fn invalid(&self) -> u64 {
-        self.invalid
-    }
-
-    /// Mean in counts, `None` without samples.
-    pub fn mean(&self) -> Option<f64> {
-        (self.count > 0).then(|| self.sum.value() / self.count as f64)
-    }
-
-    /// Estimates in squared counts, ascending in `m`: at the averaging factors `factors` with
-    /// full overlap; at those of them that the bins hold where it is strided.
-    pub fn estimates(&self, statistic: Statistic, factors: &[u64]) -> Vec<Estimate> {
-        match &self.bins {
-            AxisBins::Full(segments) => segments.estimates(statistic, factors),
-            AxisBins::Strided(bins) => {
-                let mut all = bins.estimates(statistic);
-                all.retain(|estimate| factors.binary_search(&estimate.m).is_ok());
-                all
-            }
-        }
-    }
-
-    /// Allan variance in squared counts from the means of incomplete blocks, ascending in `m`:
-    /// where gaps leave no whole difference, up to `longest`.
-    pub fn bridged(&self, longest: u64) -> Vec<BlockEstimate> {
-        let mut estimates = self.bridge.estimates();
-        let whole = match &self.bins {
-            AxisBins::Full(segments) => segments.longest() / 2,
-            AxisBins::Strided(bins) => bins
-                .estimates(Statistic::Allan)
-                .last()
-                .map_or(0, |estimate| estimate.m),
-        };
-        estimates
-            .retain(|BlockEstimate { estimate, .. }| (whole + 1..=longest).contains(&estimate.m));
-        estimates
-    }
-
-    /// Estimates in squared counts at the averaging factors `factors`, or at the nearest ones
-    /// that the bins hold, each once.
-    pub fn nearest(&self, statistic: Statistic, factors: &[u64]) -> Vec<Estimate> {
-        let AxisBins::Strided(bins) = &self.bins else {
-            return self.estimates(statistic, factors);
-        };
-        let all = bins.estimates(statistic);
-        let distance = |estimate: &Estimate, m: u64| (estimate.m as f64 / m as f64).ln().abs();
-        let mut near: Vec<Estimate> = factors
-            .iter()
-            .filter_map(|&m| {
-                all.iter()
-                    .min_by(|a, b| distance(a, m).total_cmp(&distance(b, m)))
-                    .copied()
-            })
-            .collect();
-        near.dedup_by_key(|estimate| estimate.m);
-        near
-    }
-}
-
-impl AxisBins {
-    /// A gap.
-    fn skip(&mut self, missing: u64) {
-        match self {
-            Self::Strided(bins) => bins.skip(missing),
-            Self::Full(segments) => segments.end(),
-        }
-    }
-}
-
-/// A sum that does not lose the small against the large.
-#[derive(Debug, Clone, Copy, Default)]
-struct Sum {
-    codes: i128,
-    floats: f64,
-    /// What was rounded off `floats` (Neumaier 1974).
-    rest: f64,
-}
-
-impl Sum {
-    fn add_codes(&mut self, codes: &[i32]) {
-        // A run in memory is shorter than 2^32, so 64 bits hold its sum.
-        self.codes += i128::from(codes.iter().map(|&code| i64::from(code)).sum::<i64>());
-    }
-
-    fn add_floats(&mut self, floats: &[f64]) {
-        // Short plain sums round at the size of their own few samples only.
-        for few in floats.chunks(64) {
-            let value: f64 = few.iter().sum();
-            let total = self.floats + value;
-            self.rest += if self.floats.abs() >= value.abs() {
-                (self.floats - total) + value
-            } else {
-                (value - total) + self.floats
-            };
-            self.floats = total;
-        }
-    }
-
-    fn value(&self) -> f64 {
-        self.codes as f64 + (self.floats + self.rest)
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use inm_allan::Statistic;
+
     use super::*;
-    use crate::source::Block;
+    use crate::source::{Block, Gap, Values};
 
     fn floats(first: u64, values: &[f64], invalid: Vec<std::ops::Range<usize>>) -> Chunk {
         let column = Column {

@@ -7,36 +7,29 @@
 //! alone. How good all this is is computed, not assumed: [`ShapingFilter::accuracy`]
 //! compares the Allan deviation of the very matrices with the model's.
 
+mod accuracy;
+mod chained;
+mod exact;
+mod flicker;
+
 use std::f64::consts::TAU;
 
-use nalgebra::{DMatrix, DVector};
-
-use super::factor::Factor;
 use super::state_space::StateSpace;
 use crate::model::axis::{ModelAxis, ModelEffect};
 use crate::model::effect::Part;
-use crate::model::flicker::Flicker;
-use crate::model::kernel::{self, Kernel};
-use crate::model::law::Law;
 use crate::model::markov::Markov;
 use crate::model::quantisation::Quantisation;
 use crate::model::white::White;
 use crate::model::{Line, Term};
+use accuracy::accuracy;
+use chained::chained;
+use exact::{markov_block, quantisation_block, ramp, sinusoid, walk, white_block};
+use flicker::flicker;
 
-/// Ratio of neighbouring correlation times of the flicker bank: 0.5 % of ripple in deviation.
-const SPACING: f64 = 6.0;
+pub use accuracy::Accuracy;
 
 /// Markov noise with a correlation time below this many samples goes through the chain's filter.
 const FAST_SAMPLES: f64 = 200.0;
-
-/// Error of the Allan deviation that the order of the chain's filter is chosen for, as a part.
-const AIM: f64 = 0.005;
-
-/// Averaging times an octave at which deviations are compared.
-const PER_OCTAVE: f64 = 2.0;
-
-/// Allan variance that is nothing, as a part of the largest of the curve.
-const NOTHING: f64 = 1e-9;
 
 /// A shaping filter and how good it is.
 pub struct ShapingFilter {
@@ -46,17 +39,6 @@ pub struct ShapingFilter {
     pub accuracy: Accuracy,
     /// Effects of the model that are not in it.
     pub left_out: Vec<&'static str>,
-}
-
-/// Agreement of the filter's Allan deviation with the model's.
-#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
-pub struct Accuracy {
-    /// Shortest averaging time compared, seconds.
-    pub from_s: f64,
-    /// Longest averaging time compared, seconds.
-    pub to_s: f64,
-    /// Largest difference of the deviations between them, percent of the model's.
-    pub allan_deviation_percent: f64,
 }
 
 impl ShapingFilter {
@@ -170,233 +152,6 @@ fn sections(axis: &ModelAxis, rate_hz: f64) -> Vec<f64> {
         .iter()
         .map(|pole_hz| -(-TAU * pole_hz / rate_hz).exp_m1())
         .collect()
-}
-
-fn white_block(white: White, rate_hz: f64) -> StateSpace {
-    let variance = white.root_density.powi(2) * rate_hz;
-    StateSpace::first_order("white", 0.0, variance, variance)
-}
-
-/// Differenced white noise: the last two of a white sequence are the states.
-fn quantisation_block(quantisation: Quantisation, rate_hz: f64) -> StateSpace {
-    let variance = (quantisation.step * rate_hz).powi(2);
-    StateSpace {
-        f: DMatrix::from_row_slice(2, 2, &[0.0, 0.0, 1.0, 0.0]),
-        g: DMatrix::from_row_slice(2, 1, &[1.0, 0.0]),
-        h: DVector::from_row_slice(&[1.0, -1.0]),
-        q: DVector::from_element(1, variance),
-        x0: DVector::zeros(2),
-        p0: DMatrix::from_diagonal_element(2, 2, variance),
-        names: vec![
-            "quantisation".to_owned(),
-            "quantisation, one sample before".to_owned(),
-        ],
-    }
-}
-
-/// A walk from zero with steps of variance `q`. How far the sections lag behind it is stationary,
-/// though the walk is not.
-fn walk(q: f64, sections: &[f64]) -> StateSpace {
-    let mut system = StateSpace::first_order("walk", 1.0, q, 0.0).cascade(sections);
-    let n = sections.len();
-    if n == 0 {
-        return system;
-    }
-    // In the lags s - x, which the walk x drives by its steps alone, the sections are stable.
-    let mut to_lags = DMatrix::identity(n + 1, n + 1);
-    let mut from_lags = to_lags.clone();
-    for k in 1..=n {
-        to_lags[(k, 0)] = -1.0;
-        from_lags[(k, 0)] = 1.0;
-    }
-    let (f, g) = (&to_lags * &system.f * from_lags, &to_lags * &system.g);
-    let lags = StateSpace {
-        f: f.view((1, 1), (n, n)).into_owned(),
-        g: g.rows(1, n).into_owned(),
-        h: DVector::zeros(n),
-        q: system.q.clone(),
-        x0: DVector::zeros(n),
-        p0: DMatrix::zeros(n, n),
-        names: Vec::new(),
-    };
-    system
-        .p0
-        .view_mut((1, 1), (n, n))
-        .copy_from(&lags.settled().p0);
-    system
-}
-
-fn markov_block(name: &str, markov: Markov, rate_hz: f64) -> StateSpace {
-    let decay = 1.0 / (markov.time_s * rate_hz);
-    let variance = markov.deviation.powi(2);
-    let innovation = -variance * (-2.0 * decay).exp_m1();
-    StateSpace::first_order(name, (-decay).exp(), innovation, variance)
-}
-
-/// A level that grows by a constant each sample.
-fn ramp(slope_per_sample: f64) -> StateSpace {
-    StateSpace {
-        f: DMatrix::from_row_slice(2, 2, &[1.0, 1.0, 0.0, 1.0]),
-        g: DMatrix::zeros(2, 0),
-        h: DVector::from_row_slice(&[1.0, 0.0]),
-        q: DVector::zeros(0),
-        x0: DVector::from_row_slice(&[0.0, slope_per_sample]),
-        p0: DMatrix::zeros(2, 2),
-        names: vec!["ramp".to_owned(), "ramp, change a sample".to_owned()],
-    }
-}
-
-/// A rotation that nothing drives; its phase is any.
-fn sinusoid(line: Line, passed: f64, rate_hz: f64) -> StateSpace {
-    let (sine, cosine) = (TAU * line.f_hz / rate_hz).sin_cos();
-    let name = format!("sinusoid of {} Hz", line.f_hz);
-    StateSpace {
-        f: DMatrix::from_row_slice(2, 2, &[cosine, -sine, sine, cosine]),
-        g: DMatrix::zeros(2, 0),
-        h: DVector::from_row_slice(&[1.0, 0.0]),
-        q: DVector::zeros(0),
-        x0: DVector::zeros(2),
-        p0: DMatrix::from_diagonal_element(2, 2, line.power * passed),
-        names: vec![name.clone(), format!("{name}, a quarter period before")],
-    }
-}
-
-/// Flicker noise as Markov processes. Their variances are fitted to the spectrum from below
-/// `1 / longest_s` to half the rate, by relative least squares with no variance negative.
-fn flicker(level: f64, rate_hz: f64, longest_s: f64) -> StateSpace {
-    let (fastest_s, slowest_s) = (0.2 / rate_hz, 2.0 * longest_s);
-    let count = ((slowest_s / fastest_s).ln() / SPACING.ln())
-        .ceil()
-        .max(1.0) as usize
-        + 1;
-    let step = (slowest_s / fastest_s).powf(1.0 / (count - 1) as f64);
-    let unit = |k: usize| Markov {
-        deviation: 1.0,
-        time_s: fastest_s * step.powi(k as i32),
-    };
-    let flicker = Flicker { level };
-    let lowest_hz = 0.25 / longest_s;
-    let points = 16 * count;
-    let f_hz = |point: usize| {
-        lowest_hz * (0.5 * rate_hz / lowest_hz).powf((point as f64 + 0.5) / points as f64)
-    };
-    let ratios = DMatrix::from_fn(points, count, |point, k| {
-        unit(k).spectrum(f_hz(point), rate_hz) / flicker.spectrum(f_hz(point), rate_hz)
-    });
-    let variances = non_negative(&ratios);
-    let mut system = StateSpace::empty();
-    for (k, variance) in variances.iter().enumerate().filter(|(_, v)| **v > 0.0) {
-        let markov = Markov {
-            deviation: variance.sqrt(),
-            ..unit(k)
-        };
-        let name = format!("flicker, {:.3e} s", markov.time_s);
-        system = system.plus(&markov_block(&name, markov, rate_hz));
-    }
-    system
-}
-
-/// Non-negative `x` with `a x` near 1 in least squares, for `a` without negative elements: the
-/// multiplicative iteration of Daube-Witherspoon and Muehllehner (1986), which keeps signs.
-fn non_negative(a: &DMatrix<f64>) -> DVector<f64> {
-    let target = a.row_sum_tr();
-    let normal = a.transpose() * a;
-    let mut x = DVector::from_fn(a.ncols(), |k, _| target[k] / normal.row(k).sum());
-    // Columns differ by orders of magnitude; the iteration does not mind.
-    for _ in 0..5000 {
-        let predicted = &normal * &x;
-        x = x.zip_zip_map(&target, &predicted, |x, wanted, got| x * wanted / got);
-    }
-    x
-}
-
-/// Fast noises behind the chain, up to its low-pass `sections`, by a filter of the lowest order
-/// that is good enough.
-fn chained(
-    axis: &ModelAxis,
-    terms: &[Box<dyn Term>],
-    sections: &[f64],
-    rate_hz: f64,
-) -> StateSpace {
-    let law = Law::new(
-        &ModelAxis {
-            effects: Vec::new(),
-            ..axis.clone()
-        },
-        rate_hz,
-    );
-    let density = |f_hz: f64| {
-        let ahead: f64 = terms
-            .iter()
-            .map(|term| law.density_ahead(&**term, f_hz))
-            .sum();
-        ahead * law.power(f_hz)
-    };
-    let factor = Factor::new(density, sections, rate_hz);
-    // Longer than any memory of the chain's; beyond, the density at zero alone counts.
-    let taus: Vec<u64> = (0..18).map(|k| 1 << k).collect();
-    let wanted: Vec<f64> = taus
-        .iter()
-        .map(|&m| kernel::variance(Kernel::Allan, m, rate_hz, density))
-        .collect();
-    let error = |system: &StateSpace| {
-        let system = system.cascade(sections).settled();
-        taus.iter()
-            .zip(&wanted)
-            .map(|(&m, wanted)| ((system.allan_variance(m) / wanted).sqrt() - 1.0).abs())
-            .fold(0.0, f64::max)
-    };
-    let mut best = (f64::INFINITY, StateSpace::empty());
-    for order in 1..=Factor::MOST {
-        let Some(system) = factor.truncated(order, "band-limited noise") else {
-            continue;
-        };
-        let error = error(&system);
-        if error < best.0 {
-            best = (error, system);
-        }
-        if error < AIM {
-            break;
-        }
-    }
-    best.1
-}
-
-/// Largest difference to the model without what is left out.
-fn accuracy(
-    system: &StateSpace,
-    axis: &ModelAxis,
-    known: &Known,
-    rate_hz: f64,
-    longest_s: f64,
-) -> Accuracy {
-    let law = Law::new(
-        &ModelAxis {
-            effects: known.effects.clone(),
-            ..axis.clone()
-        },
-        rate_hz,
-    );
-    let longest = (longest_s * rate_hz).max(1.0);
-    let steps = (longest.log2() * PER_OCTAVE).floor() as u32;
-    let factors: std::collections::BTreeSet<u64> = (0..=steps)
-        .map(|step| (f64::from(step) / PER_OCTAVE).exp2().round() as u64)
-        .collect();
-    let wanted: Vec<f64> = factors.iter().map(|&m| law.allan_variance(m)).collect();
-    // A sinusoid alone has no variance at all at multiples of its period.
-    let floor = NOTHING * wanted.iter().copied().fold(0.0, f64::max);
-    let worst = factors
-        .iter()
-        .zip(&wanted)
-        .filter(|(_, wanted)| **wanted > floor)
-        .map(|(&m, wanted)| ((system.allan_variance(m) / wanted).sqrt() - 1.0).abs())
-        .fold(0.0, f64::max);
-    let last = factors.last().copied().unwrap_or(1);
-    Accuracy {
-        from_s: 1.0 / rate_hz,
-        to_s: last as f64 / rate_hz,
-        allan_deviation_percent: 100.0 * worst,
-    }
 }
 
 #[cfg(test)]

@@ -243,3 +243,6 @@ pub fn finding(common: &Common) -> Finding {
         ..Finding::new(&estimate, common.p_value)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -269,6 +269,16 @@ mod tests {
     }
 
     #[test]
+    fn a_second_one_is_not_looked_for() {
+        let mut trial = following(3, 3.0);
+        let found = |trial: &Trial| trial.look(|look| find(look, Noise::Anew)).is_some();
+        assert!(found(&trial), "seed 3");
+        // Known, but nothing of it was taken out.
+        trial.know(KIND, [0.0, 1.0], Change::Grid { decides: false });
+        assert!(!found(&trial), "seed 3");
+    }
+
+    #[test]
     fn a_settling_as_slow_as_the_lag_belongs_to_what_follows_the_covariate() {
         let mut trial = following(1, 0.0);
         trial.know(KIND, [2.0, 30.0], Change::Waves(Vec::new()));

@@ -5,18 +5,16 @@
 //! The weights maximise the likelihood of normal errors. What is
 //! an event in such noise is what is loud beyond what was foretold.
 
-use std::ops::Range;
+mod strength;
 
-use nalgebra::{DMatrix, DVector};
+use std::ops::Range;
 
 use super::prediction::Prediction;
 use crate::diagnosis::statistic::tails::{Rare, normal_of_log, normal_of_mean};
-use crate::fit::likelihood::non_negative;
 use crate::model::random::{Gaussian, Generator, Seed};
-
-/// Samples that strengths are averaged over: choices. What changes within four is the law of single samples, what lasts
-/// for longer than a thousand can be seen as a stretch.
-const TIMES: [f64; 3] = [4.0, 32.0, 256.0];
+use strength::{
+    Averages, Weights, averages, fitted, foretold, lasts, lasts_everywhere, over_foretold,
+};
 
 /// Samples before a stretch that its foretold strength begins with: those that the longest average still holds.
 const BEFORE: usize = 1024;
@@ -24,10 +22,6 @@ const BEFORE: usize = 1024;
 /// Samples that the weights rest on, at most, and in one piece: choices between time and certainty.
 const SAMPLES: usize = 1 << 17;
 const PIECE: usize = 1 << 13;
-
-/// Gain in log-likelihood from which strength lasts: a choice. Steady noise gains as much once in ten thousand records,
-/// and its events are then asked to stand out of little more.
-const LASTS_NATS: f64 = 10.0;
 
 /// Windows of an event that are compared, samples: choices.
 const WINDOWS: [usize; 4] = [1, 8, 64, 512];
@@ -41,9 +35,6 @@ pub struct Lasting {
     /// Windows of an event stand out of more than these.
     trials: f64,
 }
-
-/// The constant part of the strength, and what the averages add.
-type Weights = [f64; 1 + TIMES.len()];
 
 impl Lasting {
     /// Of the `quiet` runs of a record, whose filter hides noise of the variance `faint`; `None` where its strength does
@@ -118,9 +109,6 @@ impl Lasting {
     }
 }
 
-/// Averages of squares before one.
-type Averages = [f64; TIMES.len()];
-
 /// Pieces of some runs from all over the record, about their means, with faint noise.
 fn pieces(values: &[f64], quiet: &[Range<usize>], faint: f64) -> Vec<Vec<f64>> {
     let pieces = quiet.iter().flat_map(|run| {
@@ -151,111 +139,10 @@ fn squares(prediction: &Prediction, piece: &[f64]) -> Vec<f64> {
     errors.into_iter().map(|error| error * error).collect()
 }
 
-/// Averages of the squares before each; of 1 before all.
-fn averages(squares: &[f64]) -> Vec<Averages> {
-    let mut state = [1.0; TIMES.len()];
-    let next = squares.iter().map(|square| {
-        let before = state;
-        for (state, time) in state.iter_mut().zip(TIMES) {
-            *state += (square - *state) / time;
-        }
-        before
-    });
-    next.collect()
-}
-
-/// The strength that is foretold.
-fn foretold(weights: &Weights, averages: &Averages) -> f64 {
-    let lasting = weights[1..].iter().zip(averages).map(|(c, s)| c * s);
-    weights[0] + lasting.sum::<f64>()
-}
-
-/// Squares over what was foretold.
-fn over_foretold(squares: &[f64], averages: &[Averages], weights: &Weights) -> Vec<f64> {
-    let pairs = squares.iter().zip(averages);
-    pairs
-        .map(|(square, averages)| square / foretold(weights, averages))
-        .collect()
-}
-
 /// How improbable the mean of some squares is, as a normal number.
 fn height(squares: &[f64]) -> f64 {
     let count = squares.len() as f64;
     normal_of_mean(squares.iter().sum::<f64>() / count, 2.0 / (9.0 * count))
-}
-
-/// The weights of the largest likelihood, by Fisher's scoring under `>= 0`.
-fn fitted<'a, I>(seen: impl Fn() -> I) -> Weights
-where
-    I: Iterator<Item = (f64, &'a Averages)>,
-{
-    /// Steps, each halfway to what the last weights call for: a thousandth of the first error is left.
-    const STEPS: usize = 10;
-    const SIZE: usize = 1 + TIMES.len();
-    let mut weights = [0.7, 0.1, 0.1, 0.1];
-    for _ in 0..STEPS {
-        let (mut gram, mut right) = (DMatrix::zeros(SIZE, SIZE), DVector::zeros(SIZE));
-        for (square, averages) in seen() {
-            let h = foretold(&weights, averages);
-            let part = |i: usize| if i == 0 { 1.0 } else { averages[i - 1] } / h;
-            for i in 0..SIZE {
-                right[i] += part(i) * square / h;
-                for j in 0..SIZE {
-                    gram[(i, j)] += part(i) * part(j);
-                }
-            }
-        }
-        let best = non_negative::solve(&gram, &right);
-        for (weight, best) in weights.iter_mut().zip(best.iter()) {
-            *weight = 0.5 * (*weight + best);
-        }
-    }
-    weights
-}
-
-/// Log-likelihood of a square, less what all have.
-fn log_likelihood(square: f64, strength: f64) -> f64 {
-    -0.5 * (strength.ln() + square / strength)
-}
-
-/// Whether foretold strengths gain more than they cost over one strength.
-fn lasts<'a, I>(seen: impl Fn() -> I, weights: &Weights) -> bool
-where
-    I: Iterator<Item = (f64, &'a Averages)>,
-{
-    let (mut count, mut sum, mut fourth, mut score) = (0.0, 0.0, 0.0, 0.0);
-    for (square, averages) in seen() {
-        score += log_likelihood(square, foretold(weights, averages));
-        count += 1.0;
-        sum += square;
-        fourth += square * square;
-    }
-    let mean: f64 = sum / count;
-    let gain = score + 0.5 * count * (mean.ln() + 1.0);
-    // Squares of a law with long tails scatter by more than by 2 times their mean squared.
-    let scatter = (0.5 * (fourth / count / (mean * mean) - 1.0)).max(1.0);
-    gain > scatter * LASTS_NATS
-}
-
-/// Whether no piece speaks against the law, as some do where it comes of what happens in others.
-///
-/// Where a law holds, another is more likely by `e^n` once in `e^n` pieces at most (A. Wald, Ann. Math. Stat. 16 (1945) 117).
-fn lasts_everywhere<'a>(
-    pieces: impl ExactSizeIterator<Item = (&'a Vec<f64>, &'a Vec<Averages>)>,
-    weights: &Weights,
-) -> bool {
-    /// Against this in all of the pieces, in nats: one record in twenty, a choice.
-    const AGAINST: f64 = 3.0;
-    let most = AGAINST + (pieces.len() as f64).ln();
-    let mut against = pieces.map(|(squares, averages)| {
-        let steady = mean(squares);
-        let pairs = squares.iter().zip(averages);
-        let nats = pairs.map(|(&square, averages)| {
-            log_likelihood(square, steady) - log_likelihood(square, foretold(weights, averages))
-        });
-        nats.sum::<f64>()
-    });
-    against.all(|nats| nats < most)
 }
 
 #[cfg(test)]

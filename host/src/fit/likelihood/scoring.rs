@@ -5,23 +5,13 @@
 //! the present expectation (Nelder and Wedderburn 1972), solved under `c_i >= 0`; steps that
 //! overshoot are halved. Components are scaled to the data first, so units do not matter.
 
-use nalgebra::{DMatrix, DVector};
+mod search;
+
+use nalgebra::DMatrix;
 
 use super::data::Data;
-use super::{information, non_negative};
-use crate::numeric::mixture::add_mixture;
-
-/// Most steps; a dozen are usual.
-const STEPS: usize = 200;
-
-/// Most halvings of a step.
-const HALVINGS: usize = 40;
-
-/// Gain in log-likelihood below which the search has arrived.
-const ARRIVED: f64 = 1e-10;
-
-/// Bins on either side that the first guess of a bin's expectation averages.
-const NEIGHBOURS: usize = 4;
+use super::information;
+use search::Search;
 
 /// What squares may be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -108,150 +98,10 @@ pub fn greatest_beside(
     Some((squared, log_likelihood))
 }
 
-struct Search<'a> {
-    data: &'a Data,
-    fixed: &'a [f64],
-    /// Each component over what it may reach at most, so that unknowns are of order one.
-    components: Vec<Vec<f64>>,
-    scale: Vec<f64>,
-    range: Range,
-}
-
-impl<'a> Search<'a> {
-    fn new(data: &'a Data, components: &[Vec<f64>], fixed: &'a [f64], range: Range) -> Self {
-        let level = smooth(data);
-        let scale: Vec<f64> = components
-            .iter()
-            .map(|component| {
-                let reach = component.iter().zip(&level);
-                let most = reach.map(|(one, y)| one / y).fold(0.0, f64::max);
-                if most > 0.0 { most } else { 1.0 }
-            })
-            .collect();
-        let components = components
-            .iter()
-            .zip(&scale)
-            .map(|(component, scale)| component.iter().map(|one| one / scale).collect())
-            .collect();
-        Self {
-            data,
-            fixed,
-            components,
-            scale,
-            range,
-        }
-    }
-
-    /// The best scaled squares and their log-likelihood.
-    fn best(&self, start: Option<&[f64]>) -> Option<(DVector<f64>, f64)> {
-        if let Some(start) = start {
-            return self.run(self.scaled(start));
-        }
-        // The likelihood is not concave: two starts far apart, the better end.
-        let guess = self.step(&smooth(self.data));
-        let even = DVector::from_element(self.components.len(), 1.0);
-        [guess, even]
-            .into_iter()
-            .filter_map(|start| self.run(start))
-            .max_by(|one, other| one.1.total_cmp(&other.1))
-    }
-
-    fn scaled(&self, squared: &[f64]) -> DVector<f64> {
-        DVector::from_fn(self.scale.len(), |i, _| squared[i] * self.scale[i])
-    }
-
-    fn expected(&self, x: &DVector<f64>) -> Vec<f64> {
-        let mut expected = self.fixed.to_vec();
-        add_mixture(&mut expected, &self.components, x.as_slice());
-        expected
-    }
-
-    /// Weighted least squares with the weights of `expected`.
-    fn step(&self, expected: &[f64]) -> DVector<f64> {
-        let size = self.components.len();
-        let (mut gram, mut right) = (DMatrix::zeros(size, size), DVector::zeros(size));
-        // Relative to the expectation, so that nothing over- or underflows.
-        let relative: Vec<Vec<f64>> = self
-            .components
-            .iter()
-            .map(|component| component.iter().zip(expected).map(|(u, e)| u / e).collect())
-            .collect();
-        let weights = &self.data.dof;
-        for i in 0..size {
-            for j in i..size {
-                let pairs = relative[i].iter().zip(&relative[j]).zip(weights);
-                gram[(i, j)] = pairs.map(|((a, b), w)| w * a * b).sum::<f64>();
-                gram[(j, i)] = gram[(i, j)];
-            }
-            right[i] = (0..expected.len())
-                .map(|b| {
-                    let rest = (self.data.psd[b] - self.fixed[b]) / expected[b];
-                    weights[b] * relative[i][b] * rest
-                })
-                .sum();
-        }
-        match self.range {
-            Range::NonNegative => non_negative::solve(&gram, &right),
-            Range::Any => non_negative::solve_any(&gram, &right),
-        }
-    }
-
-    fn run(&self, start: DVector<f64>) -> Option<(DVector<f64>, f64)> {
-        let mut x = start;
-        let mut expected = self.expected(&x);
-        let mut value = log_likelihood(self.data, &expected);
-        if value == f64::NEG_INFINITY {
-            // Some bins are left to the components that were put at zero.
-            x.iter_mut().for_each(|x| *x = x.max(1e-3));
-            expected = self.expected(&x);
-            value = log_likelihood(self.data, &expected);
-        }
-        if !value.is_finite() {
-            return None;
-        }
-        for _ in 0..STEPS {
-            let direction = self.step(&expected) - &x;
-            let mut share = 1.0;
-            let mut better = None;
-            for _ in 0..HALVINGS {
-                let candidate = &x + share * &direction;
-                let expected = self.expected(&candidate);
-                let value_there = log_likelihood(self.data, &expected);
-                if value_there > value {
-                    better = Some((candidate, expected, value_there));
-                    break;
-                }
-                share *= 0.5;
-            }
-            let Some((candidate, expected_there, value_there)) = better else {
-                break;
-            };
-            let gain = value_there - value;
-            (x, expected, value) = (candidate, expected_there, value_there);
-            if gain < ARRIVED {
-                break;
-            }
-        }
-        Some((x, value))
-    }
-}
-
-/// Densities averaged over neighbours, weighted by their degrees of freedom; positive.
-fn smooth(data: &Data) -> Vec<f64> {
-    let size = data.len();
-    (0..size)
-        .map(|b| {
-            let near = b.saturating_sub(NEIGHBOURS)..(b + NEIGHBOURS + 1).min(size);
-            let dof: f64 = data.dof[near.clone()].iter().sum();
-            let sum: f64 = near.map(|b| data.dof[b] * data.psd[b]).sum();
-            (sum / dof).max(1e-6 * data.unit)
-        })
-        .collect()
-}
-
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
+    use nalgebra::DVector;
     use rand_distr::{Distribution, Gamma};
 
     /// Independent bins at sixteen an octave with the degrees of freedom of `span_s` of data.

@@ -8,6 +8,7 @@ use super::*;
 use crate::diagnosis::detect::look::Lesson;
 use crate::diagnosis::detect::trial::{self, Trial, noise, outlier};
 use crate::diagnosis::record::wave::Wave;
+use crate::model::random::{Gaussian, Seed};
 use crate::model::telegraph;
 
 /// Noise with a stretch that is `factor` times as loud.
@@ -174,4 +175,39 @@ fn a_short_stretch_beside_a_burst_is_its_end_and_one_far_from_it_another() {
             );
         }
     }
+}
+
+#[test]
+fn a_burst_that_is_refused_is_not_proposed() {
+    let mut trial = Trial::new(values(0, 9000..11_000, 2.0));
+    trial.refused.push(KIND);
+    assert!(trial.ask(&DETECTOR).is_empty(), "seed 0");
+}
+
+/// Noise that is louder after it was loud: its variance feeds on its own squares.
+fn lasting(seed: u64) -> Vec<f64> {
+    let mut normal = Gaussian::new(Seed { seed, stream: 4 }, 1.0);
+    let mut variance = 1.0_f64;
+    let next = |_| {
+        let value = variance.sqrt() * normal.draw();
+        variance = 0.03 + 0.15 * value * value + 0.82 * variance;
+        value
+    };
+    (0..70_001).map(next).collect()
+}
+
+#[test]
+fn a_loud_stretch_of_noise_whose_strength_lasts_is_no_burst() {
+    let mut passed_for_bursts = Vec::new();
+    for seed in 40..48 {
+        let trial = Trial::new(lasting(seed));
+        if trial.look(even).is_some() {
+            passed_for_bursts.push(seed);
+        }
+        assert!(trial.ask(&DETECTOR).is_empty(), "seed {seed}");
+    }
+    assert!(
+        !passed_for_bursts.is_empty(),
+        "nothing to refuse, seeds 40..48"
+    );
 }

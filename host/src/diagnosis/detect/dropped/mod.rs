@@ -1,9 +1,14 @@
 //! Dropped: samples lost without a trace, recognised by the lines that jump with them.
 
 mod demodulate;
+mod evidence;
+mod lengths;
+mod line;
 mod loss;
+mod moment;
 mod peaks;
-mod ratio;
+mod search;
+mod tables;
 
 use super::Detector;
 use super::lines::{self, Group, Measured};
@@ -43,7 +48,7 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     if look.character.lines_without_loss == lines_hz {
         return Ok(Vec::new());
     }
-    let Some(loss) = loss::lost_samples(axis, &found, look.level()) else {
+    let Some(loss) = search::lost_samples(axis, &found, look.level()) else {
         return Ok(vec![Proposal::Learn(Lesson::LinesWithoutLoss(lines_hz))]);
     };
     let mut proposals = lines::proposals(look, lines::with_hum(measured(look, &loss)), |_| false);

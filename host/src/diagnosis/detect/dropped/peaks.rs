@@ -4,7 +4,7 @@
 //! distance `d` from it in cycles a record: of `|1 - e^(j phi)| A / (2 pi d)` either way, at most
 //! `A / (pi d)`. A strong one is surrounded by dozens of peaks that are nothing of their own.
 
-use crate::diagnosis::detect::dropped::ratio::LINE_REACH;
+use crate::diagnosis::detect::dropped::line::LINE_REACH;
 use crate::diagnosis::detect::lines::mains_base;
 use crate::spectrum::Line as Peak;
 

@@ -1,6 +1,7 @@
 use std::f64::consts::TAU;
 
 use super::*;
+use crate::diagnosis::detect::dropped::tables::Tables;
 use crate::fft::ring::Series;
 use crate::model::random::Gaussian;
 use crate::model::random::Seed;

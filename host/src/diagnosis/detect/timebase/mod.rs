@@ -5,14 +5,18 @@
 //! band of noise, is a [`Band`] and as sure as it stays in its place.
 
 mod bands;
+mod mark;
+mod matching;
 mod ratio;
+mod sources;
 
 use std::sync::Arc;
 
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::detect::lines::{self, Group};
 use crate::diagnosis::detect::timebase::bands::Band;
-use crate::diagnosis::detect::timebase::ratio::{Mark, Rate};
+use crate::diagnosis::detect::timebase::mark::Mark;
+use crate::diagnosis::detect::timebase::ratio::Rate;
 use crate::diagnosis::record::samples::Samples;
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::finding::{Finding, Rival};

@@ -4,56 +4,17 @@
 //! times what a record says, all of them appear at `f / r`. Every pair of a line here and a line
 //! there proposes a ratio; the one that most others agree with, within their errors, is fitted by
 //! least squares. Its worth is the gain in log-likelihood over lines that have nothing to do with
-//! one another (log-uniform over `RANGE`), less what a right clock gains in the same way.
+//! one another (log-uniform over three decades), less what a right clock gains in the same way.
 //!
 //! Lines of one machine wander together: as many of them are no surer than the surest. And what
 //! lines cannot decide is whether a machine itself turned faster, whose harmonics and side lines shift
 //! together as well: [`Rate::sources`] counts those that can have nothing to do with one another.
 
-use std::f64::consts::TAU;
-
 use statrs::function::factorial::ln_binomial;
 
+use super::mark::{Mark, logarithms};
+use super::matching::{Match, RATIOS};
 use crate::diagnosis::statistic::p_value;
-
-/// Ratios that are looked for: a choice, a quarter either way.
-const RATIOS: [f64; 2] = [0.8, 1.25];
-
-/// Standard deviations within which two lines are the same one: of 16 000 pairs that are, one lies
-/// further off.
-const SAME: f64 = 4.0;
-
-/// Smallest relative standard deviation of a frequency: clocks and machines are no better than 2 in
-/// 100 000.
-const STEADY: f64 = 2e-5;
-
-/// Logarithm of the range of frequencies that unrelated lines fall into, three decades.
-const RANGE: f64 = 6.9;
-
-/// Highest harmonic that counts as the same source: a choice.
-const HARMONICS: f64 = 20.0;
-
-/// Side lines on either side of a harmonic that do: a machine that is modulated. Two are a choice.
-const SIDE_LINES: i32 = 2;
-
-/// A line, or something else that has its place in the spectrum.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Mark {
-    /// Frequency, hertz.
-    pub f_hz: f64,
-    /// Standard deviation of the frequency, hertz.
-    pub f_sd_hz: f64,
-    /// Whether that is by how much it wanders.
-    pub wanders: bool,
-}
-
-impl Mark {
-    /// Whether another one may be the same.
-    pub fn is(&self, other: &Self) -> bool {
-        let sd = self.f_sd_hz.hypot(other.f_sd_hz).max(STEADY * self.f_hz);
-        (self.f_hz - other.f_hz).abs() < SAME * sd
-    }
-}
 
 /// A factor between what a record's clock says and what is true.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -124,186 +85,10 @@ pub fn agree(record: &[Mark], reference: &[Mark], rate: &Rate) -> bool {
         .is_empty()
 }
 
-/// A line on a logarithmic axis.
-#[derive(Clone, Copy)]
-struct Log {
-    log: f64,
-    sd: f64,
-    wanders: bool,
-}
-
-fn logarithms(lines: &[Mark]) -> Vec<Log> {
-    lines
-        .iter()
-        .filter(|line| line.f_hz > 0.0 && line.f_sd_hz.is_finite())
-        .map(|line| Log {
-            log: line.f_hz.ln(),
-            sd: (line.f_sd_hz / line.f_hz).hypot(STEADY),
-            wanders: line.wanders,
-        })
-        .collect()
-}
-
-/// Lines here and there that one shift brings together.
-struct Match {
-    shift: f64,
-    sd: f64,
-    pairs: Vec<(Log, Log)>,
-}
-
-impl Match {
-    /// Lines that come together by `shift`, itself sure to `sd`; each at most once.
-    fn at(record: &[Log], reference: &[Log], shift: f64, sd: f64) -> Self {
-        let mut near: Vec<(f64, usize, usize)> = Vec::new();
-        for (i, here) in record.iter().enumerate() {
-            for (j, there) in reference.iter().enumerate() {
-                let z = (there.log - here.log - shift) / here.sd.hypot(there.sd).hypot(sd);
-                if z.abs() < SAME {
-                    near.push((z.abs(), i, j));
-                }
-            }
-        }
-        near.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let (mut used_here, mut used_there) =
-            (vec![false; record.len()], vec![false; reference.len()]);
-        let mut pairs = Vec::new();
-        for (_, i, j) in near {
-            if !used_here[i] && !used_there[j] {
-                (used_here[i], used_there[j]) = (true, true);
-                pairs.push((record[i], reference[j]));
-            }
-        }
-        Self { shift, sd, pairs }
-    }
-
-    /// The shift that fits best what agrees with a proposal.
-    fn around(record: &[Log], reference: &[Log], proposal: f64, sd: f64) -> Option<Self> {
-        let mut found = Self::at(record, reference, proposal, sd);
-        for _ in 0..3 {
-            let (mut sum, mut weight) = (0.0, 0.0);
-            for (here, there) in &found.pairs {
-                let one = (here.sd.powi(2) + there.sd.powi(2)).recip();
-                sum += one * (there.log - here.log);
-                weight += one;
-            }
-            if weight == 0.0 {
-                return None;
-            }
-            found = Self::at(record, reference, sum / weight, weight.sqrt().recip());
-        }
-        (!found.pairs.is_empty()).then_some(found)
-    }
-
-    /// Log-likelihood of the pairs at this very shift over that of unrelated lines.
-    fn agreement(&self) -> f64 {
-        self.pairs
-            .iter()
-            .map(|(here, there)| {
-                let variance = here.sd.powi(2) + there.sd.powi(2);
-                let miss = there.log - here.log - self.shift;
-                (RANGE / (TAU * variance).sqrt()).ln() - 0.5 * miss * miss / variance
-            })
-            .sum()
-    }
-
-    /// Pairs that can have nothing to do with one another, and how sure the shift is: steady lines
-    /// each by their own errors, lines that wander only once a source.
-    fn sources(&self) -> (usize, f64) {
-        let lines: Vec<Log> = self.pairs.iter().map(|(_, there)| *there).collect();
-        let source = sources(&lines);
-        let count = source.iter().max().map_or(0, |last| last + 1);
-        let mut weight = 0.0;
-        for one in 0..count {
-            let (mut steady, mut wandering) = (0.0, 0.0);
-            for ((here, there), _) in self.pairs.iter().zip(&source).filter(|(_, of)| **of == one) {
-                let own = (here.sd.powi(2) + there.sd.powi(2)).recip();
-                if here.wanders || there.wanders {
-                    wandering = f64::max(wandering, own);
-                } else {
-                    steady += own;
-                }
-            }
-            weight += steady + wandering;
-        }
-        (count, f64::sqrt(weight).recip())
-    }
-
-    /// The same with the shift, log-uniform beforehand, integrated out.
-    fn evidence(&self) -> f64 {
-        let before = (RATIOS[1] / RATIOS[0]).ln();
-        self.agreement() + ((TAU.sqrt() * self.sd) / before).ln()
-    }
-}
-
-/// The source of each line, numbered from 0: multiples of one base, with side lines at equal
-/// distances, are one source.
-fn sources(lines: &[Log]) -> Vec<usize> {
-    let hertz: Vec<f64> = lines.iter().map(|line| line.log.exp()).collect();
-    let sd_hz = |line: usize| lines[line].sd * hertz[line];
-    // Which lines a base and a distance of side lines explain.
-    let explained = |base: usize, side_hz: f64, side_sd_hz: f64| -> Vec<bool> {
-        (0..lines.len())
-            .map(|line| {
-                (-SIDE_LINES..=SIDE_LINES).any(|side| {
-                    let side = f64::from(side);
-                    let number = ((hertz[line] - side * side_hz) / hertz[base]).round();
-                    let off = hertz[line] - side * side_hz - number * hertz[base];
-                    let sd = sd_hz(line)
-                        .hypot(number * sd_hz(base))
-                        .hypot(side * side_sd_hz);
-                    (1.0..=HARMONICS).contains(&number) && off.abs() < SAME * sd
-                })
-            })
-            .collect()
-    };
-    let count = |explained: &[bool]| explained.iter().filter(|one| **one).count();
-    let mut source = vec![usize::MAX; lines.len()];
-    let mut next = 0;
-    while source.contains(&usize::MAX) {
-        let left = |line: &usize| source[*line] == usize::MAX;
-        let mut best: Vec<bool> = Vec::new();
-        let mut most = 0;
-        for base in (0..lines.len()).filter(left) {
-            let plain = explained(base, 0.0, 0.0);
-            let own = (0..lines.len())
-                .filter(left)
-                .filter(|&line| plain[line])
-                .count();
-            if own > most {
-                (best, most) = (plain.clone(), own);
-            }
-            // A distance is known by one line; it must explain another to be believed.
-            for other in (0..lines.len()).filter(left).filter(|&line| !plain[line]) {
-                let side_hz = (hertz[other] - hertz[base]).abs();
-                if side_hz > 0.4 * hertz[base] {
-                    continue;
-                }
-                let all = explained(base, side_hz, sd_hz(other).hypot(sd_hz(base)));
-                let own = (0..lines.len())
-                    .filter(left)
-                    .filter(|&line| all[line])
-                    .count();
-                if own > most && count(&all) > count(&plain) + 1 {
-                    (best, most) = (all, own);
-                }
-            }
-        }
-        for (line, explained) in best.iter().enumerate() {
-            if *explained && source[line] == usize::MAX {
-                source[line] = next;
-            }
-        }
-        if most == 0 {
-            break;
-        }
-        next += 1;
-    }
-    source
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnosis::detect::timebase::matching::RANGE;
     use crate::model::random::Gaussian;
     use crate::model::random::Seed;
 

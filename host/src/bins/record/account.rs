@@ -1,0 +1,21 @@
+//! What a record consists of, what is missing, and what was heard on the way.
+
+use crate::bins::unusable::Unusable;
+use crate::source::Gap;
+
+/// What a record consists of, for all axes.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Account {
+    /// Samples that arrived, an axis.
+    pub samples: u64,
+    /// Samples known to be missing from all axes.
+    pub lost: u64,
+    /// Gaps in all axes.
+    pub gaps: Vec<Gap>,
+    /// Samples a second by the board's stamps; `None` where there are none, or too few.
+    pub measured_rate_hz: Option<f64>,
+    /// What does not count of one axis alone, axis by axis; empty before the first block.
+    pub unusable: Vec<Unusable>,
+    /// News on the way, in words.
+    pub news: Vec<String>,
+}

@@ -1,0 +1,226 @@
+//! The transform of a whole record, closed into a ring.
+//!
+//! A record with walk in it is not periodic. The line through its two ends is taken out first;
+//! what is left of a random walk is a bridge, whose increments have the covariance of a circle,
+//! exactly, so that its transform has independent ordinates at all frequencies, the lowest
+//! included.
+//!
+//! Quantisation noise, a difference of neighbours, would need one more sample to close into a ring:
+//! the first sample is set free ([`Transform::close`]), and with it that sum; so is the level across
+//! the seam, which the line through noisy ends does not match exactly.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+use realfft::num_complex::Complex64;
+
+use super::waveform::{Step, Waveform};
+use crate::diagnosis::statistic::sums::sums;
+use crate::fft::ring::{Ring, Series};
+
+/// Samples at each end that the line is laid through, at most: a choice. White noise of the ends is
+/// 16 times less in their mean.
+const END: usize = 256;
+
+/// Ordinates that are worth a thread of their own: a choice.
+const SHARED: usize = 1 << 14;
+
+/// The Fourier transform of a record, ordinate by ordinate.
+pub struct Transform {
+    pub(super) rate_hz: f64,
+    pub(super) len: usize,
+    pub(super) ordinates: Vec<Complex64>,
+    pub(super) ring: Arc<Ring>,
+}
+
+/// Length that transforms fast: the largest even number with no prime factor above 5, at most
+/// `len`.
+pub fn smooth_len(len: usize) -> usize {
+    let is_smooth = |mut n: usize| {
+        for prime in [2, 3, 5] {
+            while n.is_multiple_of(prime) {
+                n /= prime;
+            }
+        }
+        n == 1
+    };
+    (2..=len)
+        .rev()
+        .find(|&n| n.is_multiple_of(2) && is_smooth(n))
+        .unwrap_or(0)
+}
+
+/// Makes transforms of records of one length.
+pub struct Transformer {
+    len: usize,
+    ring: Arc<Ring>,
+}
+
+impl Transformer {
+    /// For records of `len` samples, of which the first [`smooth_len`] are used.
+    pub fn new(len: usize) -> Self {
+        let len = smooth_len(len);
+        Self {
+            len,
+            ring: Arc::new(Ring::new(len.max(2))),
+        }
+    }
+
+    /// How many samples of a record are used.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// A copy of the samples of `values` that are used.
+    pub fn series(&self, values: &[f64]) -> Series {
+        Series::new(&values[..self.len])
+    }
+
+    /// Transform of `values`, none of which is missing, less the line through their ends.
+    pub fn transform(&self, values: &[f64], rate_hz: f64) -> Transform {
+        self.transform_in_place(self.series(values), rate_hz)
+    }
+
+    /// The same of a series of [`Self::len`] samples, in its own memory.
+    pub fn transform_in_place(&self, mut bridge: Series, rate_hz: f64) -> Transform {
+        take_out_line(&mut bridge);
+        Transform {
+            rate_hz,
+            len: self.len,
+            ordinates: self.ring.forward(bridge),
+            ring: Arc::clone(&self.ring),
+        }
+    }
+
+    /// Transform of a waveform that begins with the ring.
+    pub fn waveform(&self, waveform: &impl Waveform, rate_hz: f64) -> Transform {
+        self.waveform_at(waveform, 0, rate_hz)
+    }
+
+    /// Transform of a waveform that begins with the sample `index`.
+    pub fn waveform_at(&self, waveform: &impl Waveform, index: usize, rate_hz: f64) -> Transform {
+        let shift = |k: usize| {
+            let turns = (k as u64 * index as u64 % self.len as u64) as usize;
+            if turns <= self.len / 2 {
+                self.ring.turn(turns)
+            } else {
+                self.ring.turn(self.len - turns).conj()
+            }
+        };
+        let at = |k: usize| match k {
+            0 => Complex64::ZERO,
+            _ => waveform.at(self.ring.turn(k)) * shift(k),
+        };
+        Transform {
+            rate_hz,
+            len: self.len,
+            ordinates: (0..=self.len / 2).map(at).collect(),
+            ring: Arc::clone(&self.ring),
+        }
+    }
+}
+
+/// Takes out the line through the means of both ends, so that the values can close into a ring.
+fn take_out_line(values: &mut [f64]) {
+    let end = END.min(values.len() / 8).max(1);
+    let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
+    let (first, last) = (mean(&values[..end]), mean(&values[values.len() - end..]));
+    let length = values.len() as f64;
+    // The ends' means stand for the moments half an end inside.
+    let slope = (last - first) / (length - end as f64);
+    let middle = 0.5 * (first + last);
+    for (index, value) in values.iter_mut().enumerate() {
+        *value -= middle + slope * (index as f64 + 0.5 - 0.5 * length);
+    }
+}
+
+impl Transform {
+    /// How many samples of the record were transformed.
+    pub fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Samples a second.
+    pub fn rate_hz(&self) -> f64 {
+        self.rate_hz
+    }
+
+    /// Ordinates from zero frequency to half the rate, `X_k = sum x_n e^{-2 pi i k n / N}`.
+    pub fn ordinates(&self) -> &[Complex64] {
+        &self.ordinates
+    }
+
+    /// Sets the seam free: the first sample takes the value, and the level across the seam the
+    /// step, that all others predict for them.
+    pub fn close(&mut self, density: &[f64]) {
+        let ring = Arc::clone(&self.ring);
+        let step = |k: usize| Step.at(ring.turn(k));
+        // Normal equations of both, over half of the ring.
+        let [right, right_of_step, one, of_step, square] = sums(1..self.ordinates.len(), |k| {
+            let (ordinate, weight, step) = (self.ordinates[k], density[k].recip(), step(k));
+            [
+                ordinate.re,
+                (ordinate * step.conj()).re,
+                1.0,
+                step.re,
+                step.norm_sqr(),
+            ]
+            .map(|term| term * weight)
+        });
+        let determinant = one * square - of_step * of_step;
+        let sample = (right * square - right_of_step * of_step) / determinant;
+        let height = (right_of_step * one - right * of_step) / determinant;
+        if !(sample.is_finite() && height.is_finite()) {
+            return;
+        }
+        let ordinates = self.ordinates.par_iter_mut().with_min_len(SHARED);
+        let ordinates = ordinates.enumerate().skip(1);
+        ordinates.for_each(|(k, ordinate)| *ordinate -= sample + height * step(k));
+    }
+
+    /// Adds Gaussian noise of the two-sided density `density(k)`, made of standard `normal`
+    /// numbers.
+    pub fn add_noise(&mut self, density: impl Fn(usize) -> f64, mut normal: impl FnMut() -> f64) {
+        for (k, ordinate) in self.ordinates.iter_mut().enumerate().skip(1) {
+            let deviation = (0.5 * density(k) * self.rate_hz * self.len as f64).sqrt();
+            *ordinate += Complex64::new(deviation * normal(), deviation * normal());
+        }
+    }
+
+    /// Expected squared size of an ordinate where the density is 1.
+    pub fn power(&self) -> f64 {
+        self.rate_hz * self.len as f64
+    }
+
+    /// Frequency of an ordinate, hertz.
+    pub fn frequency(&self, k: usize) -> f64 {
+        k as f64 * self.rate_hz / self.len as f64
+    }
+
+    /// The record through the filter whose response at ordinate `k` is `response(k)`, which is
+    /// asked above zero frequency; the mean is left out.
+    pub fn filtered(&self, response: impl Fn(usize) -> Complex64 + Sync) -> Series {
+        self.back(|k| self.ordinates[k] * response(k))
+    }
+
+    /// What the filter of that response makes of a single sample of size one at moment zero.
+    pub fn answer(&self, response: impl Fn(usize) -> f64 + Sync) -> Series {
+        self.back(|k| response(k).into())
+    }
+
+    /// Samples of a ring whose ordinates above zero frequency are `ordinate(k)`, its mean zero.
+    fn back(&self, ordinate: impl Fn(usize) -> Complex64 + Sync) -> Series {
+        let norm = (self.len as f64).recip();
+        let all = (0..self.ordinates.len()).into_par_iter();
+        let ordinates = all.with_min_len(SHARED).map(|k| match k {
+            0 => Complex64::ZERO,
+            _ => ordinate(k) * norm,
+        });
+        self.ring.inverse(ordinates.collect())
+    }
+}

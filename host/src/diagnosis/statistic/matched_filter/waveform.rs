@@ -1,0 +1,44 @@
+//! Waveforms that are looked for, as their transforms.
+
+use realfft::num_complex::Complex64;
+
+/// Transform of a waveform that begins at moment zero, as the filters need it.
+pub trait Waveform {
+    /// Its transform where one sample later is a factor of `turn = e^{-2 pi i f / rate}`.
+    fn at(&self, turn: Complex64) -> Complex64;
+}
+
+/// A single sample of size 1.
+pub struct Impulse;
+
+impl Waveform for Impulse {
+    fn at(&self, _turn: Complex64) -> Complex64 {
+        Complex64::ONE
+    }
+}
+
+/// A jump by 1 that stays.
+pub struct Step;
+
+impl Waveform for Step {
+    fn at(&self, turn: Complex64) -> Complex64 {
+        // On the ring, where the mean is not seen.
+        (Complex64::ONE - turn).inv()
+    }
+}
+
+/// Exponential settling, sampled half a sample after it began.
+pub struct Settling {
+    /// Time constant, samples.
+    pub samples: f64,
+    /// Samples of the ring, at whose end it breaks off.
+    pub len: usize,
+}
+
+impl Waveform for Settling {
+    fn at(&self, turn: Complex64) -> Complex64 {
+        let kept = (-1.0 / self.samples).exp();
+        let size = kept.sqrt() * -(-(self.len as f64) / self.samples).exp_m1();
+        size * (Complex64::ONE - kept * turn).inv()
+    }
+}
