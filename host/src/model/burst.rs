@@ -31,6 +31,14 @@ impl Burst {
     }
 }
 
+impl Burst {
+    /// What it adds to the power of noise that is faster than it lasts, as a share, in the mean over a record of this
+    /// length, seconds; negative where the noise is quieter.
+    pub fn adds(&self, record_s: f64) -> f64 {
+        (self.to_s - self.from_s) / record_s * (self.factor.powi(2) - 1.0)
+    }
+}
+
 impl Distortion for Burst {
     fn distorter(&self, rate_hz: f64, _seed: Seed) -> Box<dyn Distorter> {
         let index = |time_s: f64| (time_s * rate_hz).round() as u64;

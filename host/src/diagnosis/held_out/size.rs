@@ -11,6 +11,7 @@ use crate::diagnosis::held_out::allan::{AtJumps, HeldCurve};
 use crate::diagnosis::record::wave::Wave;
 use crate::diagnosis::statistic::allan_curve;
 use crate::model::axis::ModelAxis;
+use crate::model::burst::{self, Burst};
 use crate::model::effect::Part;
 
 /// Degrees of freedom from which a point of the Allan curve counts: the deviation is then known to
@@ -49,7 +50,7 @@ impl<'a> Sizes<'a> {
 
     /// Largest change of the model's Allan deviation, at any averaging time of ten degrees of freedom
     /// or more, when an effect is taken out and nothing else moves; percent. `None` for what a model
-    /// of noise and waveforms does not hold, such as a burst.
+    /// of noise and waveforms does not hold, such as samples that repeat.
     pub fn change_percent(&self, one: &Explanation) -> Option<f64> {
         let law = self.noise.law(self.axis.rate_hz);
         let mut rest = self.noise.clone();
@@ -63,6 +64,11 @@ impl<'a> Sizes<'a> {
         }
         if one.happened() {
             return self.change_of_stretches(one);
+        }
+        if one.kind() == burst::KIND {
+            let record_s = self.axis.residual.len() as f64 / self.axis.rate_hz;
+            let adds = Burst::of(&one.effect.plain()).adds(record_s);
+            return Some(100.0 * ((1.0 + adds).max(0.0).sqrt() - 1.0).abs());
         }
         if self.axis.effect_number(one).is_none() && own.is_empty() {
             return None;

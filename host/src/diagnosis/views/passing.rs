@@ -17,12 +17,10 @@ pub(crate) struct Passing {
 
 /// A stretch of another variance.
 struct Burst {
-    /// Share of the record that the stretch takes.
-    share: f64,
     /// Length of the stretch, seconds.
     duration_s: f64,
-    /// Factor on the variance in the stretch.
-    factor: f64,
+    /// What it adds to the power of faster noise in the mean over the record, as a share.
+    share: f64,
 }
 
 impl Burst {
@@ -31,7 +29,7 @@ impl Burst {
         if f_hz * self.duration_s < 1.0 {
             return 0.0;
         }
-        self.share * (self.factor - 1.0) * density
+        self.share * density
     }
 }
 
@@ -43,11 +41,9 @@ impl Passing {
         let is_burst = |one: &&Finding| one.effect == burst::KIND;
         let burst = |finding: &Finding| {
             let burst = burst::Burst::of(&finding.estimate.plain());
-            let duration_s = burst.to_s - burst.from_s;
             Burst {
-                share: duration_s / record_s,
-                duration_s,
-                factor: burst.factor.powi(2),
+                duration_s: burst.to_s - burst.from_s,
+                share: burst.adds(record_s),
             }
         };
         let term = |finding: &Finding| match finding.effect.part(&finding.estimate.plain()) {
