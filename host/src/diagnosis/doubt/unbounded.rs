@@ -98,7 +98,9 @@ fn remark(axis: &AxisState, one: &Explanation, which: usize, factor: f64) -> Rem
     const SEEN: [f64; 3] = [0.25, 0.05, 0.01];
     let bands = SEEN.map(|share| spectral::band_of(axis, which, share));
     let band = bands.into_iter().find(|band| band.end > 0.0);
-    let how = if factor.is_finite() {
+    /// Factor from which an interval is as good as without an end: where its far end lies is chance then.
+    const ENDLESS: f64 = 1e6;
+    let how = if factor < ENDLESS {
         format!("by a factor of {factor:.0} between its ends")
     } else {
         "without an end".into()

@@ -111,10 +111,11 @@ fn brief(text: &mut String, number: u32, finding: &Finding) -> std::fmt::Result 
         .take(MOST_PARAMETERS)
         .map(|(name, value)| format!("{name} {}", significant(value.value, 4)))
         .collect();
+    let colon = if values.is_empty() { "" } else { ": " };
     let size = finding.gain.allan_change_percent;
     writeln!(
         text,
-        "  {number}. {}: {} ({} %)",
+        "  {number}. {}{colon}{} ({} %)",
         finding.effect,
         values.join(", "),
         size.map_or("0".into(), |size| significant(size, 2))

@@ -145,7 +145,7 @@ fn a_fault_spoils_what_came_before_its_notice() {
     assembler.finish();
     let mut spoilt = Vec::new();
     while let Some(Chunk::Samples(block)) = assembler.pop() {
-        assert_eq!(block.columns[0].invalid, []);
+        assert!(block.columns[0].invalid.is_empty());
         let ranges = block.columns[2].invalid.iter().cloned().flatten();
         spoilt.extend(ranges.map(|i| block.first + i as u64));
     }
