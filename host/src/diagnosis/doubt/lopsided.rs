@@ -56,8 +56,12 @@ pub fn lopsided(axis: &AxisState) -> Lopsided {
     Lopsided {
         // To first order in the skewness the mean of sin(t z) is -t^3 e^(-t^2 / 2) skewness / 6.
         skewness: -6.0 * mean / (square * linear),
-        // By its own scatter, which is that of every symmetric law.
-        p_value: p_value::two_sided(sum / squares.sqrt()),
+        // By its own scatter, which is that of every symmetric law; of no samples there is nothing to say.
+        p_value: if squares > 0.0 {
+            p_value::two_sided(sum / squares.sqrt())
+        } else {
+            1.0
+        },
     }
 }
 
@@ -123,6 +127,25 @@ mod tests {
                 .collect();
             assert!(low.len() < 5, "seeds {low:?}");
         }
+    }
+
+    #[test]
+    fn where_no_sample_can_be_used_nothing_is_lopsided() {
+        // What whitens noise that rises with the frequency remembers a missing sample for long: here until the next.
+        let mut noise = Gaussian::new(Seed { seed: 8, stream: 0 }, 1.0);
+        let mut last = 0.0;
+        let mut next = |n: usize| {
+            let before = std::mem::replace(&mut last, noise.draw());
+            if n % 1100 == 1099 {
+                f64::NAN
+            } else {
+                last - before
+            }
+        };
+        let values: Vec<f64> = (0..1 << 14).map(&mut next).collect();
+        let axis = AxisState::new(Arc::new(values), 1000.0, None).expect("a spectrum");
+        assert!((0..1 << 14).all(|n| !axis.usable(n)));
+        assert_eq!(lopsided(&axis).p_value, 1.0);
     }
 
     #[test]
