@@ -21,12 +21,12 @@ const FROM: f64 = 0.25;
 /// filter).
 const WALL: f64 = 0.41;
 
-/// Least fall from below the wall to the end of the spectrum without which no filter is tried: 10 dB are far less than the
-/// filter's, and more than a pole's (3 dB from 0.35 to 0.5 of the rate).
+/// Least fall in power from the mean below the wall to the end of the spectrum without which no filter is tried: 10 dB are
+/// far less than the filter's, and more than a pole's (4 dB from a third to half of the rate).
 const LEAST_FALL: f64 = 10.0;
 
-/// How far off a bin of the wall may be, as a share, beside what chance makes of it: a choice, about what the nearest other
-/// filter, of the other phase, is off by at its end.
+/// How far off a bin of the wall may be, as a share, beside what chance makes of it: a choice, less than half of what
+/// the filter of the other phase is off by at its end (39 % at 0.489 of the rate).
 const TOLERANCE: f64 = 0.15;
 
 /// Deviations of a bin that chance may make of it: passed once in 16 000 by a bin, of which there are five.
@@ -80,12 +80,9 @@ fn falls(data: &Data, rate_hz: f64) -> bool {
 /// The likeliest fit of the upper end of a spectrum, with a pole or without.
 fn fitted(bins: &SpectralBins, data: &Data) -> Option<Fit> {
     let rate_hz = bins.rate_hz();
-    let is_seen = |f_hz: &f64| *f_hz >= FROM * rate_hz;
-    let pairs = data.f_hz.iter().zip(&data.dof);
+    let below = 0.0..FROM * rate_hz;
     let data = Data {
-        dof: pairs
-            .map(|(f_hz, dof)| if is_seen(f_hz) { *dof } else { UNSEEN * dof })
-            .collect(),
+        dof: bins.dof_beside(std::slice::from_ref(&below)),
         ..data.clone()
     };
     let pole = |start: f64| {
@@ -99,9 +96,6 @@ fn fitted(bins: &SpectralBins, data: &Data) -> Option<Fit> {
     let fits = fits.chain(laws::fit(bins, &data, &[]));
     fits.max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood))
 }
-
-/// What is left of the weight of a bin that is not looked at: no number, but no zero to divide by.
-const UNSEEN: f64 = 1e-9;
 
 /// Whether every bin of the wall is what a fit expects there.
 fn agrees(data: &Data, fit: &Fit, rate_hz: f64) -> bool {
