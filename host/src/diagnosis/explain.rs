@@ -105,7 +105,7 @@ pub fn explain(
         || begin_with(signal.chain.as_ref()),
     );
     let mut first = first?;
-    let recognised = recognised::chain(&first);
+    let recognised = recognised::chain(&first, |chain| begin_with(Some(chain)).ok());
     if let Some(chain) = &recognised {
         first = begin_with(Some(chain))?;
     }
@@ -177,7 +177,7 @@ impl Bare {
     /// Of an axis as it begins. What the search looks at first is made on the way.
     fn of(axis: &AxisState, level: f64, options: &Options) -> Self {
         let look = || {
-            let measured = axis.residual.measured();
+            let measured = axis.residual.whole();
             let five = terms::fit_values(measured, axis.rate_hz, axis.chain.as_ref());
             axis.powers();
             five

@@ -42,25 +42,34 @@ const STARTS: [f64; 3] = [0.1, 0.3, 1.0];
 const STEP: f64 = 0.3;
 
 /// The chain with which the upper end of an axis's spectrum agrees, where none is declared; its poles are found as
-/// [`rolloff`].
-pub fn chain(axis: &AxisState) -> Option<Chain> {
-    if axis.chain.is_some() || !falls(&axis.data, axis.rate_hz) {
+/// [`rolloff`]. What was filled in the place of missing samples is that of an axis `behind` the chain in question.
+pub fn chain(axis: &AxisState, behind: impl Fn(&Chain) -> Option<AxisState>) -> Option<Chain> {
+    let is_filled = axis.filled_samples() > 0;
+    if axis.chain.is_some() || !(is_filled || falls(&axis.data, axis.rate_hz)) {
         return None;
     }
-    let without = fitted(&axis.bins, &axis.data)?.log_likelihood;
-    let measured = axis.residual.measured();
     let phases = [Phase::Linear, Phase::Minimum];
     let fits = phases.into_iter().filter_map(|phase| {
         let chain = Chain {
             converter: Some(phase),
             poles_hz: Vec::new(),
         };
-        let bins = SpectralBins::new(measured, axis.rate_hz, Some(&chain))?;
-        let fit = fitted(&bins, &axis.data)?;
-        agrees(&axis.data, &fit, axis.rate_hz).then_some((chain, fit.log_likelihood))
+        let (data, bins) = if is_filled {
+            let behind = behind(&chain)?;
+            (behind.data, behind.bins)
+        } else {
+            let bins = SpectralBins::new(axis.residual.measured(), axis.rate_hz, Some(&chain))?;
+            (axis.data.clone(), bins)
+        };
+        if !falls(&data, axis.rate_hz) {
+            return None;
+        }
+        let fit = fitted(&bins, &data)?;
+        let gain = fit.log_likelihood - fitted(&axis.bins, &data)?.log_likelihood;
+        agrees(&data, &fit, axis.rate_hz).then_some((chain, gain))
     });
-    let (chain, with) = fits.max_by(|a, b| a.1.total_cmp(&b.1))?;
-    (with > without + LEAST_NATS).then_some(chain)
+    let (chain, gain) = fits.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (gain > LEAST_NATS).then_some(chain)
 }
 
 /// Whether the spectrum falls by more than a pole at its end.
@@ -122,15 +131,43 @@ mod tests {
 
     /// What is recognised in noise of this chain at a rate, undeclared.
     fn seen(chain: &str, rate_hz: f64, seed: u64) -> Option<String> {
+        seen_without(chain, rate_hz, seed, 0)
+    }
+
+    /// The same without so many in a hundred of the samples.
+    fn seen_without(chain: &str, rate_hz: f64, seed: u64, percent: u64) -> Option<String> {
         let text = format!(
             r#"{{ "schema": 1, "rate_hz": {rate_hz}, "axes": [ {{ "name": "X", "chain": "{chain}",
                 "coefficients": {{ "K": 1e-3, "B": 5e-3, "N": 0.01 }} }} ] }}"#
         );
         let model = Model::from_json(&text).expect("a model");
         let mut simulation = Simulation::new(&model, SAMPLES, seed).expect("a model");
-        let values = simulation.next_columns(SAMPLES as usize).remove(0);
-        let axis = AxisState::new(Arc::new(values), rate_hz, None).expect("a spectrum");
-        super::chain(&axis).map(|chain| chain.to_string())
+        let mut values = simulation.next_columns(SAMPLES as usize).remove(0);
+        // A sequence that is as good as random, and has each number once in a hundred.
+        let numbers = (0..SAMPLES).map(|n| n * n * n % 101);
+        let lost = values.iter_mut().zip(numbers).filter(|(_, n)| *n < percent);
+        lost.for_each(|(value, _)| *value = f64::NAN);
+        let values = Arc::new(values);
+        let behind = |chain: Option<&Chain>| AxisState::new(Arc::clone(&values), rate_hz, chain);
+        let axis = behind(None).expect("a spectrum");
+        super::chain(&axis, |chain| behind(Some(chain))).map(|chain| chain.to_string())
+    }
+
+    #[test]
+    fn it_is_recognised_where_samples_are_missing() {
+        for (seed, percent) in [(31, 1), (32, 8), (33, 30)] {
+            let [converter, poles] = ["ads1281:linear", "500hz"];
+            let found = seen_without(converter, 2000.0, seed, percent);
+            // Which of its two filters, a third missing does not say any more.
+            let is_it =
+                |one: &String| one == converter || percent == 30 && one == "ads1281:minimum";
+            assert!(
+                found.as_ref().is_some_and(is_it),
+                "seed {seed}, {percent} %: {found:?}"
+            );
+            let found = seen_without(poles, 2000.0, seed, percent);
+            assert_eq!(found, None, "seed {seed}, {percent} %, poles");
+        }
     }
 
     #[test]
@@ -171,7 +208,11 @@ mod tests {
                 values = values.windows(2).map(|two| two[0] + two[1]).collect();
             }
             let axis = AxisState::new(Arc::new(values), 100.0, None).expect("a spectrum");
-            assert_eq!(super::chain(&axis), None, "seed {SEED}, order {order}");
+            assert_eq!(
+                super::chain(&axis, |_| None),
+                None,
+                "seed {SEED}, order {order}"
+            );
         }
     }
 }

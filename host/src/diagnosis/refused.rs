@@ -19,7 +19,7 @@ pub enum Refused {
     },
     /// Nowhere enough samples in a row.
     #[error(
-        "axis {axis}: no stretch without a missing sample is long enough for a spectrum; fill gaps of single samples, or choose a part of the record with --from and --to"
+        "axis {axis}: more than half of its samples are missing, or gaps of more than 32 samples leave no stretch that is long enough for a spectrum; choose a part of the record with --from and --to"
     )]
     Broken {
         /// Name of the axis.

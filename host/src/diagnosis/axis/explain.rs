@@ -256,6 +256,8 @@ impl AxisState {
             self.starts = OnceLock::new();
             let bins = SpectralBins::new(&values, self.rate_hz, self.chain.as_ref());
             self.bins = bins.ok_or(NoFit)?;
+            let missing = self.short_gaps().map_or(0.0, |gaps| gaps.share());
+            self.bins.know_less(missing);
             self.bins.leave_out(&self.excluded_hz());
             self.data = self.bins.first();
             self.left_out = left_out;
@@ -263,6 +265,8 @@ impl AxisState {
         self.laws = Snapshot::of(&self.explanations).laws;
         let fit = search::polish(&self.bins, &self.data, &mut self.laws, 0, 0.05);
         self.fit = fit.ok_or(NoFit)?;
+        self.settle(values);
+        self.fill()?;
         let mut polished = self.laws.iter();
         for one in &mut self.explanations {
             if let Change::Law(law) = &mut one.change
@@ -271,7 +275,6 @@ impl AxisState {
                 law.clone_from(polished);
             }
         }
-        self.settle(values);
         Ok(())
     }
 

@@ -4,6 +4,7 @@
 mod density;
 mod excluded;
 mod explain;
+mod fill;
 mod made;
 mod moments;
 pub mod profile;
@@ -20,6 +21,7 @@ use crate::diagnosis::laws::{self, Law, search};
 use crate::diagnosis::record::bins::SpectralBins;
 use crate::diagnosis::record::powers::Powers;
 use crate::diagnosis::record::residual::Residual;
+use crate::diagnosis::record::short_gaps::ShortGaps;
 use crate::diagnosis::statistic::matched_filter::{Transform, Transformer};
 use crate::fit::likelihood::{Data, Fit};
 use crate::spectrum::Line;
@@ -42,6 +44,8 @@ pub struct AxisState {
     explanations: Vec<Explanation>,
     /// Bands that are excluded.
     excluded: Vec<Excluded>,
+    /// Gaps of the record that are filled, where there are any.
+    short_gaps: Option<Arc<ShortGaps>>,
     /// What is left of the record.
     pub residual: Residual,
     /// Bins and expectations.
@@ -78,7 +82,13 @@ pub struct Whitened {
 impl AxisState {
     /// An axis with nothing known. `None` where the record is too short, or all the same.
     pub fn new(measured: Arc<Vec<f64>>, rate_hz: f64, chain: Option<&Chain>) -> Option<Self> {
-        let bins = SpectralBins::new(&measured, rate_hz, chain)?;
+        let short_gaps = ShortGaps::of(&measured);
+        let mut whole = Arc::clone(&measured);
+        if let Some(gaps) = &short_gaps {
+            gaps.bridge(Arc::make_mut(&mut whole).as_mut_slice());
+        }
+        let mut bins = SpectralBins::new(&whole, rate_hz, chain)?;
+        bins.know_less(short_gaps.as_ref().map_or(0.0, ShortGaps::share));
         let fast = Transformer::new(measured.len());
         let data = bins.first();
         let fit = laws::fit(&bins, &data, &[])?;
@@ -87,7 +97,8 @@ impl AxisState {
             chain: chain.cloned(),
             explanations: Vec::new(),
             excluded: Vec::new(),
-            residual: Residual::new(Arc::clone(&measured)),
+            short_gaps: short_gaps.map(Arc::new),
+            residual: Residual::new(measured, Arc::clone(&whole)),
             bins,
             laws: Vec::new(),
             data,
@@ -101,7 +112,8 @@ impl AxisState {
             starts: OnceLock::new(),
             lines: OnceLock::new(),
         };
-        state.settle(measured);
+        state.settle(whole);
+        state.fill().ok()?;
         Some(state)
     }
 

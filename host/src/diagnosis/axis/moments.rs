@@ -1,5 +1,6 @@
 //! Which moments of an axis tests may judge by themselves: those that no bridge, cut or seam is near.
 
+use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 use crate::diagnosis::axis::AxisState;
@@ -30,11 +31,17 @@ impl AxisState {
             bridge(Arc::make_mut(&mut values).as_mut_slice())
         };
         gaps.extend(self.residual.about_jumps(0));
-        gaps.sort_by_key(|gap| gap.start);
         let guard = self.guard();
+        let widened = |gap: &Range<usize>| {
+            gap.start.saturating_sub(guard)..(gap.end + guard).min(values.len())
+        };
+        let mut all: Vec<Range<usize>> = gaps.iter().map(widened).collect();
+        // What fills these goes on as their neighbours do.
+        let short = self.short_gaps().map_or(&[][..], |gaps| gaps.ranges());
+        all.extend_from_slice(short);
+        all.sort_by_key(|gap| gap.start);
         self.unusable.clear();
-        for gap in gaps {
-            let wide = gap.start.saturating_sub(guard)..(gap.end + guard).min(values.len());
+        for wide in all {
             match self.unusable.last_mut() {
                 Some(last) if last.end >= wide.start => last.end = last.end.max(wide.end),
                 _ => self.unusable.push(wide),

@@ -64,50 +64,25 @@ impl AxisState {
     /// so that a test of moments does not suffer from a model that is still wrong in frequency.
     /// What a converter's filter shuts out does not count.
     pub(crate) fn densities(&self, whole: &Transform) -> Vec<f64> {
-        self.tabulate(whole, |f_hz| self.density(f_hz) * self.ratio(f_hz))
+        let density = |f_hz: f64| self.density(f_hz) * self.ratio(f_hz);
+        let mut densities = tabulate(whole.len(), whole.rate_hz(), density);
+        self.leave_out(whole, &mut densities);
+        densities
     }
 
-    fn tabulate(&self, whole: &Transform, density: impl Fn(f64) -> f64) -> Vec<f64> {
-        let count = whole.ordinates().len();
-        let (low, high) = (whole.frequency(1).ln(), whole.frequency(count - 1).ln());
-        let table: Vec<f64> = (0..=TABLE)
-            .map(|step| {
-                let log = low + (high - low) * step as f64 / TABLE as f64;
-                density(log.exp()).max(f64::MIN_POSITIVE).ln()
-            })
-            .collect();
-        // What lies further below the middle of the band is hidden by the ends' own leakage.
-        let floor = LEAST_SHARE * density(0.2 * whole.frequency(count - 1));
-        let at = |k: usize| {
-            let log = whole.frequency(k).ln();
-            let place = ((log - low) / (high - low) * TABLE as f64).clamp(0.0, TABLE as f64);
-            let step = (place as usize).min(TABLE - 1);
-            let share = place - step as f64;
-            let log = table[step] * (1.0 - share) + table[step + 1] * share;
-            log.exp().max(floor)
-        };
-        let mut densities = vec![0.0; count];
-        let runs = densities.par_chunks_mut(RUN).with_min_len(SHARED);
-        let runs = runs.enumerate();
-        runs.for_each(|(run, densities)| {
-            let first = run * RUN;
-            if first < ONE_BY_ONE {
-                let each = (first..).zip(densities);
-                each.for_each(|(k, density)| *density = at(k.max(1)));
-                return;
-            }
-            // So far up a run is a small part of an octave: straight from its begin to its end.
-            let (begin, end) = (at(first), at(first + RUN));
-            let slope = (end - begin) / RUN as f64;
-            let each = densities.iter_mut().enumerate();
-            each.for_each(|(n, density)| *density = begin + slope * n as f64);
-        });
+    /// Densities of the fitted law at the ordinates of a ring of `len` samples.
+    pub(super) fn law_densities(&self, len: usize) -> Vec<f64> {
+        tabulate(len, self.rate_hz, |f_hz| self.density(f_hz))
+    }
+
+    /// Leaves the bands that are excluded out of `densities`.
+    fn leave_out(&self, whole: &Transform, densities: &mut [f64]) {
         for band in self.excluded_hz() {
+            let count = densities.len();
             let of = |f_hz: f64| (f_hz / whole.frequency(1)).ceil().max(0.0) as usize;
             let (start, end) = (of(band.start).min(count), of(band.end).min(count));
             densities[start..end.max(start)].fill(f64::INFINITY);
         }
-        densities
     }
 
     /// Samples that one sample of the slow copy stands for.
@@ -125,7 +100,7 @@ impl AxisState {
         let means = block_means(values, factor);
         let rate_hz = self.rate_hz / factor as f64;
         let mut whole = Transformer::new(means.len()).transform(&means, rate_hz);
-        let density = self.tabulate(&whole, |f_hz| {
+        let mut density = tabulate(whole.len(), rate_hz, |f_hz| {
             // What folds back, through the mean's own response.
             (0..factor.div_ceil(2).min(8))
                 .flat_map(|fold| {
@@ -146,7 +121,48 @@ impl AxisState {
                 })
                 .sum()
         });
+        self.leave_out(&whole, &mut density);
         whole.close(&density);
         (whole, density)
     }
+}
+
+/// Densities at the ordinates of `len` samples on a ring, from a table.
+fn tabulate(len: usize, rate_hz: f64, density: impl Fn(f64) -> f64) -> Vec<f64> {
+    let count = len / 2 + 1;
+    let frequency = |k: usize| k as f64 * rate_hz / len as f64;
+    let (low, high) = (frequency(1).ln(), frequency(count - 1).ln());
+    let table: Vec<f64> = (0..=TABLE)
+        .map(|step| {
+            let log = low + (high - low) * step as f64 / TABLE as f64;
+            density(log.exp()).max(f64::MIN_POSITIVE).ln()
+        })
+        .collect();
+    // What lies further below the middle of the band is hidden by the ends' own leakage.
+    let floor = LEAST_SHARE * density(0.2 * frequency(count - 1));
+    let at = |k: usize| {
+        let log = frequency(k).ln();
+        let place = ((log - low) / (high - low) * TABLE as f64).clamp(0.0, TABLE as f64);
+        let step = (place as usize).min(TABLE - 1);
+        let share = place - step as f64;
+        let log = table[step] * (1.0 - share) + table[step + 1] * share;
+        log.exp().max(floor)
+    };
+    let mut densities = vec![0.0; count];
+    let runs = densities.par_chunks_mut(RUN).with_min_len(SHARED);
+    let runs = runs.enumerate();
+    runs.for_each(|(run, densities)| {
+        let first = run * RUN;
+        if first < ONE_BY_ONE {
+            let each = (first..).zip(densities);
+            each.for_each(|(k, density)| *density = at(k.max(1)));
+            return;
+        }
+        // So far up a run is a small part of an octave: straight from its begin to its end.
+        let (begin, end) = (at(first), at(first + RUN));
+        let slope = (end - begin) / RUN as f64;
+        let each = densities.iter_mut().enumerate();
+        each.for_each(|(n, density)| *density = begin + slope * n as f64);
+    });
+    densities
 }

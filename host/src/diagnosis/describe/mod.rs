@@ -79,6 +79,7 @@ pub(crate) fn describe(
             options.covariate.as_deref(),
         )
     });
+    let filled_samples = axis.filled_samples();
     let passed = passed(&axis);
     let residual = residual(&axis.into_residual(), passed);
     let diagnosis = AxisDiagnosis {
@@ -92,6 +93,7 @@ pub(crate) fn describe(
         },
         refused: None,
         recognised_chain: recognised,
+        filled_samples,
         unexplained,
         unnamed,
         last,
@@ -117,6 +119,7 @@ pub(crate) fn undiagnosed(signal: &Axis, refused: &Refused) -> AxisDiagnosis {
         unit: signal.unit,
         refused: Some(refused.to_string()),
         recognised_chain: None,
+        filled_samples: 0,
         base: Base {
             model: model.clone(),
             discrepancies: Vec::new(),

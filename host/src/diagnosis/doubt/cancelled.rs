@@ -47,7 +47,7 @@ fn most_cancelled(axis: &AxisState) -> Option<Kind> {
         }
         allan_curve::allan(values, axis.rate_hz)
     };
-    let measured = curve(&mut axis.residual.measured().to_vec());
+    let measured = curve(&mut axis.residual.whole().to_vec());
     let rest = allan_curve::allan(&left, axis.rate_hz);
     let course = |waves: &mut dyn Iterator<Item = &Wave>| {
         let mut values = vec![0.0; left.len()];

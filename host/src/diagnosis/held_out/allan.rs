@@ -146,7 +146,7 @@ fn waveform(axis: &AxisState, waves: &[Wave], at_jumps: AtJumps) -> Vec<Point> {
     for wave in waves {
         wave.take_out(&mut waveform);
     }
-    for (value, measured) in waveform.iter_mut().zip(axis.residual.measured()) {
+    for (value, measured) in waveform.iter_mut().zip(axis.residual.whole()) {
         if !measured.is_finite() {
             *value = f64::NAN;
         }

@@ -115,6 +115,14 @@ impl SpectralBins {
         self.data.with_psd(bins.iter().map(|bin| bin.psd).collect())
     }
 
+    /// Counts a share of the samples as not measured: what fills them agrees with any law that they were drawn
+    /// from, and says nothing of it.
+    pub fn know_less(&mut self, share: f64) {
+        for dof in self.dof.iter_mut().chain(&mut self.data.dof) {
+            *dof *= 1.0 - share;
+        }
+    }
+
     /// Takes the bins within any of `bands`, hertz, out of what fits and tests look at.
     pub fn leave_out(&mut self, bands: &[Range<f64>]) {
         self.data.dof = self.dof_beside(bands);

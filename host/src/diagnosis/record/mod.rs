@@ -8,5 +8,6 @@ pub mod powers;
 pub mod residual;
 pub mod runs;
 pub mod samples;
+pub mod short_gaps;
 pub mod spill;
 pub mod wave;

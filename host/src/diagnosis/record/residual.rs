@@ -25,16 +25,19 @@ pub struct TakenOut {
 pub struct Residual {
     /// As measured, about the mean; missing samples are NaN.
     measured: Arc<Vec<f64>>,
+    /// The same, short gaps filled.
+    whole: Arc<Vec<f64>>,
     taken: TakenOut,
     /// Jumps as wide as a converter's filter spreads them.
     spread: Vec<Range<usize>>,
 }
 
 impl Residual {
-    /// A record as measured, with nothing done to it.
-    pub fn new(measured: Arc<Vec<f64>>) -> Self {
+    /// A record as measured and as it is with its short gaps filled, with nothing done to it.
+    pub fn new(measured: Arc<Vec<f64>>, whole: Arc<Vec<f64>>) -> Self {
         Self {
             measured,
+            whole,
             taken: TakenOut::default(),
             spread: Vec::new(),
         }
@@ -45,7 +48,7 @@ impl Residual {
     pub fn after(&self, taken: TakenOut, spread: Option<usize>) -> Self {
         let mut left = Self {
             taken,
-            ..Self::new(Arc::clone(&self.measured))
+            ..Self::new(Arc::clone(&self.measured), Arc::clone(&self.whole))
         };
         left.spread = spread.map_or_else(Vec::new, |samples| left.about_jumps(samples).collect());
         left
@@ -72,9 +75,23 @@ impl Residual {
         all.unwrap_or_default()
     }
 
-    /// The record as it was measured, in the unit of the signal.
+    /// The record as it was measured, in the unit of the signal; NaN where a sample is missing.
     pub fn measured(&self) -> &[f64] {
         &self.measured
+    }
+
+    /// The same with its short gaps filled; NaN where more is missing.
+    pub fn whole(&self) -> &[f64] {
+        &self.whole
+    }
+
+    /// Fills the samples `at` these places anew, so that `left` is left of them.
+    pub fn refill(&mut self, at: &[usize], left: &[f64]) {
+        let before = self.values();
+        let whole = Arc::make_mut(&mut self.whole);
+        for &place in at.iter().filter(|&&place| before[place].is_finite()) {
+            whole[place] += left[place] - before[place];
+        }
     }
 
     /// How many samples there are, missing ones included.
@@ -87,10 +104,10 @@ impl Residual {
         self.measured.is_empty()
     }
 
-    /// What is left; NaN where missing or excluded. The measured values themselves where nothing was
-    /// taken out.
+    /// What is left, short gaps filled; NaN where more is missing or excluded. The record itself where nothing
+    /// was taken out.
     pub fn values(&self) -> Arc<Vec<f64>> {
-        let mut left = Arc::clone(&self.measured);
+        let mut left = Arc::clone(&self.whole);
         for wave in &self.taken.waves {
             wave.take_out(Arc::make_mut(&mut left).as_mut_slice());
         }
@@ -190,7 +207,8 @@ mod tests {
             masked: vec![10..20],
             cut: Vec::new(),
         };
-        let record = Residual::new(Arc::new(measured.clone())).after(taken_out, None);
+        let record = Residual::new(Arc::new(measured.clone()), Arc::new(measured.clone()))
+            .after(taken_out, None);
         let (left, mut taken) = (record.values(), vec![0.0; 1000]);
         for wave in record.waves() {
             wave.take_out(&mut taken);

@@ -50,6 +50,14 @@ impl Diagnosis {
     }
 }
 
+#[allow(
+    clippy::trivially_copy_pass_by_ref,
+    reason = "serde asks for a reference"
+)]
+const fn is_zero(count: &usize) -> bool {
+    *count == 0
+}
+
 /// The diagnosis of one axis.
 #[derive(Debug, Clone, Serialize)]
 pub struct AxisDiagnosis {
@@ -63,6 +71,9 @@ pub struct AxisDiagnosis {
     /// The signal chain that the spectrum's upper end shows, where none is declared; it is part of the models.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recognised_chain: Option<Chain>,
+    /// Missing samples in whose place noise was drawn as the rest of the axis has it.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub filled_samples: usize,
     /// The five terms alone.
     pub base: Base,
     /// What there is beyond them.

@@ -18,7 +18,7 @@ use crate::diagnosis::statistic::sums::sums;
 use crate::fft::ring::Series;
 
 pub use projection::{Half, Projection, held_out_gain};
-pub use transform::{Transform, Transformer, smooth_len};
+pub use transform::{Transform, Transformer, smooth_len, smooth_len_from};
 pub use waveform::{Impulse, Settling, Step, Waveform};
 
 /// What a matched filter says of every moment.

@@ -26,7 +26,7 @@ pub(crate) fn points(
     let (rate_hz, samples) = (axis.rate_hz, axis.residual.len() as u64);
     let (before, after) = (models.base.law(rate_hz), models.noise.law(rate_hz));
     let (measured, waves) = rayon::join(
-        || allan_curve::allan(axis.residual.measured(), rate_hz),
+        || allan_curve::allan(axis.residual.whole(), rate_hz),
         || allan_curve::allan(wave, rate_hz),
     );
     let point = |one: Point| {

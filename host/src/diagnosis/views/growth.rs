@@ -41,7 +41,7 @@ pub(crate) fn compare(axis: &AxisState, models: Models<'_>, wave: &[f64]) -> Vec
         integrated: (t_s * rate_hz).round() as usize,
         rate_hz,
     });
-    let observed = mean_squares(&windows, axis.residual.measured(), block);
+    let observed = mean_squares(&windows, axis.residual.whole(), block);
     let of_wave = mean_squares(&windows, wave, block);
     // Of what cannot be observed nothing is predicted either: a window of minutes in a record of
     // milliseconds would take longer than all else.

@@ -113,7 +113,7 @@ fn deterministic(axis: &AxisState) -> Vec<f64> {
         return Vec::new();
     }
     let mut wave = axis.residual.waveform();
-    for (value, measured) in wave.iter_mut().zip(axis.residual.measured()) {
+    for (value, measured) in wave.iter_mut().zip(axis.residual.whole()) {
         *value += 0.0 * measured;
     }
     wave
@@ -139,7 +139,7 @@ fn simulate(axis: &AxisState, model: &ModelAxis, temperature: Option<&[f64]>) ->
     while values.len() < length {
         values.append(&mut simulation.next_columns(BLOCK).remove(0));
     }
-    for (value, measured) in values.iter_mut().zip(axis.residual.measured()) {
+    for (value, measured) in values.iter_mut().zip(axis.residual.whole()) {
         // Missing where the record misses one.
         *value += 0.0 * measured - mean;
     }

@@ -55,7 +55,7 @@ impl<'a> Pooled<'a> {
     /// Of an axis whose five terms alone were fitted as `before`, with the deterministic part `wave`;
     /// the simulated densities are not yet among them.
     pub fn new(axis: &'a AxisState, before: &Fit, wave: &[f64], passing: &Passing) -> Self {
-        let measured = axis.residual.measured();
+        let measured = axis.residual.whole();
         let whole = axis
             .residual
             .is_masked()

@@ -1,6 +1,6 @@
 //! What an axis comes to, in a few sentences: may one simulate with the model, what happened when, what has no name.
 
-use super::super::number::significant;
+use super::super::number::{grouped, significant};
 use crate::chain::Chain;
 use crate::diagnosis::result::finding::{AxisDiagnosis, Finding, Unnamed, UnnamedBand};
 use crate::diagnosis::result::verdict::Verdict;
@@ -23,6 +23,7 @@ pub fn summary(axis: &AxisDiagnosis) -> Vec<String> {
             .as_ref()
             .map(|chain| recognised(axis, chain)),
     );
+    sentences.extend(filled(axis));
     sentences.extend(events(axis));
     sentences.extend(axis.unnamed.as_ref().map(without_name));
     sentences
@@ -60,6 +61,16 @@ fn verdict(verdict: &Verdict) -> String {
             },
         ),
     }
+}
+
+/// What stands in the place of missing samples.
+fn filled(axis: &AxisDiagnosis) -> Option<String> {
+    (axis.filled_samples > 0).then(|| {
+        format!(
+            "In short gaps {} missing samples were drawn as the noise of the rest has them.",
+            grouped(axis.filled_samples as u64)
+        )
+    })
 }
 
 /// What a chain that was recognised asks for.

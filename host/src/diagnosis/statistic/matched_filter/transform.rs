@@ -36,18 +36,23 @@ pub struct Transform {
 /// Length that transforms fast: the largest even number with no prime factor above 5, at most
 /// `len`.
 pub fn smooth_len(len: usize) -> usize {
-    let is_smooth = |mut n: usize| {
-        for prime in [2, 3, 5] {
-            while n.is_multiple_of(prime) {
-                n /= prime;
-            }
+    (2..=len).rev().find(|&n| is_smooth(n)).unwrap_or(0)
+}
+
+/// The smallest such length that is at least `len`.
+pub fn smooth_len_from(len: usize) -> usize {
+    // There is a power of two.
+    (len.max(2)..).find(|&n| is_smooth(n)).unwrap_or(len)
+}
+
+fn is_smooth(len: usize) -> bool {
+    let mut rest = len;
+    for prime in [2, 3, 5] {
+        while rest.is_multiple_of(prime) {
+            rest /= prime;
         }
-        n == 1
-    };
-    (2..=len)
-        .rev()
-        .find(|&n| n.is_multiple_of(2) && is_smooth(n))
-        .unwrap_or(0)
+    }
+    rest == 1 && len.is_multiple_of(2)
 }
 
 /// Makes transforms of records of one length.
@@ -76,6 +81,26 @@ impl Transformer {
         Series::new(&values[..self.len])
     }
 
+    /// A ring of zeros.
+    pub fn zeros(&self) -> Series {
+        Series::new(&vec![0.0; self.len])
+    }
+
+    /// A ring that begins with `values` less the line through their ends, and is zero from there on.
+    pub fn padded(&self, values: &[f64]) -> Series {
+        let mut ring = self.zeros();
+        ring[..values.len()].copy_from_slice(values);
+        take_out_line(&mut ring[..values.len()]);
+        ring
+    }
+
+    /// Gaussian noise of the two-sided densities `density` at the ordinates, made of standard `normal` numbers.
+    pub fn noise(&self, density: &[f64], rate_hz: f64, normal: impl FnMut() -> f64) -> Series {
+        let mut noise = self.transform_ring(self.zeros(), rate_hz);
+        noise.add_noise(|k| density[k], normal);
+        noise.series()
+    }
+
     /// Transform of `values`, none of which is missing, less the line through their ends.
     pub fn transform(&self, values: &[f64], rate_hz: f64) -> Transform {
         self.transform_in_place(self.series(values), rate_hz)
@@ -84,10 +109,15 @@ impl Transformer {
     /// The same of a series of [`Self::len`] samples, in its own memory.
     pub fn transform_in_place(&self, mut bridge: Series, rate_hz: f64) -> Transform {
         take_out_line(&mut bridge);
+        self.transform_ring(bridge, rate_hz)
+    }
+
+    /// The same of a series that closes into a ring as it is.
+    pub fn transform_ring(&self, ring: Series, rate_hz: f64) -> Transform {
         Transform {
             rate_hz,
             len: self.len,
-            ordinates: self.ring.forward(bridge),
+            ordinates: self.ring.forward(ring),
             ring: Arc::clone(&self.ring),
         }
     }
@@ -211,6 +241,11 @@ impl Transform {
     /// What the filter of that response makes of a single sample of size one at moment zero.
     pub fn answer(&self, response: impl Fn(usize) -> f64 + Sync) -> Series {
         self.back(|k| response(k).into())
+    }
+
+    /// The record itself.
+    pub fn series(&self) -> Series {
+        self.back(|k| self.ordinates[k])
     }
 
     /// Samples of a ring whose ordinates above zero frequency are `ordinate(k)`, its mean zero.
