@@ -3,6 +3,7 @@
 
     inm_client.py samples CAPTURE            the samples of a capture as CSV, on standard output
     inm_client.py messages CAPTURE           every message of a capture, a line each, as JSON
+    inm_client.py proof CAPTURE              up to which conversion the board's own bins agree with what came
     inm_client.py identify PORT              who the board is, as JSON
     inm_client.py record PORT CAPTURE --samples N [--rate HZ]
                                              N samples an axis into a new capture; the samples, as they
@@ -149,6 +150,7 @@ WAIT_S, TRIES = 1.5, 3
 # Of the samples: words ahead of a notice and near a clipped one that must not be used.
 SLIP_NOTICE = 540
 GUARD_BEFORE, GUARD_AFTER = 31, 62
+# Begins a hello, behind the version; never changes.
 HELLO = b"inmhello"
 MAGIC = b"#inm-capture 1\n"
 
@@ -495,6 +497,112 @@ def merged(ranges):
     return out
 
 
+# --- proof ----------------------------------------------------------------------------------------
+
+
+class Bins:
+    """The Allan bins of one axis, as far as their digest needs them (WIRE.md, Proof)."""
+
+    GROUND = (1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 16, 20, 24, 28, 32, 40)
+    LEVEL, LEVELS = (24, 28, 32, 40), 22
+
+    def __init__(self, first):
+        self.next = self.start = first
+        self.samples = self.total = 0
+        self.sums = [0]  # of the words of this run, before each of its indices
+        self.terms = [[0, 0] for _ in range(len(self.GROUND) + self.LEVELS * len(self.LEVEL))]
+
+    def push(self, code):
+        self.next, self.samples, self.total = self.next + 1, self.samples + 1, self.total + code
+        self.sums.append(self.sums[-1] + code)
+        for place, lag in enumerate(self.GROUND):
+            self.add(place, lag, self.next)
+        half = self.next & -self.next
+        self.level(half.bit_length(), self.next - half)
+
+    def level(self, level, index):
+        """The differences of a level that end at an index whose turn has come."""
+        if 1 <= level <= self.LEVELS:
+            place = len(self.GROUND) + (level - 1) * len(self.LEVEL)
+            for lag in self.LEVEL:
+                self.add(place, lag << level, index)
+                place += 1
+
+    def add(self, place, lag, index):
+        at = index - self.start
+        if at >= 2 * lag:
+            difference = self.sums[at] - 2 * self.sums[at - lag] + self.sums[at - 2 * lag]
+            self.terms[place][0] += 1
+            self.terms[place][1] += difference * difference
+
+    def skip_to(self, index):
+        """What lies before `index` and has not come is missing."""
+        if index <= self.next:
+            return
+        for level in range(1, self.LEVELS + 1):
+            newest = self.next >> level << level
+            if self.next - newest < 1 << level - 1:
+                self.level(level, newest)
+        self.next = self.start = index
+        self.sums = [0]
+
+    def digest(self):
+        words = [self.next, self.start, self.samples, self.total]
+        for count, squares in self.terms:
+            words += [count, squares, squares >> 64, squares >> 128]
+        mask, digest = (1 << 64) - 1, 0
+        for word in words:
+            turned = digest << 29 & mask | digest >> 35
+            digest = (turned ^ word & mask) * 0x9E3779B97F4A7C15 & mask
+        return digest ^ digest >> 32
+
+
+class Proof:
+    """What came, against the digests that the board keeps of what it sent."""
+
+    def __init__(self):
+        self.stream, self.words, self.seq, self.begin = None, [], -1, 0
+        self.epoch, self.bins, self.fed = None, [], 0
+        self.proven = self.disagreements = 0
+
+    def push(self, message):
+        if "Samples" in message:
+            batch = message["Samples"]
+            if batch["stream"] != self.stream:
+                self.stream, self.words, self.epoch = batch["stream"], [], None
+                self.seq, self.begin = -1, 0
+            if batch["seq"] != self.seq + 1:
+                # A batch was lost: only bins that begin behind it can be compared.
+                self.begin = batch["first"]
+            self.seq = batch["seq"]
+            flagged = {(f["conversion"], f["axis"]) for f in batch["flags"] if f["flags"]}
+            for at, codes in enumerate(batch["codes"]):
+                good = [(at, axis) not in flagged for axis in range(AXES)]
+                self.words.append((batch["first"] + at, codes, good))
+        elif "Health" in message and message["Health"]["bins"]:
+            if message["Health"]["stream"] == self.stream:
+                self.mark(message["Health"]["bins"])
+
+    def mark(self, mark):
+        if mark["epoch"] < self.begin:
+            return
+        if mark["epoch"] != self.epoch:
+            self.epoch, self.fed = mark["epoch"], 0
+            self.bins = [Bins(self.epoch) for _ in range(AXES)]
+        for index, codes, good in self.words[self.fed :]:
+            for axis in range(AXES):
+                if good[axis] and index >= self.epoch:
+                    self.bins[axis].skip_to(index)
+                    self.bins[axis].push(codes[axis])
+        self.fed = len(self.words)
+        for bins in self.bins:
+            bins.skip_to(mark["index"])
+        if [bins.digest() for bins in self.bins] == mark["digests"]:
+            self.proven = mark["index"]
+        else:
+            self.disagreements += 1
+
+
 # --- captures -------------------------------------------------------------------------------------
 
 
@@ -679,7 +787,7 @@ def record(board, path, samples, rate_hz):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     sub = parser.add_subparsers(dest="command", required=True)
-    for name in ("samples", "messages"):
+    for name in ("samples", "messages", "proof"):
         sub.add_parser(name).add_argument("capture")
     for name in ("identify", "record"):
         command = sub.add_parser(name)
@@ -700,6 +808,11 @@ def run(options):
     """The lines of a command."""
     if options.command == "messages":
         return [json.dumps(message) for message in capture(options.capture)[1]]
+    if options.command == "proof":
+        proof = Proof()
+        for message in capture(options.capture)[1]:
+            proof.push(message)
+        return [json.dumps({"proven": proof.proven, "disagreements": proof.disagreements})]
     if options.command == "samples":
         samples = Samples()
         for message in capture(options.capture)[1]:

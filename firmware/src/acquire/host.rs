@@ -3,8 +3,8 @@
 
 use heapless::String;
 use inm_protocol::{
-    AXES, Answer, Command, Identity, REGISTERS, Refusal, Reply, Request, Settings, ToBoard,
-    samples_load,
+    AXES, Answer, Command, Fault, Hello, Identity, REGISTERS, Refusal, Reply, Request, Settings,
+    ToBoard, VERSION, samples_load,
 };
 
 use super::clock::{Clock, readable_hz};
@@ -33,14 +33,20 @@ impl<P: Platform> Instrument<P> {
             };
             busy = true;
             // Faults are counted by the decoder and shown in the health record.
-            if let Some(Ok(ToBoard::Command(command))) = self.decoder.next(&mut &[byte][..]) {
-                self.carry_out(command, now);
+            match self.decoder.next(&mut &[byte][..]) {
+                Some(Ok(ToBoard::Command(command))) => self.carry_out(command, now),
+                // Whoever asks: what it asked is not understood.
+                Some(Err(Fault::Version { .. })) => self.outbox.greet(self.hello()),
+                Some(Err(_)) | None => {}
             }
         }
         busy
     }
 
     fn carry_out(&mut self, command: Command, now: u64) {
+        if command.request == Request::Identify {
+            self.outbox.greet(self.hello());
+        }
         if self.outbox.repeats(command) {
             return;
         }
@@ -94,6 +100,16 @@ impl<P: Platform> Instrument<P> {
         self.platform.bins().begin(epoch);
         self.mark = None;
         epoch
+    }
+
+    /// What a host of any version understands.
+    fn hello(&self) -> Hello {
+        Hello {
+            version: VERSION,
+            serial: self.board.serial,
+            firmware: text(env!("CARGO_PKG_VERSION")),
+            platform: text(self.board.platform),
+        }
     }
 
     fn identity(&self) -> Identity {

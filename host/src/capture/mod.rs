@@ -16,6 +16,8 @@
 //! a fault of the link can be looked at years later.
 
 mod check;
+#[cfg(test)]
+mod documented;
 mod durable;
 mod error;
 mod header;
