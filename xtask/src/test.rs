@@ -18,7 +18,13 @@ use crate::{deny, fuzz, image_test, instructions};
 
 /// Crates that run on the board. Each is checked alone: in a build of the workspace the host's
 /// features leak into what they share.
-const NO_STD: [&str; 4] = ["inm-protocol", "inm-allan", "inm-emulator", "inm-firmware"];
+const NO_STD: [&str; 5] = [
+    "inm-protocol",
+    "inm-allan",
+    "ads1281",
+    "inm-emulator",
+    "inm-firmware",
+];
 
 /// Environment variable by which the tests under QEMU find the image.
 const IMAGE_VARIABLE: &str = "INM_QEMU_IMAGE";

@@ -1,6 +1,7 @@
 //! Commands of the host, each carried out once and answered, one after the other. One that comes
 //! again, because its reply was lost, is answered again.
 
+use ads1281::CLOCK_HZ;
 use heapless::String;
 use inm_protocol::{
     AXES, Answer, Command, Fault, Hello, Identity, REGISTERS, Refusal, Reply, Request, Settings,
@@ -11,8 +12,7 @@ use super::clock::{Clock, readable_hz};
 use super::job::{Kind, Task};
 use super::{Instrument, RESTART_US, Stage};
 use crate::Platform;
-use crate::ads1281::CLOCK_HZ;
-use crate::ads1281::config::conversions_hz;
+use crate::converters::{conversions_hz, trouble};
 
 /// Bytes taken from the link in one step.
 const BYTES_A_STEP: u32 = 64;
@@ -156,7 +156,7 @@ impl<P: Platform> Instrument<P> {
                 Err(error) => {
                     return Err(Refusal::Converter {
                         axis: axis as u8,
-                        trouble: error.trouble(),
+                        trouble: trouble(error),
                     });
                 }
             }
