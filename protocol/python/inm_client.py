@@ -716,7 +716,7 @@ class Board:
         self.frames = Frames()
         self.id = random.randrange(0x80, 0x2000)
         self.arrived = lambda frame, message: None
-        self.hello = None
+        self.hello = self.version = None
 
     def take(self):
         """Reads once, and returns the messages that are complete."""
@@ -739,6 +739,7 @@ class Board:
             deadline = time.monotonic() + WAIT_S
             while time.monotonic() < deadline:
                 for version, message in self.take():
+                    self.version = version
                     if "Hello" in message:
                         self.hello = message["Hello"]
                         if version != VERSION:
@@ -748,6 +749,9 @@ class Board:
                         if "Err" in reply["result"]:
                             raise WireError("the board refuses %s: %s" % (request, reply["result"]))
                         return reply["result"]["Ok"]
+        if self.version not in (None, VERSION):
+            # From before the hello: its version is all that its frames say.
+            raise WireError("%s: %s" % (self.path, foreign(self.version)))
         raise WireError("%s: no answer to %s" % (self.path, request))
 
 

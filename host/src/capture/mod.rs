@@ -16,8 +16,6 @@
 //! a fault of the link can be looked at years later.
 
 mod check;
-#[cfg(test)]
-mod documented;
 mod durable;
 mod error;
 mod header;
@@ -32,3 +30,6 @@ pub use writer::{SYNC_PERIOD, Writer, note_frame};
 
 /// First line of every capture, without its line feed.
 pub const MAGIC: &str = "#inm-capture 1";
+
+#[cfg(test)]
+mod tests;
