@@ -12,6 +12,8 @@
 //! - [`BlockMeans`]: Allan variance across gaps, biased and marked as such.
 //! - [`full`]: every overlap at any averaging time, for records held in memory.
 //! - [`edf`]: equivalent degrees of freedom of an estimate for a given noise type.
+//! - [`octaves`]: the deviation of a slice at octaves, with 95 % intervals (feature `intervals`).
+//! - [`identify`]: which noise rules at an averaging time (feature `intervals`).
 //! - [`fixed_point`]: codes for floating-point samples, with a stated resolution.
 //!
 //! # Conventions
@@ -50,9 +52,13 @@ pub mod full;
 mod grid;
 mod head;
 mod history;
+#[cfg(feature = "intervals")]
+pub mod identify;
 mod kernels;
 mod knot;
 mod merge;
+#[cfg(feature = "intervals")]
+mod octaves;
 mod packed;
 mod row;
 mod state;
@@ -65,5 +71,12 @@ pub use bins::{Bins, HostBins};
 pub use block_means::{BlockEstimate, BlockMeans};
 pub use float_bins::{FloatBins, MergeError, OffGrid};
 pub use merge::NotAdjacent;
+#[cfg(feature = "intervals")]
+pub use octaves::{Octave, interval, octaves};
 
 pub use statistic::{Estimate, Statistic};
+
+/// The examples of the README compile.
+#[cfg(all(doctest, feature = "intervals"))]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -25,9 +25,9 @@ mod spi;
 use core::convert::Infallible;
 use core::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
+use ads1281::{Ads1281, DataReady};
 use cortex_m::peripheral::NVIC;
 use embedded_hal::digital::{ErrorType, InputPin};
-use inm_firmware::ads1281::{Ads1281, DataReady};
 use inm_firmware::proof::ProofBins;
 use inm_protocol::AXES;
 use stm32f4xx_hal::gpio::{Edge, ErasedPin, ExtiPin, GpioExt, Input, Output, PB0, PB10};

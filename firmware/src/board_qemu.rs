@@ -12,11 +12,12 @@
 //! allows them to run on to its moment, and the loop lets them: where the emulation is slower
 //! than the part, bench time merely passes more slowly, and no conversion is lost.
 
+use ads1281::Ads1281;
 use cortex_m::peripheral::NVIC;
 use inm_emulator::channel::{Channel, published};
 use inm_emulator::filter::DECIMATION;
-use inm_emulator::{Bench, Converter, Delay, Drdy, Signal, Spi, SyncPin};
-use inm_firmware::ads1281::Ads1281;
+use inm_emulator::{Bench, Converter, Delay, Signal, Spi, SyncPin};
+use inm_firmware::emulated::{self, Latched};
 use inm_firmware::platform::LONGEST_SLEEP_US;
 use inm_firmware::proof::ProofBins;
 use stm32f4xx_hal::gpio::GpioExt;
@@ -98,7 +99,7 @@ pub struct Emulated {
 }
 
 /// A driver on an emulated bus.
-type Axis = Ads1281<Spi<'static, Record>, Drdy<'static, Record>, Delay<'static, Record>>;
+type Axis = Ads1281<Spi<'static, Record>, Latched<'static, Record>, Delay<'static, Record>>;
 
 /// Brings the machine up.
 pub fn start(
@@ -133,7 +134,7 @@ pub fn start(
         bins,
         watchdog,
     };
-    let axes = [0, 1, 2].map(|axis| Ads1281::new(bench.spi(axis), bench.drdy(axis), bench.delay()));
+    let axes = [0, 1, 2].map(|axis| emulated::converter(bench, axis));
     (machine, axes, bench.sync())
 }
 
@@ -183,7 +184,7 @@ fn TIM3() {
 
 impl Sensors for Emulated {
     type Spi = Spi<'static, Record>;
-    type Drdy = Drdy<'static, Record>;
+    type Drdy = Latched<'static, Record>;
     type Sync = SyncPin<'static, Record>;
     type Delay = Delay<'static, Record>;
 

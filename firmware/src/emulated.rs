@@ -11,12 +11,15 @@
 
 mod link;
 
+use core::convert::Infallible;
+
+use ads1281::{Ads1281, DataReady};
+use embedded_hal::digital::{ErrorType, InputPin};
 use inm_emulator::time::PS_PER_S;
 use inm_emulator::{Bench, Delay, Drdy, Signal, Spi, SyncPin};
 use inm_protocol::{AXES, Restart, SensorRange};
 
 use crate::acquire::Converter;
-use crate::ads1281::{Ads1281, DataReady};
 use crate::platform::Stack;
 use crate::proof::ProofBins;
 use crate::{Board, Instrument, Platform};
@@ -32,10 +35,36 @@ const PS_PER_TICK: u64 = PS_PER_S / TIMER_HZ as u64;
 /// instrument, the millisecond after RESET.
 const QUANTUM_PS: u64 = PS_PER_S / 4000;
 
-impl<S: Signal> DataReady for Drdy<'_, S> {
-    fn take_edge(&mut self) -> bool {
-        Drdy::take_edge(self)
+/// An emulated DRDY as the driver wants it: the emulator knows no driver, and the driver no emulator.
+#[derive(Debug)]
+pub struct Latched<'b, S>(pub Drdy<'b, S>);
+
+impl<S> ErrorType for Latched<'_, S> {
+    type Error = Infallible;
+}
+
+impl<S: Signal> InputPin for Latched<'_, S> {
+    fn is_high(&mut self) -> Result<bool, Infallible> {
+        self.0.is_high()
     }
+
+    fn is_low(&mut self) -> Result<bool, Infallible> {
+        self.0.is_low()
+    }
+}
+
+impl<S: Signal> DataReady for Latched<'_, S> {
+    fn take_edge(&mut self) -> bool {
+        self.0.take_edge()
+    }
+}
+
+/// The converter of an axis, 0 to 2, on the emulator's bench.
+pub fn converter<S: Signal>(
+    bench: &Bench<S>,
+    axis: usize,
+) -> Ads1281<Spi<'_, S>, Latched<'_, S>, Delay<'_, S>> {
+    Ads1281::new(bench.spi(axis), Latched(bench.drdy(axis)), bench.delay())
 }
 
 /// What is outside the virtual board: the link, and whatever the program runs on.
@@ -117,8 +146,7 @@ impl<'b, S: Signal, E: Environment> VirtualBoard<'b, S, E> {
 
     /// An instrument on a board of its own.
     pub fn instrument(bench: &'b Bench<S>, environment: E, board: Board) -> Instrument<Self> {
-        let converters: [Converter<Self>; AXES] =
-            [0, 1, 2].map(|axis| Ads1281::new(bench.spi(axis), bench.drdy(axis), bench.delay()));
+        let converters: [Converter<Self>; AXES] = [0, 1, 2].map(|axis| converter(bench, axis));
         let platform = Self::new(bench, environment, board);
         Instrument::new(platform, converters, bench.sync())
     }
@@ -157,7 +185,7 @@ pub fn describe(platform: &'static str) -> Board {
 
 impl<'b, S: Signal, E: Environment> Platform for VirtualBoard<'b, S, E> {
     type Spi = Spi<'b, S>;
-    type Drdy = Drdy<'b, S>;
+    type Drdy = Latched<'b, S>;
     type Sync = SyncPin<'b, S>;
     type Delay = Delay<'b, S>;
 

@@ -1,8 +1,8 @@
 //! Firmware of the inm board: everything but the microcontroller.
 //!
 //! ```text
-//!   ads1281   one converter on its SPI bus: commands, registers, words and what is wrong with them
 //!   acquire   the instrument: three converters to batches, health and events; commands to replies
+//!   converters  settings and troubles of the protocol in terms of the driver (crate `ads1281`)
 //!   platform  what the instrument needs of the machine it runs on
 //!   mma7331l  from codes to volts and m/s^2
 //!   proof     the bins that board and host compare
@@ -17,7 +17,7 @@
 #![forbid(unsafe_code)]
 
 pub mod acquire;
-pub mod ads1281;
+pub mod converters;
 #[cfg(feature = "emulator")]
 pub mod emulated;
 pub mod mma7331l;

@@ -5,12 +5,12 @@
 //! [`Platform::take_edge_stamp`], [`Platform::receive`] and [`Platform::transmit`]. All
 //! methods return at once. A loop with nothing to do may sleep for [`LONGEST_SLEEP_US`].
 
+use ads1281::DataReady;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::SpiBus;
 use inm_protocol::{Restart, SensorRange};
 
-use crate::ads1281::DataReady;
 use crate::proof::ProofBins;
 
 /// Longest sleep between two steps, microseconds: a deadline alone wakes nobody. As long as the

@@ -6,7 +6,7 @@ mod timed;
 
 use inm_emulator::Bench;
 use inm_firmware::Instrument;
-use inm_firmware::ads1281::Ads1281;
+use inm_firmware::emulated::converter;
 use inm_protocol::{
     Batch, Command, Decoder, MAX_FRAME, Phase, Rate, Request, ToBoard, ToHost, encode,
 };
@@ -32,8 +32,7 @@ struct Course {
 }
 
 fn streamed(bench: &Bench<Noisy>) -> Course {
-    let converters =
-        [0, 1, 2].map(|axis| Ads1281::new(bench.spi(axis), bench.drdy(axis), bench.delay()));
+    let converters = [0, 1, 2].map(|axis| converter(bench, axis));
     let mut board = Instrument::new(TimedBoard::new(bench), converters, bench.sync());
     let rate = settings(Rate::Sps4000, Phase::Linear, None);
     let requests = [(1, Request::Configure(rate)), (2, Request::Start)];

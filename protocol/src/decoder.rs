@@ -3,7 +3,7 @@
 use serde::de::DeserializeOwned;
 
 use crate::frame::{CRC, CRC_LEN, FRAME_END, MAX_FRAME};
-use crate::{VERSION, WITHOUT_STREAM};
+use crate::{Hello, VERSION, WITHOUT_STREAM};
 
 /// What was wrong with the bytes between two zeros.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -67,6 +67,7 @@ pub struct Decoder<const N: usize = MAX_FRAME> {
     counts: Counts,
     /// Version of the last frame whose check sum matched.
     version: Option<u8>,
+    hello: Option<Hello>,
 }
 
 impl Decoder {
@@ -94,6 +95,7 @@ impl<const N: usize> Decoder<N> {
                 bytes_lost: 0,
             },
             version: None,
+            hello: None,
         }
     }
 
@@ -132,8 +134,10 @@ impl<const N: usize> Decoder<N> {
             };
             *input = &input[end + 1..];
             let len = core::mem::take(&mut self.len);
-            if len > 0 {
-                return Some(self.finish(len));
+            if len > 0
+                && let Some(result) = self.finish(len)
+            {
+                return Some(result);
             }
         }
     }
@@ -148,18 +152,29 @@ impl<const N: usize> Decoder<N> {
         self.version
     }
 
+    /// The last hello of a board, of whatever version; none is a message or a fault.
+    pub fn hello(&self) -> Option<&Hello> {
+        self.hello.as_ref()
+    }
+
     /// Bytes of the frame that has begun and not ended.
     pub fn pending(&self) -> usize {
         self.len
     }
 
-    fn finish<M: DeserializeOwned>(&mut self, len: usize) -> Result<M, Fault> {
-        let result = match self.frame.get_mut(..len) {
-            Some(frame) => check(frame).and_then(|payload| {
+    /// The message of a frame, or its fault; `None` of a hello, which is kept.
+    fn finish<M: DeserializeOwned>(&mut self, len: usize) -> Option<Result<M, Fault>> {
+        let frame = self.frame.get_mut(..len).ok_or(Fault::TooLong);
+        let result = match frame.and_then(check) {
+            Ok(payload) => {
                 self.version = payload.first().copied();
+                if let Some(hello) = hello(payload) {
+                    self.hello = Some(hello);
+                    return None;
+                }
                 message(payload)
-            }),
-            None => Err(Fault::TooLong),
+            }
+            Err(fault) => Err(fault),
         };
         match result {
             Ok(_) => self.counts.frames += 1,
@@ -168,8 +183,16 @@ impl<const N: usize> Decoder<N> {
                 self.counts.bytes_lost += len as u64 + 1;
             }
         }
-        result
+        Some(result)
     }
+}
+
+/// The hello of a checked frame, if it is one.
+fn hello(payload: &[u8]) -> Option<Hello> {
+    let (version, message) = payload.split_first()?;
+    // The zero behind a message is none of its bytes.
+    let (_, message) = message.split_last()?;
+    Hello::of(*version, message)
 }
 
 /// Decodes one frame (without its closing zero) in place, and checks its sum: what stands ahead of that,

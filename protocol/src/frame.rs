@@ -67,11 +67,18 @@ pub fn encode<M: Serialize>(message: &M, out: &mut [u8]) -> Result<usize, Encode
     let body = postcard::to_slice(message, &mut payload[1..MAX_PAYLOAD - CRC_LEN])
         .map_err(|_| EncodeError::NoRoom)?
         .len();
-    let end = 1 + body;
-    let crc = CRC.checksum(&payload[..end]);
-    payload[end..end + CRC_LEN].copy_from_slice(&crc.to_le_bytes());
-    let payload = &payload[..end + CRC_LEN];
+    close(&mut payload, 1 + body, out)
+}
 
+/// Writes the frame of `payload`, of which `end` bytes are filled, to the start of `out`, behind the
+/// CRC, for which there is room; returns its length.
+pub(crate) fn close(payload: &mut [u8], end: usize, out: &mut [u8]) -> Result<usize, EncodeError> {
+    let (filled, rest) = payload
+        .split_at_mut_checked(end)
+        .ok_or(EncodeError::NoRoom)?;
+    let room = rest.first_chunk_mut::<CRC_LEN>();
+    *room.ok_or(EncodeError::NoRoom)? = CRC.checksum(filled).to_le_bytes();
+    let payload = payload.get(..end + CRC_LEN).ok_or(EncodeError::NoRoom)?;
     if out.len() < cobs::max_encoding_length(payload.len()) + 1 {
         return Err(EncodeError::NoRoom);
     }

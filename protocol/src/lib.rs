@@ -22,6 +22,7 @@ mod command;
 mod decoder;
 mod frame;
 mod health;
+mod hello;
 pub mod image;
 mod message;
 mod sample;
@@ -32,6 +33,7 @@ pub use command::{Answer, Command, Identity, Refusal, Reply, Request, Restart, S
 pub use decoder::{Counts, Decoder, Fault};
 pub use frame::{EncodeError, FRAME_END, MAX_FRAME, MAX_PAYLOAD, encode};
 pub use health::{AxisCounters, BinsMark, Health, LinkCounters};
+pub use hello::{HELLO, Hello};
 pub use message::{Event, Note, ToBoard, ToHost, Trouble, UNPROVEN_PERIODS};
 pub use sample::{Batch, Code, Flag, Flags};
 pub use settings::{Filter, Phase, Rate, SensorRange, Settings};

@@ -1,9 +1,9 @@
 //! The bytes of WIRE.md. A change here is a new protocol version.
 
 use inm_protocol::{
-    Batch, BinsMark, Code, Command, Decoder, Event, Fault, Filter, Flag, Flags, Health, Identity,
-    MAX_FRAME, Phase, Rate, Refusal, Reply, Request, Restart, SensorRange, Settings, ToBoard,
-    ToHost, Trouble, VERSION, encode,
+    Batch, BinsMark, Code, Command, Decoder, Event, Fault, Filter, Flag, Flags, HELLO, Health,
+    Hello, Identity, MAX_FRAME, Phase, Rate, Refusal, Reply, Request, Restart, SensorRange,
+    Settings, ToBoard, ToHost, Trouble, VERSION, encode,
 };
 use serde::Serialize;
 
@@ -224,6 +224,81 @@ fn frames_of_version_1_are_read() {
         read(REFUSED),
         ToHost::Reply(Reply { id: 300, .. })
     ));
+}
+
+/// The bytes of a hello, from the version to ahead of the check sum. They are typed in: what is frozen
+/// must not follow the code.
+const HELLO_BYTES: &str = "02 69 6e 6d 68 65 6c 6c 6f 1c 41 00 20 00 02 50 46 52 32 34 31 20 05 30 2e \
+    31 2e 30 09 73 74 6d 33 32 66 34 30 35";
+
+fn hello() -> Hello {
+    Hello {
+        version: 2,
+        serial: [0x0020_0041, 0x5246_5002, 0x2031_3432],
+        firmware: "0.1.0".try_into().expect("short"),
+        platform: "stm32f405".try_into().expect("short"),
+    }
+}
+
+/// Frames a payload by hand.
+fn frame(payload: &[u8]) -> Vec<u8> {
+    let crc = crc::Crc::<u32>::new(&crc::CRC_32_ISO_HDLC).checksum(payload);
+    let payload = [payload, &crc.to_le_bytes()].concat();
+    let mut out = [0; MAX_FRAME];
+    let len = cobs::encode(&payload, &mut out);
+    out[..=len].to_vec()
+}
+
+fn hello_bytes() -> Vec<u8> {
+    let bytes = HELLO_BYTES.split_whitespace();
+    let bytes = bytes.map(|byte| u8::from_str_radix(byte, 16).expect("a byte"));
+    bytes.collect()
+}
+
+#[test]
+fn the_hello_is_frozen() {
+    let mut out = [0; MAX_FRAME];
+    let len = hello().encode(&mut out).expect("fits");
+    assert_eq!(out[..len], frame(&hello_bytes()));
+    let section = WIRE
+        .split("\n### Hello")
+        .nth(1)
+        .expect("a section of its own");
+    let hex = out[..len].iter().map(|byte| format!("{byte:02x}"));
+    let found = section.split_whitespace().collect::<Vec<_>>().join(" ");
+    let hex = hex.collect::<Vec<_>>().join(" ");
+    assert!(found.contains(&hex), "section `Hello` of WIRE.md: {hex}");
+}
+
+#[test]
+fn a_hello_of_any_version_and_of_any_length_is_understood() {
+    for version in [0, 1, VERSION, VERSION + 1, 255] {
+        for added in [&[][..], &[7, 0, 9]] {
+            let mut bytes = hello_bytes();
+            bytes[0] = version;
+            bytes[9] += added.len() as u8;
+            bytes.extend(added);
+            let mut decoder = Decoder::new();
+            assert_eq!(decoder.next::<ToHost>(&mut &frame(&bytes)[..]), None);
+            let read = decoder.hello().cloned();
+            assert_eq!(read, Some(Hello { version, ..hello() }));
+            assert_eq!(decoder.counts().faults, 0);
+        }
+    }
+}
+
+#[test]
+fn what_only_begins_like_a_hello_is_a_fault() {
+    let whole = hello_bytes();
+    for len in 9..whole.len() {
+        let mut decoder = Decoder::new();
+        let read = decoder.next::<ToHost>(&mut &frame(&whole[..len])[..]);
+        assert_eq!(read, Some(Err(Fault::Message)), "{len} bytes");
+        assert_eq!(decoder.hello(), None);
+    }
+    // No message begins as it does.
+    let numbers = postcard::take_from_bytes::<ToHost>(&HELLO);
+    assert!(numbers.is_err());
 }
 
 #[test]

@@ -38,6 +38,7 @@ mod links;
 mod mark;
 #[cfg(test)]
 mod names;
+mod packages;
 mod run;
 mod size;
 mod study;

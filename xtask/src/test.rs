@@ -14,11 +14,17 @@ use crate::image::Image;
 use crate::run::{cargo, run as execute};
 use crate::size;
 use crate::tools::{QEMU_VARIABLE, TARGET, ensure_qemu, ensure_target, qemu};
-use crate::{deny, fuzz, image_test, instructions};
+use crate::{deny, fuzz, image_test, instructions, packages};
 
 /// Crates that run on the board. Each is checked alone: in a build of the workspace the host's
 /// features leak into what they share.
-const NO_STD: [&str; 4] = ["inm-protocol", "inm-allan", "inm-emulator", "inm-firmware"];
+const NO_STD: [&str; 5] = [
+    "inm-protocol",
+    "inm-allan",
+    "ads1281",
+    "inm-emulator",
+    "inm-firmware",
+];
 
 /// Environment variable by which the tests under QEMU find the image.
 const IMAGE_VARIABLE: &str = "INM_QEMU_IMAGE";
@@ -85,6 +91,7 @@ fn run_all(stages: &mut Stages) -> Result<()> {
     stages.run("documentation", || {
         execute(cargo(&["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "--deny warnings"))
     })?;
+    stages.run("packages", packages::check)?;
     test_workspace(stages)?;
     stages.run("image that `inm flash` takes", || flash_takes(&board))?;
     stages.run("tests under QEMU", || test_image(&qemu, &overflow))?;

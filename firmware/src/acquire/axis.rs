@@ -2,12 +2,13 @@
 
 mod judge;
 
+use ads1281::SETTLING_READINGS;
+use ads1281::slip::SlipDetector;
+use ads1281::slip_mean::SlipMeanDetector;
+use ads1281::word::Word;
 use inm_protocol::{AxisCounters, Code, Flags, Trouble};
 
-use crate::ads1281::SETTLING_READINGS;
-use crate::ads1281::slip::SlipDetector;
-use crate::ads1281::slip_mean::SlipMeanDetector;
-use crate::ads1281::word::Word;
+use crate::converters::code;
 
 /// Conversions without a DRDY edge that make a stall.
 pub(super) const STALLED: u32 = 8;
@@ -170,7 +171,7 @@ impl Axis {
     pub(super) fn absent(&mut self) -> Judgement {
         self.counters.missed = self.counters.missed.saturating_add(1);
         Judgement {
-            code: self.last.code(),
+            code: code(self.last),
             flags: Flags::MISSED.with(self.cause),
             trouble: None,
         }

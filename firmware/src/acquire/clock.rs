@@ -1,10 +1,10 @@
 //! Between timer ticks and data periods.
 
+use ads1281::UPDATE_LEAD_NS;
 use inm_protocol::{AXES, Settings};
 
 use crate::Board;
-use crate::ads1281::UPDATE_LEAD_NS;
-use crate::ads1281::config::conversions_hz;
+use crate::converters::conversions_hz;
 
 /// Time base of a stream: the board's timer and the data rate in force.
 ///
@@ -65,7 +65,7 @@ impl Clock {
     const OVERHEAD_US: u64 = 5;
     /// Bytes of a register check, and the gap with each, nanoseconds.
     const CHECK_BYTES: u64 = 5;
-    const CHECK_GAPS_NS: u64 = 6 * crate::ads1281::GAP_NS as u64;
+    const CHECK_GAPS_NS: u64 = 6 * ads1281::GAP_NS as u64;
 
     pub(super) fn new(board: &Board, settings: Settings) -> Self {
         let timer_hz = u64::from(board.timer_hz.max(1));

@@ -1,18 +1,18 @@
 //! Commands of the host, each carried out once and answered, one after the other. One that comes
 //! again, because its reply was lost, is answered again.
 
+use ads1281::CLOCK_HZ;
 use heapless::String;
 use inm_protocol::{
-    AXES, Answer, Command, Identity, REGISTERS, Refusal, Reply, Request, Settings, ToBoard,
-    samples_load,
+    AXES, Answer, Command, Fault, Hello, Identity, REGISTERS, Refusal, Reply, Request, Settings,
+    ToBoard, VERSION, samples_load,
 };
 
 use super::clock::{Clock, readable_hz};
 use super::job::{Kind, Task};
 use super::{Instrument, RESTART_US, Stage};
 use crate::Platform;
-use crate::ads1281::CLOCK_HZ;
-use crate::ads1281::config::conversions_hz;
+use crate::converters::{conversions_hz, trouble};
 
 /// Bytes taken from the link in one step.
 const BYTES_A_STEP: u32 = 64;
@@ -33,14 +33,20 @@ impl<P: Platform> Instrument<P> {
             };
             busy = true;
             // Faults are counted by the decoder and shown in the health record.
-            if let Some(Ok(ToBoard::Command(command))) = self.decoder.next(&mut &[byte][..]) {
-                self.carry_out(command, now);
+            match self.decoder.next(&mut &[byte][..]) {
+                Some(Ok(ToBoard::Command(command))) => self.carry_out(command, now),
+                // Whoever asks: what it asked is not understood.
+                Some(Err(Fault::Version { .. })) => self.outbox.greet(self.hello()),
+                Some(Err(_)) | None => {}
             }
         }
         busy
     }
 
     fn carry_out(&mut self, command: Command, now: u64) {
+        if command.request == Request::Identify {
+            self.outbox.greet(self.hello());
+        }
         if self.outbox.repeats(command) {
             return;
         }
@@ -96,6 +102,16 @@ impl<P: Platform> Instrument<P> {
         epoch
     }
 
+    /// What a host of any version understands.
+    fn hello(&self) -> Hello {
+        Hello {
+            version: VERSION,
+            serial: self.board.serial,
+            firmware: text(env!("CARGO_PKG_VERSION")),
+            platform: text(self.board.platform),
+        }
+    }
+
     fn identity(&self) -> Identity {
         Identity {
             serial: self.board.serial,
@@ -140,7 +156,7 @@ impl<P: Platform> Instrument<P> {
                 Err(error) => {
                     return Err(Refusal::Converter {
                         axis: axis as u8,
-                        trouble: error.trouble(),
+                        trouble: trouble(error),
                     });
                 }
             }

@@ -3,14 +3,14 @@
 //! All begin alike: RESET, configuration, verification, one common SYNC, settling. A converter
 //! that does not do as told gets a rest and two more attempts before the command is refused.
 
+use ads1281::calibrate::{AVERAGED_READINGS, Calibration};
+use ads1281::register::FSC_UNITY;
+use ads1281::{IDLE_READINGS, RESET_US, SETTLING_READINGS};
 use inm_protocol::{AXES, Answer, Filter, Refusal, Reply, Settings, Trouble};
 
 use super::{Instrument, Stage};
 use crate::Platform;
-use crate::ads1281::calibrate::{AVERAGED_READINGS, Calibration};
-use crate::ads1281::config::Config;
-use crate::ads1281::register::FSC_UNITY;
-use crate::ads1281::{IDLE_READINGS, RESET_US, SETTLING_READINGS};
+use crate::converters::{config, trouble};
 
 /// Attempts to configure the converters before a command is refused.
 const ATTEMPTS: u8 = 3;
@@ -60,7 +60,7 @@ impl<P: Platform> Instrument<P> {
                     ..calibration
                 },
             };
-            Config::new(settings, calibration)
+            config(settings, calibration)
         });
         let job = Job {
             id,
@@ -83,8 +83,8 @@ impl<P: Platform> Instrument<P> {
     pub(super) fn configure_all(&mut self, job: Job, now: u64) -> bool {
         for axis in 0..AXES {
             let written = self.identify(axis);
-            if let Err(error) = written.and_then(|()| self.write_configuration(axis)) {
-                self.attempt_failed(job, axis, error.trouble(), now);
+            if let Err(trouble) = written.and_then(|()| self.write_configuration(axis)) {
+                self.attempt_failed(job, axis, trouble, now);
                 return true;
             }
         }
@@ -138,7 +138,7 @@ impl<P: Platform> Instrument<P> {
                 Kind::Gain => converter.calibrate_gain(),
             };
             if let Err(error) = sent {
-                self.refuse_job(job, axis, error.trouble());
+                self.refuse_job(job, axis, trouble(error));
                 return;
             }
         }
@@ -183,7 +183,7 @@ impl<P: Platform> Instrument<P> {
             }
             let read = match self.converters[axis].read_calibration() {
                 Ok(read) => read,
-                Err(error) => return self.refuse_job(job, axis, error.trouble()),
+                Err(error) => return self.refuse_job(job, axis, trouble(error)),
             };
             let kept = &mut self.calibration[axis];
             *found = if job.task == Task::Calibrate(Kind::Gain) {

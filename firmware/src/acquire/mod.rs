@@ -26,12 +26,12 @@ mod self_test;
 mod settle;
 mod stream;
 
+use ads1281::calibrate::Calibration;
+use ads1281::config::Config;
+use ads1281::register::Address;
+use ads1281::{Ads1281, POWER_UP_US};
 use inm_protocol::{AXES, BinsMark, Decoder, REGISTERS, Settings};
 
-use crate::ads1281::calibrate::Calibration;
-use crate::ads1281::config::Config;
-use crate::ads1281::register::Address;
-use crate::ads1281::{Ads1281, POWER_UP_US};
 use crate::{Board, Platform};
 
 use axis::Axis;
@@ -242,7 +242,7 @@ impl<P: Platform> Instrument<P> {
     fn reset_for_identity(&mut self, now: u64) -> bool {
         self.send_reset_to_all();
         self.stage = Stage::Identify {
-            until: now + self.clock.micros(crate::ads1281::RESET_US),
+            until: now + self.clock.micros(ads1281::RESET_US),
         };
         true
     }

@@ -5,7 +5,9 @@
 //! link.
 
 use heapless::Deque;
-use inm_protocol::{Batch, Command, Event, Health, MAX_FRAME, Reply, ToHost, Trouble, encode};
+use inm_protocol::{
+    Batch, Command, Event, Health, Hello, MAX_FRAME, Reply, ToHost, Trouble, encode,
+};
 
 use crate::Platform;
 
@@ -16,6 +18,8 @@ const EVENTS: usize = 16;
 pub(super) struct Outbox {
     frame: [u8; MAX_FRAME],
     reply: Option<Reply>,
+    /// Goes ahead of the reply.
+    hello: Option<Hello>,
     /// The last command, and its reply once there was one: a host that did not get it asks again.
     last: Option<(Command, Option<Reply>)>,
     events: Deque<Event, EVENTS>,
@@ -32,6 +36,7 @@ impl Outbox {
         Self {
             frame: [0; MAX_FRAME],
             reply: None,
+            hello: None,
             last: None,
             events: Deque::new(),
             dropped: (0, 0),
@@ -45,6 +50,7 @@ impl Outbox {
     pub(super) fn flush<P: Platform>(&mut self, platform: &mut P) -> bool {
         let before = self.sent;
         if self.flush_events(platform)
+            && self.flush_hello(platform)
             && let Some(reply) = self.reply.take()
         {
             let message = ToHost::Reply(reply);
@@ -66,6 +72,25 @@ impl Outbox {
             self.events.pop_front();
         }
         self.events.is_empty()
+    }
+
+    /// Sends the hello, if one waits; `true` if none does any more.
+    #[inline(never)]
+    fn flush_hello<P: Platform>(&mut self, platform: &mut P) -> bool {
+        let Some(hello) = &self.hello else {
+            return true;
+        };
+        let len = hello.encode(&mut self.frame).unwrap_or(0);
+        let told = self.transmit(platform, len);
+        if told {
+            self.hello = None;
+        }
+        told
+    }
+
+    /// Says who the board is, to a host of any version.
+    pub(super) fn greet(&mut self, hello: Hello) {
+        self.hello = Some(hello);
     }
 
     /// Whether a reply waits: the next command has to wait too.
@@ -140,6 +165,11 @@ impl Outbox {
         let Ok(len) = encode(message, &mut self.frame) else {
             return false;
         };
+        self.transmit(platform, len)
+    }
+
+    /// Hands the first bytes of the frame to the transmitter, if it has room for all of them.
+    fn transmit<P: Platform>(&mut self, platform: &mut P, len: usize) -> bool {
         let queued = self
             .frame
             .get(..len)

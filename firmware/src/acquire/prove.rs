@@ -6,14 +6,15 @@
 //! periods without a clock, RESET behind them, or the supply. Ahead of each of those the axis is
 //! proved, or the host is told, and leaves out [`UNPROVEN_PERIODS`].
 
+use ads1281::IDLE_READINGS;
+use ads1281::config::Config;
+use ads1281::register::Address;
 use inm_protocol::{AXES, Trouble, UNPROVEN_PERIODS};
 
 use super::Instrument;
 use super::axis::STALLED;
 use crate::Platform;
-use crate::ads1281::config::Config;
-use crate::ads1281::register::Address;
-use crate::ads1281::{Error, IDLE_READINGS};
+use crate::converters::trouble;
 
 /// Data periods after which an axis is due, if its words look usual and there is time. At 4000/s
 /// three checks in 72 periods take 1 % of the time.
@@ -102,7 +103,7 @@ impl<P: Platform> Instrument<P> {
         let wrote = self.configs[axis].config0.bits();
         let found = self.converters[axis]
             .check_register(address)
-            .map_err(Error::trouble)?;
+            .map_err(trouble)?;
         self.registers[axis][address.index()] = found;
         if found == wrote {
             Ok(())

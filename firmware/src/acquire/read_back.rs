@@ -3,12 +3,12 @@
 //! A brown-out leaves a converter at its defaults and converting. CONFIG0 is read much more often,
 //! since it proves the words too (`prove`); where DRDY gives reason, at once.
 
+use ads1281::register::{Address, id_is_plausible};
 use inm_protocol::{AXES, REGISTERS, Trouble};
 
 use super::Instrument;
 use crate::Platform;
-use crate::ads1281::Error;
-use crate::ads1281::register::{Address, id_is_plausible};
+use crate::converters::trouble;
 
 /// Conversions between two registers read back: 10 of each axis take 720, a third of a second at
 /// 2000/s.
@@ -65,7 +65,7 @@ impl<P: Platform> Instrument<P> {
     fn check(&mut self, axis: usize, address: Address) -> Result<(), Trouble> {
         let found = self.converters[axis]
             .check_register(address)
-            .map_err(Error::trouble)?;
+            .map_err(trouble)?;
         self.registers[axis][address.index()] = found;
         let lost = |wrote| Trouble::RegisterLost {
             address: address as u8,

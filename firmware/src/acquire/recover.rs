@@ -7,13 +7,14 @@
 //! of another axis drives the reading. Attempts go on for as long as the stream does, the rest
 //! doubling from one to the next up to [`LONGEST_REST_US`].
 
+use ads1281::register::Address;
+use ads1281::{IDLE_READINGS, RESET_US, SETTLING_READINGS};
 use inm_protocol::Trouble;
 
 use super::axis::State;
 use super::{Instrument, Stage};
 use crate::Platform;
-use crate::ads1281::register::Address;
-use crate::ads1281::{Error, IDLE_READINGS, RESET_US, SETTLING_READINGS};
+use crate::converters::trouble;
 
 /// Longest rest between two attempts, microseconds.
 const LONGEST_REST_US: u32 = 5_000_000;
@@ -61,7 +62,7 @@ impl<P: Platform> Instrument<P> {
                     until: now + self.clock.micros(RESET_US),
                 };
             }
-            Err(error) => self.fail(axis, error.trouble(), now),
+            Err(error) => self.fail(axis, trouble(error), now),
         }
         true
     }
@@ -73,7 +74,7 @@ impl<P: Platform> Instrument<P> {
                     until: now + self.clock.periods(1),
                 };
             }
-            Err(error) => self.fail(axis, error.trouble(), now),
+            Err(trouble) => self.fail(axis, trouble, now),
         }
         true
     }
@@ -85,7 +86,7 @@ impl<P: Platform> Instrument<P> {
                     until: now + self.clock.periods(PROOF_READINGS),
                 };
             }
-            Err(error) => self.fail(axis, error.trouble(), now),
+            Err(trouble) => self.fail(axis, trouble, now),
         }
         true
     }
@@ -123,8 +124,8 @@ impl<P: Platform> Instrument<P> {
 
     /// Reads what a RESET has left in one converter.
     #[inline(never)]
-    pub(super) fn identify(&mut self, axis: usize) -> Result<(), Error> {
-        self.registers[axis] = self.converters[axis].identify()?;
+    pub(super) fn identify(&mut self, axis: usize) -> Result<(), Trouble> {
+        self.registers[axis] = self.converters[axis].identify().map_err(trouble)?;
         Ok(())
     }
 
@@ -132,15 +133,17 @@ impl<P: Platform> Instrument<P> {
     /// read-continuous mode. A converter that was not up at power-on, or is another one since the
     /// last time, is who it is now.
     #[inline(never)]
-    pub(super) fn write_configuration(&mut self, axis: usize) -> Result<(), Error> {
+    pub(super) fn write_configuration(&mut self, axis: usize) -> Result<(), Trouble> {
         let before = self.registers[axis];
-        let registers = self.converters[axis].configure(&self.configs[axis])?;
+        let registers = self.converters[axis]
+            .configure(&self.configs[axis])
+            .map_err(trouble)?;
         self.registers[axis] = registers;
         for address in [Address::Id, Address::Config1] {
             let [wrote, found] = [before, registers].map(|registers| registers[address.index()]);
             if wrote != found {
-                return Err(Error::Verify {
-                    address,
+                return Err(Trouble::RegisterLost {
+                    address: address as u8,
                     wrote,
                     found,
                 });
@@ -148,7 +151,7 @@ impl<P: Platform> Instrument<P> {
         }
         self.ids[axis] = Some(registers[Address::Id.index()]);
         self.reserved[axis] = registers[Address::Config1.index()];
-        self.converters[axis].read_continuously()
+        self.converters[axis].read_continuously().map_err(trouble)
     }
 
     /// RESET to every converter; one that cannot be reached shows when it is configured.

@@ -1,11 +1,11 @@
 //! The self-test: the words at rest, and those with the accelerometers' self-test pin driven.
 
+use ads1281::SETTLING_READINGS;
 use inm_protocol::{AXES, Answer, SelfTestStep, Trouble};
 
 use super::job::Job;
 use super::{Instrument, Stage};
 use crate::Platform;
-use crate::ads1281::SETTLING_READINGS;
 
 /// Words averaged for each half of the self-test.
 const SELF_TEST_WORDS: u32 = 64;
@@ -78,7 +78,7 @@ impl<P: Platform> Instrument<P> {
         for (axis, converter) in self.converters.iter_mut().enumerate() {
             match converter.take_new() {
                 Ok(Some(reading)) if !reading.torn && test.counts[axis] < SELF_TEST_WORDS => {
-                    test.sums[axis] += i64::from(reading.word.code().0);
+                    test.sums[axis] += i64::from(reading.word.signed());
                     test.counts[axis] += 1;
                 }
                 // Too few words end the test at its deadline.

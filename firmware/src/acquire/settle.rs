@@ -2,6 +2,7 @@
 //!
 //! No DRDY falls meanwhile, so nothing but the platform's heartbeat wakes a board that sleeps.
 
+use ads1281::SETTLING_READINGS;
 use embedded_hal::digital::OutputPin;
 use inm_protocol::{AXES, Trouble};
 
@@ -9,7 +10,6 @@ use super::axis::STALLED;
 use super::job::{Job, Task};
 use super::{Instrument, Stage};
 use crate::Platform;
-use crate::ads1281::SETTLING_READINGS;
 use crate::platform::LONGEST_SLEEP_US;
 
 /// How late a look may be done, microseconds: the loop sleeps, then takes a step of 2 ms, as when it

@@ -7,6 +7,7 @@ use super::batch::Conversion;
 use super::clock::Interval;
 use super::read_back::Rounds;
 use super::{Instrument, Job, Stage};
+use crate::converters::trouble;
 use crate::{Part, Platform};
 
 /// Where the stream stands.
@@ -154,7 +155,8 @@ impl<P: Platform> Instrument<P> {
             // Later, the next word would be taken for this one.
             self.platform.enter(Part::Read);
             let in_time = self.clock.in_time_to_read(stamp, self.platform.now());
-            let reading = (state.is_running() && in_time).then(|| converter.take_new());
+            let reading =
+                (state.is_running() && in_time).then(|| converter.take_new().map_err(trouble));
             self.platform.enter(Part::Check);
             let judgement = match reading {
                 Some(reading) => state.judge(reading, output),

@@ -3,11 +3,11 @@
 
 use core::hint::black_box;
 
+use ads1281::{Ads1281, DataReady};
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{self, InputPin, OutputPin};
 use embedded_hal::spi::{self, SpiBus};
 use heapless::Vec;
-use inm_firmware::ads1281::{Ads1281, DataReady};
 use inm_firmware::platform::Stack;
 use inm_firmware::proof::ProofBins;
 use inm_firmware::{Board, Part, Platform};

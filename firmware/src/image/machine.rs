@@ -1,9 +1,9 @@
 //! The image's side of the instrument: everything below [`Platform`].
 
+use ads1281::DataReady;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::SpiBus;
-use inm_firmware::ads1281::DataReady;
 use inm_firmware::platform::Stack;
 use inm_firmware::proof::ProofBins;
 use inm_firmware::{Board, Platform};

@@ -12,8 +12,8 @@ use inm_emulator::{Bench, Converter, Fault, Signal};
 use inm_firmware::Instrument;
 use inm_firmware::emulated::{VirtualBoard, VirtualLink, describe};
 use inm_protocol::{
-    Answer, Batch, BinsMark, Code, Command, Decoder, Event, Flags, Health, MAX_FRAME, Phase, Rate,
-    Refusal, Request, Settings, ToBoard, ToHost, Trouble, UNPROVEN_PERIODS, encode,
+    Answer, Batch, BinsMark, Code, Command, Decoder, Event, Flags, Health, Hello, MAX_FRAME, Phase,
+    Rate, Refusal, Request, Settings, ToBoard, ToHost, Trouble, UNPROVEN_PERIODS, encode,
 };
 
 /// An input with an offset and uniform noise, in steps of the 31-bit value.
@@ -246,6 +246,11 @@ impl<'b, S: Signal> Rig<'b, S> {
         let command = ToBoard::Command(Command { id, request });
         let len = encode(&command, &mut frame).expect("a command fits");
         self.link().send(&frame[..len]);
+    }
+
+    /// The last hello of the board.
+    pub fn hello(&self) -> Option<&Hello> {
+        self.decoder.hello()
     }
 
     #[track_caller]

@@ -1,8 +1,8 @@
 //! A platform on the emulator's bench on which the board's work takes time, and a log of what was done
 //! behind which conversion.
 
-use inm_emulator::{Bench, Delay, Drdy, Spi, SyncPin};
-use inm_firmware::emulated::{VirtualBoard, describe};
+use inm_emulator::{Bench, Delay, Spi, SyncPin};
+use inm_firmware::emulated::{Latched, VirtualBoard, describe};
 use inm_firmware::proof::ProofBins;
 use inm_firmware::{Board, Part, Platform};
 
@@ -107,7 +107,7 @@ impl<'b> TimedBoard<'b> {
 
 impl<'b> Platform for TimedBoard<'b> {
     type Spi = Spi<'b, Noisy>;
-    type Drdy = Drdy<'b, Noisy>;
+    type Drdy = Latched<'b, Noisy>;
     type Sync = SyncPin<'b, Noisy>;
     type Delay = Delay<'b, Noisy>;
 

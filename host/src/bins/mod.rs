@@ -3,7 +3,6 @@
 
 pub mod bridge;
 pub mod full;
-pub mod identify;
 pub mod point;
 pub mod read;
 pub mod record;

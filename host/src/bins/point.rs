@@ -1,13 +1,10 @@
 //! One point of an Allan curve with its uncertainty.
 
 use inm_allan::edf::Noise;
+use inm_allan::identify::{Mixture, identify};
 use inm_allan::{BlockEstimate, Estimate, Statistic, edf};
-use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use super::identify::{Mixture, identify};
-
-/// Probability that the interval leaves out on each side.
-const TAIL: f64 = 0.025;
+pub use inm_allan::interval;
 
 /// An estimate of a deviation, in the unit of the signal.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -58,7 +55,7 @@ pub fn points(
         };
         point(statistic, &one, noise, rate_hz, scale)
     };
-    let noise = identify(statistic, estimates);
+    let noise = (0..estimates.len()).map(|at| identify(statistic, estimates, at));
     estimates.iter().zip(noise).map(whole).collect()
 }
 
@@ -74,14 +71,13 @@ pub fn allan_points(
 ) -> Vec<Point> {
     let mut points = points(Statistic::Allan, estimates, rate_hz, scale);
     let cancels = |noise: &Mixture| noise.first == Noise::Quantisation && noise.share < 0.5;
-    if identify(Statistic::Allan, estimates)
-        .last()
-        .is_some_and(cancels)
-    {
+    let last = estimates.len().checked_sub(1);
+    let last = last.map(|at| identify(Statistic::Allan, estimates, at));
+    if last.as_ref().is_some_and(cancels) {
         return points;
     }
     let means: Vec<Estimate> = bridged.iter().map(|one| one.estimate).collect();
-    let noise = identify(Statistic::Allan, &means);
+    let noise = (0..means.len()).map(|at| identify(Statistic::Allan, &means, at));
     let bridged = bridged.iter().zip(noise).map(|(one, noise)| Point {
         bridged: true,
         ..point(Statistic::Allan, one, noise, rate_hz, scale)
@@ -121,27 +117,5 @@ fn point(
         hi,
         bridged: false,
         white_bias,
-    }
-}
-
-/// 95 % interval of the deviation whose square was estimated with `edf` degrees of freedom.
-pub fn interval(variance: f64, edf: f64) -> (f64, f64) {
-    let Ok(chi) = ChiSquared::new(edf) else {
-        return (0.0, f64::INFINITY);
-    };
-    let end = |probability: f64| (variance * edf / chi.inverse_cdf(probability)).sqrt();
-    (end(1.0 - TAIL), end(TAIL))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn interval_of_known_degrees_of_freedom() {
-        // Chi-squared with 10 degrees of freedom: 3.24697 and 20.48318.
-        let (lo, hi) = interval(4.0, 10.0);
-        assert!((lo - (40.0_f64 / 20.483_177).sqrt()).abs() < 1e-5, "{lo}");
-        assert!((hi - (40.0_f64 / 3.246_973).sqrt()).abs() < 1e-5, "{hi}");
     }
 }

@@ -66,7 +66,10 @@ impl ClockSource {
     /// What the board says of itself.
     fn of(identity: &Identity) -> Self {
         match identity.restart {
-            Restart::ClockFallback => Self::Internal,
+            Restart::ClockFallback
+            | Restart::CommandClockFallback
+            | Restart::WatchdogClockFallback
+            | Restart::PanicClockFallback { .. } => Self::Internal,
             _ if identity.platform == BOARD => Self::Crystal,
             _ => Self::Emulated,
         }

@@ -30,3 +30,6 @@ pub use writer::{SYNC_PERIOD, Writer, note_frame};
 
 /// First line of every capture, without its line feed.
 pub const MAGIC: &str = "#inm-capture 1";
+
+#[cfg(test)]
+mod tests;

@@ -5,8 +5,8 @@ use std::io::{self, ErrorKind};
 use std::time::{Duration, Instant};
 
 use inm_protocol::{
-    Answer, Command, FRAME_END, Identity, MAX_FRAME, REGISTERS, Reply, Request, Settings, ToBoard,
-    encode,
+    Answer, Command, FRAME_END, Hello, Identity, MAX_FRAME, REGISTERS, Reply, Request, Settings,
+    ToBoard, encode,
 };
 
 use super::port::is_wait;
@@ -214,10 +214,11 @@ impl Client {
     }
 
     /// The error for a board of another protocol version.
-    pub(crate) fn foreign_version(&self, theirs: u8) -> LinkError {
+    pub(crate) fn foreign_version(&self, theirs: u8, board: Option<Hello>) -> LinkError {
         LinkError::Version {
             port: self.name.clone(),
             theirs,
+            board: board.map(Box::new),
         }
     }
 

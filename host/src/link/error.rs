@@ -3,9 +3,9 @@
 use std::io;
 use std::time::Duration;
 
-use inm_protocol::{Refusal, Request, VERSION};
+use inm_protocol::{Hello, Refusal, Request, VERSION};
 
-use super::words::why;
+use super::words::{board_of, release_of, why};
 
 /// Why the board cannot be reached, or does not do what it was asked.
 #[derive(Debug, thiserror::Error)]
@@ -66,12 +66,14 @@ pub enum LinkError {
         tries: u32,
     },
     /// The board speaks another version.
-    #[error("{port}: the board speaks protocol version {theirs}, this program version {VERSION}")]
+    #[error("{port}: the board{} speaks protocol version {theirs}, this program version {VERSION}", board_of(board.as_deref()))]
     Version {
         /// Name of the port.
         port: String,
         /// The board's version.
         theirs: u8,
+        /// What it says of itself; `None` of firmware from before it did so to hosts of any version.
+        board: Option<Box<Hello>>,
     },
     /// The board said no.
     #[error("{port}: the board refuses `{request:?}`: {}", why(*refusal))]
@@ -120,11 +122,10 @@ impl LinkError {
                  (`inm flash`)?"
                     .to_owned()
             }
-            Self::Version { .. } => {
-                "flash the firmware of this release (`inm flash`), or use the program that \
-                 belongs to the board's"
-                    .to_owned()
-            }
+            Self::Version { board, .. } => format!(
+                "flash the firmware of this release (`inm flash`), or use the program {}",
+                release_of(board.as_deref())
+            ),
             Self::Refused { refusal, .. } => match refusal {
                 Refusal::Streaming => "stop the stream first".to_owned(),
                 Refusal::LinkTooSlow { .. } | Refusal::BusTooSlow { .. } => {

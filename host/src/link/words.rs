@@ -1,6 +1,6 @@
 //! What the board says, in words for people.
 
-use inm_protocol::{Refusal, Restart, Trouble};
+use inm_protocol::{Hello, Refusal, Restart, Trouble};
 
 /// A refusal in words.
 pub(super) fn why(refusal: Refusal) -> String {
@@ -16,6 +16,24 @@ pub(super) fn why(refusal: Refusal) -> String {
             format!("converter {}: {}", axis_name(axis), describe(trouble))
         }
     }
+}
+
+/// Which board it is that speaks another version, as an addition to "the board".
+pub(super) fn board_of(board: Option<&Hello>) -> String {
+    board.map_or(String::new(), |hello| {
+        // Bytes from the wire: nothing of them may act on a terminal.
+        let [firmware, platform] =
+            [&hello.firmware, &hello.platform].map(|text| text.escape_debug());
+        let serial = hello.serial.map(|word| format!("{word:08x}")).concat();
+        format!(" {serial} (firmware {firmware} for {platform})")
+    })
+}
+
+/// Which program speaks to such a board.
+pub(super) fn release_of(board: Option<&Hello>) -> String {
+    board.map_or("that belongs to the board's".to_owned(), |hello| {
+        format!("of release {}", hello.firmware.escape_debug())
+    })
 }
 
 /// Why a board started, in words.

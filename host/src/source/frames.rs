@@ -65,6 +65,11 @@ impl Frames {
                 Err(fault) => self.fault(fault),
             }
         }
+        let hello = self.decoder.hello();
+        if let Some(hello) = hello.filter(|hello| hello.version != VERSION) {
+            self.status.foreign_version = Some(hello.version);
+            self.status.foreign = Some(hello.clone());
+        }
     }
 
     /// The next chunk that is complete.

@@ -9,7 +9,6 @@ use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 use inm_host::internals::link::Connect;
-use inm_host::internals::virtual_board::VirtualConnect;
 use serialport::{SerialPort, TTYPort};
 
 /// A board on a port of this machine; gone when dropped.
@@ -24,7 +23,7 @@ pub struct PtyBoard {
 
 impl PtyBoard {
     /// Powers a board on.
-    pub fn start(mut board: VirtualConnect) -> Self {
+    pub fn start(mut board: impl Connect) -> Self {
         let (mut master, slave) = TTYPort::pair().expect("a pseudo terminal");
         let port = slave.name().expect("it has a path");
         master.set_timeout(Duration::from_millis(1)).expect("set");

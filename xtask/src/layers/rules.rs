@@ -139,7 +139,7 @@ pub const NEVER: [Never; 13] = [
     Never {
         from: &[
             "firmware::acquire",
-            "firmware::ads1281",
+            "firmware::converters",
             "firmware::mma7331l",
             "firmware::platform",
             "firmware::proof",
@@ -148,7 +148,7 @@ pub const NEVER: [Never; 13] = [
         why: "one code on the board and on the emulator",
     },
     Never {
-        from: &["firmware::ads1281", "firmware::mma7331l"],
+        from: &["firmware::converters", "firmware::mma7331l"],
         to: &["firmware::acquire"],
         why: "a driver knows nothing of who uses it",
     },
@@ -174,13 +174,16 @@ pub const KNOWN: [Import; 3] = [
 ];
 
 /// The project's own crates that a crate may depend on, as its manifest names them.
-pub const DEPENDENCIES: [(&str, &[&str]); 4] = [
+pub const DEPENDENCIES: [(&str, &[&str]); 5] = [
+    // For any board: it knows nothing of this one.
+    ("ads1281", &[]),
     ("protocol", &[]),
     ("allan", &[]),
     ("emulator", &[]),
     (
         "firmware",
         &[
+            "ads1281 = { workspace = true }",
             "inm-allan = { workspace = true }",
             // Behind a feature: the image for the board has none of it.
             "inm-emulator = { workspace = true, optional = true }",

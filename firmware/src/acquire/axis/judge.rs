@@ -1,13 +1,14 @@
 //! What the words of an axis are worth, and whether they show that it needs a reset.
 
+use ads1281::SETTLING_READINGS;
+use ads1281::register::Output;
+use ads1281::slip::{Slip, SlipDetector, Verdict};
+use ads1281::slip_mean::SlipMeanDetector;
+use ads1281::word::{Reading, Sign, Word};
 use inm_protocol::{Flags, Trouble};
 
 use super::{Axis, Judgement, STALLED};
-use crate::ads1281::register::Output;
-use crate::ads1281::slip::{Slip, SlipDetector, Verdict};
-use crate::ads1281::slip_mean::SlipMeanDetector;
-use crate::ads1281::word::{Reading, Sign, Word};
-use crate::ads1281::{Error, SETTLING_READINGS};
+use crate::converters::code;
 
 /// Words of all ones or zeros in a row that make a stuck bus.
 pub(super) const STUCK: u32 = 8;
@@ -30,7 +31,7 @@ impl Axis {
     #[inline]
     pub(in super::super) fn judge(
         &mut self,
-        reading: Result<Option<Reading>, Error>,
+        reading: Result<Option<Reading>, Trouble>,
         output: Output,
     ) -> Judgement {
         match reading {
@@ -43,8 +44,8 @@ impl Axis {
                     ..self.absent()
                 }
             }
-            Err(error) => Judgement {
-                trouble: Some(error.trouble()),
+            Err(trouble) => Judgement {
+                trouble: Some(trouble),
                 ..self.absent()
             },
         }
@@ -101,7 +102,7 @@ impl Axis {
             self.last = word;
         }
         Judgement {
-            code: word.code(),
+            code: code(word),
             flags,
             trouble,
         }

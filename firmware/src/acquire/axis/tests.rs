@@ -1,11 +1,11 @@
 //! Words and levels as an axis sees them, one after another.
 
+use ads1281::register::Output;
+use ads1281::word::{Reading, Word};
 use inm_protocol::{Code, Flags, Trouble};
 
 use super::judge::STUCK;
 use super::{Axis, Judgement, STALLED};
-use crate::ads1281::register::Output;
-use crate::ads1281::word::{Reading, Word};
 
 /// 0.5 g on the 4 g range, in 31-bit steps.
 const LEVEL: i32 = 66_000_000;

@@ -113,3 +113,20 @@ fn what_is_behind_a_reply_waits_for_the_next_read() {
         assert_eq!(kinds, "hrhr", "cut at {cut}");
     }
 }
+
+#[test]
+fn the_waits_are_those_that_the_wire_documents() {
+    const WIRE: &str = include_str!("../../../../protocol/WIRE.md");
+    let Patience {
+        wait,
+        tries,
+        silence,
+    } = Patience::default();
+    for row in [
+        format!("| wait for a reply | {} ms | host |", wait.as_millis()),
+        format!("the same number each time | {tries} | host |"),
+        format!("looks for it anew | {} s | host |", silence.as_secs()),
+    ] {
+        assert!(WIRE.contains(&row), "{row}");
+    }
+}

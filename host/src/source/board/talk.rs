@@ -64,8 +64,11 @@ impl Talk<'_> {
             keep(bytes, frames, capture)?;
             Ok(frames.take_reply(id))
         });
-        let answer = match (answer, frames.status().foreign_version) {
-            (Err(_), Some(theirs)) => Err(client.foreign_version(theirs).into()),
+        let status = frames.status();
+        let answer = match (answer, status.foreign_version) {
+            (Err(_), Some(theirs)) => Err(client
+                .foreign_version(theirs, status.foreign.clone())
+                .into()),
             (answer, _) => answer,
         }?;
         T::from_answer(answer).ok_or_else(|| client.wrong_answer(request).into())

@@ -1,6 +1,6 @@
 //! What is known of board and link, and the replies that wait for who asked.
 
-use inm_protocol::{Health, Reply};
+use inm_protocol::{Health, Hello, Reply};
 
 /// Replies that are kept for who asked: one is asked for at a time, and late ones may be ahead of it.
 pub(super) const REPLIES: usize = 8;
@@ -12,6 +12,8 @@ pub struct Status {
     pub health: Option<Health>,
     /// Frames of another protocol version were seen: theirs.
     pub foreign_version: Option<u8>,
+    /// What a board of another protocol version said of itself.
+    pub foreign: Option<Hello>,
     /// The recording was ended on purpose (captures only).
     pub ended: bool,
     /// The last that was heard of the stream is that the board does not stream.

@@ -12,40 +12,48 @@
 //! byte of a command, leaves read-continuous mode before it touches a register, and reads back
 //! what it wrote.
 //!
-//! On the emulator's bench; on the board bus, pin and delay are the chip's.
+//! Nothing here allocates, blocks for longer than a command's gaps, or panics on anything that the bus
+//! can do. DRDY is a [`DataReady`]: a pin with a latch for its edge, or a [`Polled`] one.
 //!
 //! ```
+//! use ads1281::{Ads1281, DataReady, Error};
 //! use embedded_hal::delay::DelayNs;
-//! use inm_emulator::{Bench, Constant, Converter};
-//! use inm_firmware::ads1281::{Ads1281, POWER_UP_US};
+//! use embedded_hal::spi::SpiBus;
 //!
-//! let bench = Bench::new([0, 1, 2].map(|axis| Converter::new(Constant(1000 * axis))));
-//! let mut converter = Ads1281::new(bench.spi(2), bench.drdy(2), bench.delay());
-//! bench.delay().delay_us(POWER_UP_US);
-//! converter.reset()?;
-//! converter.read_continuously()?;
-//! converter.forget_edge();
-//! bench.run_until_edge(2, u64::MAX).expect("a conversion within 64 ms");
-//! let reading = converter.read()?;
-//! assert_eq!(reading.word.value(), 2000);
-//! assert!(!reading.torn);
-//! # Ok::<(), inm_firmware::ads1281::Error>(())
+//! /// The next value behind the filter, in steps of VREF / (2 (2^30 - 1)).
+//! fn next<S: SpiBus, D: DataReady, W: DelayNs>(
+//!     converter: &mut Ads1281<S, D, W>,
+//! ) -> Result<i32, Error<S::Error>> {
+//!     converter.read_continuously()?;
+//!     loop {
+//!         if let Some(reading) = converter.take_new()? {
+//!             return Ok(reading.word.value());
+//!         }
+//!     }
+//! }
 //! ```
+//!
+//! With the feature `defmt` its types can be logged by defmt.
+#![no_std]
+#![forbid(unsafe_code)]
+
+#[cfg(test)]
+extern crate std;
 
 pub mod calibrate;
 pub mod command;
 pub mod config;
 mod driver;
 mod error;
+mod pins;
 pub mod register;
 pub mod slip;
 pub mod slip_mean;
 pub mod word;
 
-use embedded_hal::digital::InputPin;
-
 pub use driver::{Ads1281, Mode};
 pub use error::Error;
+pub use pins::{DataReady, NoReset, Polled, ResetPin, Wired};
 
 /// Clock of the converter, hertz: the highest it allows, on which its data rates are stated.
 pub const CLOCK_HZ: u32 = 4_096_000;
@@ -56,6 +64,9 @@ pub const GAP_NS: u32 = 5_860;
 /// The converter puts the next word into its output register this long before DRDY falls,
 /// nanoseconds: 4 clocks (SBAS378D, page 24), rounded up.
 pub const UPDATE_LEAD_NS: u32 = 980;
+
+/// How long the RESET pin is held low, microseconds. Two clocks, half a microsecond, are asked for; a delay counts whole microseconds and a slow edge takes its share.
+pub const RESET_PULSE_US: u32 = 2;
 
 /// Pause after RESET before the next command, microseconds. Two clocks are asked for; this
 /// leaves the part time to load its registers.
@@ -71,12 +82,7 @@ pub const SETTLING_READINGS: u32 = 63;
 /// two for the phase.
 pub const IDLE_READINGS: u32 = 66;
 
-/// DRDY, active low: the level, and a falling edge remembered.
-pub trait DataReady: InputPin {
-    /// Whether the pin has fallen since the last call.
-    ///
-    /// The edge is latched by hardware (as in the pending register of an EXTI) or by an
-    /// interrupt handler, so that an edge is seen whatever the program did meanwhile, and two
-    /// count as one.
-    fn take_edge(&mut self) -> bool;
-}
+/// The example of the README compiles.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -3,15 +3,17 @@
 mod registers;
 
 use embedded_hal::delay::DelayNs;
+use embedded_hal::digital::Error as _;
 use embedded_hal::spi::SpiBus;
 
 use super::command::Command;
+use super::pins::{DataReady, NoReset, ResetPin, Wired};
 use super::word::{Reading, Word};
-use super::{DataReady, Error, GAP_NS, UPDATE_LEAD_NS};
+use super::{Error, GAP_NS, RESET_PULSE_US, UPDATE_LEAD_NS};
 
 /// What the serial interface does with a clock.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(target_os = "none", derive(defmt::Format))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Mode {
     /// Not known: after power on and RESET. The sources disagree on which mode it leaves.
     Unknown,
@@ -23,33 +25,50 @@ pub enum Mode {
     Requested,
 }
 
-/// One converter on its own bus.
+/// One converter on its own bus, with its RESET pin wired or not.
 #[derive(Debug)]
-pub struct Ads1281<SPI, DRDY, DELAY> {
+pub struct Ads1281<SPI, DRDY, DELAY, RESET = NoReset> {
     spi: SPI,
     drdy: DRDY,
     delay: DELAY,
+    reset: RESET,
     mode: Mode,
 }
 
-impl<SPI, DRDY, DELAY> Ads1281<SPI, DRDY, DELAY>
-where
-    SPI: SpiBus<u8>,
-    DRDY: DataReady,
-    DELAY: DelayNs,
-{
-    /// Takes the bus and the pin. Nothing is sent and so nothing can fail; the first thing to
-    /// do is a [`reset`](Self::reset).
+impl<SPI, DRDY, DELAY> Ads1281<SPI, DRDY, DELAY> {
+    /// Takes the bus and the pin of a part whose RESET pin is tied high. Nothing is sent and so
+    /// nothing can fail; the first thing to do is a [`reset`](Self::reset).
     pub fn new(spi: SPI, drdy: DRDY, delay: DELAY) -> Self {
         Self {
             spi,
             drdy,
             delay,
+            reset: NoReset,
             mode: Mode::Unknown,
         }
     }
 
-    /// Gives bus, pin and delay back.
+    /// The same part with its RESET pin wired to `pin`, which should be high: [`reset`](Self::reset)
+    /// pulls it low, and then realigns a shifted interface, too.
+    pub fn with_reset<PIN>(self, pin: PIN) -> Ads1281<SPI, DRDY, DELAY, Wired<PIN>> {
+        Ads1281 {
+            spi: self.spi,
+            drdy: self.drdy,
+            delay: self.delay,
+            reset: Wired(pin),
+            mode: self.mode,
+        }
+    }
+}
+
+impl<SPI, DRDY, DELAY, RESET> Ads1281<SPI, DRDY, DELAY, RESET>
+where
+    SPI: SpiBus<u8>,
+    DRDY: DataReady,
+    DELAY: DelayNs,
+    RESET: ResetPin,
+{
+    /// Gives bus, pin and delay back; RESET, if it is wired, stays as it is.
     pub fn release(self) -> (SPI, DRDY, DELAY) {
         (self.spi, self.drdy, self.delay)
     }
@@ -59,13 +78,20 @@ where
         self.mode
     }
 
-    /// RESET: registers to their default. Wait [`RESET_US`](super::RESET_US) before the next call.
+    /// RESET, by pin where it is wired, else by command: registers to their default. Wait
+    /// [`RESET_US`](super::RESET_US) before the next call.
     ///
     /// # Errors
-    /// [`Error::Bus`].
-    pub fn reset(&mut self) -> Result<(), Error> {
+    /// [`Error::Bus`]; [`Error::Pin`] if the pin cannot be driven.
+    pub fn reset(&mut self) -> Result<(), Error<SPI::Error>> {
         self.mode = Mode::Unknown;
-        self.command(Command::Reset)?;
+        if RESET::WIRED {
+            self.reset.drive(true).map_err(Error::Pin)?;
+            self.delay.delay_us(RESET_PULSE_US);
+            self.reset.drive(false).map_err(Error::Pin)?;
+        } else {
+            self.command(Command::Reset)?;
+        }
         self.forget_edge();
         Ok(())
     }
@@ -74,7 +100,7 @@ where
     ///
     /// # Errors
     /// [`Error::Bus`].
-    pub fn standby(&mut self) -> Result<(), Error> {
+    pub fn standby(&mut self) -> Result<(), Error<SPI::Error>> {
         self.stop()?;
         self.command(Command::Standby)
     }
@@ -83,7 +109,7 @@ where
     ///
     /// # Errors
     /// [`Error::Bus`].
-    pub fn wakeup(&mut self) -> Result<(), Error> {
+    pub fn wakeup(&mut self) -> Result<(), Error<SPI::Error>> {
         self.stop()?;
         self.command(Command::Wakeup)
     }
@@ -92,7 +118,7 @@ where
     ///
     /// # Errors
     /// [`Error::Bus`].
-    pub fn synchronise(&mut self) -> Result<(), Error> {
+    pub fn synchronise(&mut self) -> Result<(), Error<SPI::Error>> {
         self.stop()?;
         self.command(Command::Sync)?;
         self.forget_edge();
@@ -105,7 +131,7 @@ where
     ///
     /// # Errors
     /// [`Error::Bus`].
-    pub fn calibrate_offset(&mut self) -> Result<(), Error> {
+    pub fn calibrate_offset(&mut self) -> Result<(), Error<SPI::Error>> {
         self.calibrate(Command::OffsetCalibration)
     }
 
@@ -114,11 +140,11 @@ where
     ///
     /// # Errors
     /// [`Error::Bus`].
-    pub fn calibrate_gain(&mut self) -> Result<(), Error> {
+    pub fn calibrate_gain(&mut self) -> Result<(), Error<SPI::Error>> {
         self.calibrate(Command::GainCalibration)
     }
 
-    fn calibrate(&mut self, command: Command) -> Result<(), Error> {
+    fn calibrate(&mut self, command: Command) -> Result<(), Error<SPI::Error>> {
         self.stop()?;
         self.command(command)?;
         self.forget_edge();
@@ -130,7 +156,7 @@ where
     /// # Errors
     /// [`Error::Bus`].
     #[inline(never)]
-    pub fn read_continuously(&mut self) -> Result<(), Error> {
+    pub fn read_continuously(&mut self) -> Result<(), Error<SPI::Error>> {
         if self.mode != Mode::Continuous {
             self.command(Command::ReadContinuous)?;
             self.mode = Mode::Continuous;
@@ -143,7 +169,7 @@ where
     /// # Errors
     /// [`Error::Bus`].
     #[inline(never)]
-    pub fn stop(&mut self) -> Result<(), Error> {
+    pub fn stop(&mut self) -> Result<(), Error<SPI::Error>> {
         if self.mode != Mode::Stopped {
             // Whatever was clocked before may have been a word.
             self.gap();
@@ -157,7 +183,7 @@ where
     ///
     /// # Errors
     /// [`Error::Bus`].
-    pub fn request(&mut self) -> Result<(), Error> {
+    pub fn request(&mut self) -> Result<(), Error<SPI::Error>> {
         self.stop()?;
         self.command(Command::ReadData)?;
         self.forget_edge();
@@ -169,7 +195,7 @@ where
     ///
     /// # Errors
     /// As for [`read`](Self::read).
-    pub fn take_new(&mut self) -> Result<Option<Reading>, Error> {
+    pub fn take_new(&mut self) -> Result<Option<Reading>, Error<SPI::Error>> {
         if self.take_edge() {
             self.read().map(Some)
         } else {
@@ -184,7 +210,7 @@ where
     /// # Errors
     /// [`Error::Mode`] unless in continuous mode or after [`request`](Self::request);
     /// [`Error::Bus`].
-    pub fn read(&mut self) -> Result<Reading, Error> {
+    pub fn read(&mut self) -> Result<Reading, Error<SPI::Error>> {
         match self.mode {
             Mode::Continuous => {}
             Mode::Requested => self.mode = Mode::Stopped,
@@ -193,8 +219,8 @@ where
         self.take_edge();
         // DIN is decoded even now: it must stay low.
         let mut bytes = [0; 4];
-        self.spi.transfer_in_place(&mut bytes).map_err(Error::bus)?;
-        self.spi.flush().map_err(Error::bus)?;
+        self.spi.transfer_in_place(&mut bytes).map_err(Error::Bus)?;
+        self.spi.flush().map_err(Error::Bus)?;
         // The word is replaced this long ahead of the edge that tells.
         self.delay.delay_ns(UPDATE_LEAD_NS);
         Ok(Reading {
@@ -217,25 +243,25 @@ where
     ///
     /// # Errors
     /// [`Error::Pin`].
-    pub fn is_ready(&mut self) -> Result<bool, Error> {
-        self.drdy.is_low().map_err(|_| Error::Pin)
+    pub fn is_ready(&mut self) -> Result<bool, Error<SPI::Error>> {
+        self.drdy.is_low().map_err(|error| Error::Pin(error.kind()))
     }
 
-    fn command(&mut self, command: Command) -> Result<(), Error> {
+    fn command(&mut self, command: Command) -> Result<(), Error<SPI::Error>> {
         self.send(command.opcode()).map(drop)
     }
 
     /// Exchanges one byte of a command and keeps the gap after it. Once in the image for all who
     /// call it: beside the gap a call takes no time.
     #[inline(never)]
-    fn send(&mut self, byte: u8) -> Result<u8, Error> {
+    fn send(&mut self, byte: u8) -> Result<u8, Error<SPI::Error>> {
         let mut buffer = [byte];
         let result = self.spi.transfer_in_place(&mut buffer);
         // The gap counts from the last clock, which may be still to come when a buffered bus
         // returns; and it is kept after a fault too.
         let result = result.and(self.spi.flush());
         self.gap();
-        result.map_err(Error::bus)?;
+        result.map_err(Error::Bus)?;
         Ok(buffer[0])
     }
 

@@ -10,8 +10,8 @@
 //! of the variance that each makes up. So a slope between two types gives the share of each, and
 //! the degrees of freedom follow without a jump from one type to the next.
 
-use inm_allan::edf::Noise;
-use inm_allan::{Estimate, Statistic};
+use crate::edf::Noise;
+use crate::{Estimate, Statistic};
 
 /// A type of noise and the next one, as the slope shows them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,6 +26,7 @@ pub struct Mixture {
 
 impl Mixture {
     /// One type alone.
+    #[must_use]
     pub fn pure(noise: Noise) -> Self {
         Self {
             first: noise,
@@ -63,9 +64,9 @@ impl Mixture {
         if self.share == 0.0 || self.first == self.second {
             return edf(self.first);
         }
-        let deviation =
-            (1.0 - self.share) / edf(self.first).sqrt() + self.share / edf(self.second).sqrt();
-        deviation.powi(-2)
+        let deviation = (1.0 - self.share) / libm::sqrt(edf(self.first))
+            + self.share / libm::sqrt(edf(self.second));
+        1.0 / (deviation * deviation)
     }
 }
 
@@ -80,14 +81,14 @@ fn slope_of(statistic: Statistic, noise: Noise) -> f64 {
     }
 }
 
-/// Noise at each of `estimates`, ascending in `m`.
-pub fn identify(statistic: Statistic, estimates: &[Estimate]) -> Vec<Mixture> {
-    (0..estimates.len())
-        .map(|at| {
-            let error = SLOPE_ERROR / spans(&estimates[at]).sqrt();
-            Mixture::of(statistic, slope(estimates, at) + error)
-        })
-        .collect()
+/// Noise at number `at` of `estimates`, ascending in `m`; white noise where there is no such number.
+#[must_use]
+pub fn identify(statistic: Statistic, estimates: &[Estimate], at: usize) -> Mixture {
+    let Some(one) = estimates.get(at) else {
+        return Mixture::pure(Noise::White);
+    };
+    let error = SLOPE_ERROR / libm::sqrt(spans(one));
+    Mixture::of(statistic, slope(estimates, at) + error)
 }
 
 /// How many averaging times the differences of an estimate cover.
@@ -103,23 +104,31 @@ const SLOPE_ERROR: f64 = 1.0;
 
 /// Shortest and longest averaging times that a slope is taken over, as multiples of the one in
 /// question.
-const NEAR: std::ops::RangeInclusive<f64> = 0.249..=2.001;
+const NEAR: core::ops::RangeInclusive<f64> = 0.249..=2.001;
 
 /// Local slope of `log variance` over `log m` around estimate `at`.
 fn slope(estimates: &[Estimate], at: usize) -> f64 {
     let centre = estimates[at].m as f64;
-    let near = |one: &&Estimate| NEAR.contains(&(one.m as f64 / centre)) && one.variance > 0.0;
-    let mut near: Vec<_> = estimates.iter().filter(near).collect();
-    if near.len() < 2 {
-        // Coarse averaging times: the neighbours, however far.
-        near = estimates[at.saturating_sub(1)..(at + 2).min(estimates.len())]
-            .iter()
-            .filter(|one| one.variance > 0.0)
-            .collect();
-    }
+    let positive = |one: &&Estimate| one.variance > 0.0;
+    let is_near = |one: &Estimate| NEAR.contains(&(one.m as f64 / centre));
+    let few = estimates
+        .iter()
+        .filter(positive)
+        .filter(|one| is_near(one))
+        .count()
+        < 2;
+    // Coarse averaging times: the neighbours, however far.
+    let neighbours = at.saturating_sub(1)..(at + 2).min(estimates.len());
     let sum = |f: &dyn Fn(f64, f64) -> f64| -> f64 {
-        near.iter()
-            .map(|one| spans(one) * f((one.m as f64 / centre).ln(), one.variance.ln()))
+        let near = estimates.iter().enumerate().filter(|(place, one)| {
+            if few {
+                neighbours.contains(place)
+            } else {
+                is_near(one)
+            }
+        });
+        let near = near.map(|(_, one)| one).filter(positive);
+        near.map(|one| spans(one) * f(libm::log(one.m as f64 / centre), libm::log(one.variance)))
             .sum()
     };
     let weight = sum(&|_, _| 1.0);
@@ -129,7 +138,18 @@ fn slope(estimates: &[Estimate], at: usize) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use std::format;
+    use std::vec::Vec;
+
     use super::*;
+
+    /// Noise at every averaging time.
+    fn all(statistic: Statistic, estimates: &[Estimate]) -> Vec<Mixture> {
+        let places = 0..estimates.len();
+        places
+            .map(|at| identify(statistic, estimates, at))
+            .collect()
+    }
 
     /// An estimate from a record so long that its slope is sure.
     fn long(m: u64, variance: f64) -> Estimate {
@@ -168,7 +188,7 @@ mod tests {
                         .map(|k| spacing.pow(k))
                         .map(|m| long(m, 3.0 * (m as f64).powf(exponent)))
                         .collect();
-                    for mixture in identify(statistic, &points) {
+                    for mixture in all(statistic, &points) {
                         assert_is(
                             mixture,
                             noise,
@@ -177,10 +197,10 @@ mod tests {
                     }
                 }
             }
-            let flat = identify(statistic, &[long(1, 0.0), long(2, 0.0)]);
+            let flat = all(statistic, &[long(1, 0.0), long(2, 0.0)]);
             assert_eq!(flat, [Mixture::pure(Noise::White); 2]);
             assert_eq!(
-                identify(statistic, &[long(1, 2.0)]),
+                all(statistic, &[long(1, 2.0)]),
                 [Mixture::pure(Noise::White)]
             );
         }

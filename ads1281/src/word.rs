@@ -6,18 +6,16 @@
 //! while it was read. The reverse proves nothing: a signal with a constant offset keeps its
 //! sign, and the rule catches between none and half of such words.
 
-use inm_protocol::Code;
-
 use super::register::Output;
 
 /// A word as it was read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[cfg_attr(target_os = "none", derive(defmt::Format))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Word(pub u32);
 
 /// What the redundant sign bit says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(target_os = "none", derive(defmt::Format))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Sign {
     /// It repeats the sign.
     Good,
@@ -33,9 +31,9 @@ impl Word {
         Self(u32::from_be_bytes(bytes))
     }
 
-    /// The word as it goes over the link.
-    pub const fn code(self) -> Code {
-        Code(self.0.cast_signed())
+    /// All 32 bits as a number: twice the [value](Self::value), with the sign in its lowest bit.
+    pub const fn signed(self) -> i32 {
+        self.0.cast_signed()
     }
 
     /// 31-bit value, in steps of VREF / (2 (2^30 - 1)) behind the FIR filter.
@@ -66,7 +64,7 @@ impl Word {
 
 /// One word with the circumstances of its reading.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(target_os = "none", derive(defmt::Format))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Reading {
     /// The word.
     pub word: Word,

@@ -6,7 +6,7 @@ use super::register::Address;
 
 /// Commands of one byte.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(target_os = "none", derive(defmt::Format))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 #[repr(u8)]
 pub enum Command {
     /// Leave stand-by.

@@ -34,7 +34,7 @@ const MIN_LEVEL: i64 = 1 << 12;
 
 /// How the words differ from what they were.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(target_os = "none", derive(defmt::Format))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Slip {
     /// Twice the level: a bit was lost and a later one taken in.
     Doubled,
@@ -44,7 +44,7 @@ pub enum Slip {
 
 /// What one word says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(target_os = "none", derive(defmt::Format))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub enum Verdict {
     /// Nothing.
     Usual,

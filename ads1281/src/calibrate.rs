@@ -18,7 +18,7 @@ pub const AVERAGED_READINGS: u32 = 16;
 
 /// What a converter corrects its words by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[cfg_attr(target_os = "none", derive(defmt::Format))]
+#[cfg_attr(feature = "defmt", derive(defmt::Format))]
 pub struct Calibration {
     /// OFC, -2^23 to 2^23 - 1, in steps of 256 of the 32-bit word.
     pub offset: i32,

@@ -7,14 +7,13 @@ use std::collections::VecDeque;
 use std::convert::Infallible;
 use std::rc::Rc;
 
+use ads1281::calibrate::Calibration;
+use ads1281::config::Config;
+use ads1281::register::{Address, Config0, Rate};
+use ads1281::{Ads1281, DataReady, Error, Mode, Polled};
 use embedded_hal::delay::DelayNs;
-use embedded_hal::digital::{self, InputPin};
+use embedded_hal::digital::{self, InputPin, OutputPin};
 use embedded_hal::spi::{self, ErrorKind, SpiBus};
-use inm_firmware::ads1281::calibrate::Calibration;
-use inm_firmware::ads1281::config::Config;
-use inm_firmware::ads1281::register::Address;
-use inm_firmware::ads1281::{Ads1281, DataReady, Error, Mode};
-use inm_protocol::{Filter, Phase, Rate, Settings};
 
 /// What the wires saw.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -22,6 +21,7 @@ enum Step {
     Byte(u8),
     Flush,
     Pause { ns: u32 },
+    Reset { low: bool },
 }
 
 #[derive(Default)]
@@ -29,8 +29,8 @@ struct Wires {
     steps: Vec<Step>,
     /// Bytes on DOUT, one for each on DIN; zeros when used up.
     dout: VecDeque<u8>,
-    /// Fail the transfer after that many bytes.
-    fault_after: Option<usize>,
+    /// Fail the transfer after that many bytes: those left, and all of them.
+    fault_after: Option<(usize, usize)>,
     edge: bool,
     /// An edge arrives when that many bytes have passed.
     edge_after: Option<usize>,
@@ -40,8 +40,12 @@ struct Wires {
 #[derive(Clone, Default)]
 struct Mock(Rc<RefCell<Wires>>);
 
-#[derive(Debug, Clone, Copy)]
-struct Overrun;
+/// An error of the bus that says more than its kind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Overrun {
+    /// Bytes that had passed.
+    at: usize,
+}
 
 impl spi::Error for Overrun {
     fn kind(&self) -> ErrorKind {
@@ -70,12 +74,12 @@ impl SpiBus<u8> for Mock {
     fn transfer_in_place(&mut self, words: &mut [u8]) -> Result<(), Overrun> {
         let mut wires = self.0.borrow_mut();
         for word in words {
-            if let Some(left) = &mut wires.fault_after {
-                if *left == 0 {
+            if let Some((left, at)) = wires.fault_after {
+                if left == 0 {
                     wires.fault_after = None;
-                    return Err(Overrun);
+                    return Err(Overrun { at });
                 }
-                *left -= 1;
+                wires.fault_after = Some((left - 1, at));
             }
             wires.steps.push(Step::Byte(*word));
             *word = wires.dout.pop_front().unwrap_or(0);
@@ -113,6 +117,18 @@ impl InputPin for Mock {
 
     fn is_low(&mut self) -> Result<bool, Infallible> {
         Ok(self.0.borrow().level_low)
+    }
+}
+
+impl OutputPin for Mock {
+    fn set_low(&mut self) -> Result<(), Infallible> {
+        self.0.borrow_mut().steps.push(Step::Reset { low: true });
+        Ok(())
+    }
+
+    fn set_high(&mut self) -> Result<(), Infallible> {
+        self.0.borrow_mut().steps.push(Step::Reset { low: false });
+        Ok(())
     }
 }
 
@@ -180,18 +196,19 @@ impl Mock {
 }
 
 const CONFIG: fn() -> Config = || {
-    let settings = Settings {
-        rate: Rate::Sps2000,
-        filter: Filter::Fir {
-            phase: Phase::Linear,
-            high_pass: None,
-        },
-    };
     let calibration = Calibration {
         offset: -5,
         gain: 0x41_2345,
     };
-    Config::new(settings, calibration)
+    let config0 = Config0 {
+        rate: Rate::Sps2000,
+        ..Config0::default()
+    };
+    Config {
+        config0,
+        calibration,
+        ..Config::default()
+    }
 };
 
 /// 00h to 0Ah as they must read with [`CONFIG`] written: ID of some part, 2000/s linear, the
@@ -329,7 +346,7 @@ fn who_is_identified_is_at_its_defaults_but_for_the_reserved_register() {
 
 #[test]
 fn every_command_has_its_opcode_and_mode() {
-    type Call = fn(&mut Driver) -> Result<(), Error>;
+    type Call = fn(&mut Driver) -> Result<(), Error<Overrun>>;
     let calls: [(&str, Call, &[u8]); 9] = [
         ("RESET", Driver::reset, &[0x06]),
         ("RDATAC, already on", Driver::read_continuously, &[]),
@@ -434,13 +451,13 @@ fn a_conversion_that_ends_during_a_check_is_lost() {
 }
 
 #[test]
-fn a_bus_fault_keeps_its_kind_and_the_driver_its_feet() {
+fn a_bus_fault_is_kept_as_it_came_and_the_driver_keeps_its_feet() {
     for bytes in 0..CONFIGURE.len() {
         let (mut driver, mock) = driver();
-        mock.0.borrow_mut().fault_after = Some(bytes);
+        mock.0.borrow_mut().fault_after = Some((bytes, bytes));
         assert_eq!(
             driver.configure(&CONFIG()),
-            Err(Error::Bus(ErrorKind::Overrun)),
+            Err(Error::Bus(Overrun { at: bytes })),
             "after {bytes} bytes"
         );
         mock.answers(&configure_answers(REGISTERS)[if bytes > 0 { 1 } else { 0 }..]);
@@ -448,8 +465,8 @@ fn a_bus_fault_keeps_its_kind_and_the_driver_its_feet() {
     }
     let (mut driver, mock) = continuous();
     mock.set_edge();
-    mock.0.borrow_mut().fault_after = Some(2);
-    assert_eq!(driver.take_new(), Err(Error::Bus(ErrorKind::Overrun)));
+    mock.0.borrow_mut().fault_after = Some((2, 2));
+    assert_eq!(driver.take_new(), Err(Error::Bus(Overrun { at: 2 })));
 }
 
 #[test]
@@ -473,4 +490,38 @@ fn the_level_of_drdy_is_active_low() {
     assert_eq!(driver.is_ready(), Ok(false));
     mock.0.borrow_mut().level_low = true;
     assert_eq!(driver.is_ready(), Ok(true));
+}
+
+#[test]
+fn a_reset_pin_that_is_wired_is_pulled_and_no_command_sent() {
+    let (driver, mock) = driver();
+    let mut driver = driver.with_reset(mock.clone());
+    mock.set_edge();
+    driver.reset().expect("no fault set");
+    let steps = mock.0.borrow().steps.clone();
+    let [low, high] = [true, false].map(|low| Step::Reset { low });
+    let &[first, Step::Pause { ns }, last] = &steps[..] else {
+        panic!("{steps:?}");
+    };
+    assert_eq!([first, last], [low, high]);
+    // Two clocks of 4.096 MHz are asked for.
+    assert!(f64::from(ns) >= 2.0 / 4.096e6 * 1e9, "{ns} ns");
+    assert_eq!(driver.mode(), Mode::Unknown);
+    assert_eq!(driver.take_new(), Ok(None), "an edge of before");
+}
+
+#[test]
+fn a_polled_pin_shows_each_fall_once() {
+    let mock = Mock::default();
+    let mut pin = Polled::new(mock.clone());
+    let mut look = |low| {
+        mock.0.borrow_mut().level_low = low;
+        pin.take_edge()
+    };
+    let levels = [true, true, false, false, true, true, false, true];
+    let edges = levels.map(&mut look);
+    assert_eq!(
+        edges,
+        [false, false, false, false, true, false, false, true]
+    );
 }
