@@ -129,7 +129,15 @@ mod tests {
         let model = Model::from_json(&text).expect("a model");
         let mut simulation = Simulation::new(&model, SAMPLES, seed).expect("a model");
         let values = simulation.next_columns(SAMPLES as usize).remove(0);
-        let axis = AxisState::new(Arc::new(values), rate_hz, None).expect("a spectrum");
+        let values = Arc::new(values);
+        let declared = Chain {
+            converter: None,
+            poles_hz: vec![rate_hz],
+        };
+        let axis = AxisState::new(Arc::clone(&values), rate_hz, Some(&declared));
+        let axis = axis.expect("a spectrum");
+        assert_eq!(super::chain(&axis), None, "seed {seed}: declared");
+        let axis = AxisState::new(values, rate_hz, None).expect("a spectrum");
         super::chain(&axis).map(|chain| chain.to_string())
     }
 
