@@ -149,8 +149,19 @@ mod tests {
         lost.for_each(|(value, _)| *value = f64::NAN);
         let values = Arc::new(values);
         let behind = |chain: Option<&Chain>| AxisState::new(Arc::clone(&values), rate_hz, chain);
+        let behind_any = |chain: &Chain| behind(Some(chain));
+        let declared = Chain {
+            converter: None,
+            poles_hz: vec![rate_hz],
+        };
+        let axis = behind(Some(&declared)).expect("a spectrum");
+        assert_eq!(
+            super::chain(&axis, behind_any),
+            None,
+            "seed {seed}: declared"
+        );
         let axis = behind(None).expect("a spectrum");
-        super::chain(&axis, |chain| behind(Some(chain))).map(|chain| chain.to_string())
+        super::chain(&axis, behind_any).map(|chain| chain.to_string())
     }
 
     #[test]

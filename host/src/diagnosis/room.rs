@@ -49,12 +49,15 @@ fn range(values: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
+    use crate::chain::Chain;
     use crate::diagnosis::result::estimate::Estimate;
     use crate::diagnosis::result::value::Value;
-    use crate::diagnosis::trial::{RATE_HZ, axis, jump, short};
+    use crate::diagnosis::trial::{RATE_HZ, axis, jump, law, line, numbers, short};
     use crate::model::kind::Kind;
-    use crate::model::{burst, clipping, steps};
+    use crate::model::{burst, clipping, markov, sinusoid, steps};
 
     fn is_held(kind: Kind, values: [f64; 2], change: Change) -> bool {
         let axis = axis(1, short(1), |_, noise| noise);
@@ -81,6 +84,35 @@ mod tests {
     fn a_limit_may_be_far_above_the_range_of_the_values() {
         let waves = jump(5000, 0.1).into();
         assert!(is_held(clipping::KIND, [98.0, 1.0], waves));
+    }
+
+    #[test]
+    fn what_is_no_wave_or_lies_ahead_of_a_chain_may_be_larger_than_the_values() {
+        let markov = |deviation| {
+            let change = law(markov::KIND, &[1.0, 0.01]);
+            is_held(markov::KIND, [deviation, 0.01], change)
+        };
+        assert!(markov(1e3));
+        assert!(!markov(f64::NAN));
+        let mut normal = numbers(1, 0);
+        let values = (0..short(1)).map(|_| normal.draw()).collect();
+        let chain = Chain {
+            converter: None,
+            poles_hz: vec![10.0],
+        };
+        let behind = AxisState::new(Arc::new(values), RATE_HZ, Some(&chain)).expect("a fit");
+        let effect = Estimate::new(sinusoid::KIND, [400.0, 1e3].map(Value::exact));
+        let candidate = Candidate::new(effect, 1e-9, 3.0, line(400.0, 1e3).into());
+        assert!(holds(&behind, &candidate));
+        let plain = axis(1, short(1), |_, noise| noise);
+        assert!(!holds(&plain, &candidate));
+    }
+
+    #[test]
+    fn a_frequency_is_a_number() {
+        let held = |f_hz| is_held(sinusoid::KIND, [f_hz, 0.1], line(50.0, 0.1).into());
+        assert!(held(50.0));
+        assert!(!held(f64::NAN));
     }
 
     #[test]

@@ -112,8 +112,11 @@ fn at(curve: &[Point], m: u64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::trial::{axis, heard, jump, short, take_in};
-    use crate::model::steps;
+    use crate::diagnosis::explanation::{Candidate, Change};
+    use crate::diagnosis::result::estimate::Estimate;
+    use crate::diagnosis::result::value::Value;
+    use crate::diagnosis::trial::{RATE_HZ, axis, heard, jump, kinds, line, short, take_in};
+    use crate::model::{sinusoid, steps};
 
     /// Noise about a level that rises by 3 in the middle, with a step of this height taken out there.
     fn stepped(seed: u64, taken: f64) -> AxisState {
@@ -130,6 +133,59 @@ mod tests {
         let mut axis = stepped(1, 3.0);
         heard(&DOUBT, &mut axis, false);
         assert!(axis.has(steps::KIND), "seed 1");
+    }
+
+    #[test]
+    fn of_two_courses_the_one_that_the_rest_takes_back_goes() {
+        let mut axis = stepped(1, 6.0);
+        take_in(&mut axis, sinusoid::KIND, line(50.0, 0.01).into());
+        heard(&DOUBT, &mut axis, false);
+        assert_eq!(kinds(&axis), [sinusoid::KIND], "seed 1");
+    }
+
+    #[test]
+    fn levels_that_motion_leaves_stay_where_they_are_there() {
+        for (taken, are_there) in [(3.0, true), (6.0, false)] {
+            let middle = short(1) / 2;
+            let mut axis = axis(1, short(1), |n, noise| {
+                noise + if n < middle { 0.0 } else { 3.0 }
+            });
+            let row = [middle as f64 / RATE_HZ, 0.01, taken, 100.0, 10.0, 1.0];
+            let change = Change::Happened {
+                masked: vec![middle..middle + 10],
+                waves: vec![jump(middle, taken)],
+            };
+            let effect = Estimate::new(motion::KIND, row.map(Value::exact));
+            let candidate = Candidate::new(effect, 1e-9, 6.0, change);
+            axis.accept(candidate).expect("a fit");
+            heard(&DOUBT, &mut axis, false);
+            // It happened, wherever the sensor lay afterwards.
+            assert_eq!(kinds(&axis), [motion::KIND], "seed 1, {taken}");
+            let waves = axis.explanations()[0].waves();
+            assert_eq!(!waves.is_empty(), are_there, "seed 1, {taken}");
+        }
+    }
+
+    #[test]
+    fn means_over_most_of_the_record_say_nothing() {
+        let point = |m: u64, variance: f64| Point {
+            m,
+            tau_s: m as f64,
+            variance,
+            terms: 1000,
+            stride: 1,
+            edf: 1000.0,
+            lo: 0.0,
+            hi: 0.0,
+            bridged: false,
+            white_bias: 1.0,
+        };
+        let measured = [point(1, 1.0), point(64, 1.0)];
+        let rest = [point(1, 1.0), point(64, 9.0)];
+        let (m, worst) = loudest(&measured, [&rest, &[]], 32).expect("a point");
+        assert!(m == 1 && worst < 1.0, "{m}: {worst}");
+        let (m, worst) = loudest(&measured, [&rest, &[]], 64).expect("a point");
+        assert!(m == 64 && worst > 1.0, "{m}: {worst}");
     }
 
     #[test]

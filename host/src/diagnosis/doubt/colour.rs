@@ -83,8 +83,10 @@ fn changing(change: &Change, band: &Range<f64>, what: &str) -> Remark {
 mod tests {
     use super::*;
     use crate::diagnosis::trial::{
-        LEVEL, NOTHING, RATE_HZ, axis, heard, long, numbers, remark, swinging, take_in,
+        LEVEL, NOTHING, RATE_HZ, axis, heard, law, long, numbers, remark, ringing, swinging,
+        take_in,
     };
+    use crate::model::resonance;
 
     /// White noise beside quantisation noise that swings by the share `swing`.
     fn coloured(seed: u64, swing: f64) -> AxisState {
@@ -129,6 +131,21 @@ mod tests {
         };
         assert!((OF_TERMS.hear)(&mut hearing).is_ok(), "seed 1");
         assert_eq!(hearing.remarks, [remark(1.0, 2.0)], "seed 1");
+    }
+
+    #[test]
+    fn a_law_that_swings_is_remarked_on_but_for_two_levels() {
+        let of = |seed: u64, swing: f64, kind: Kind| {
+            let len = long(seed);
+            let (mut rings, swings) = (ringing(seed, 100.0, 20.0), swinging(swing, 9.0, len));
+            let mut axis = axis(seed, len, |n, noise| noise + 2.0 * swings(n) * rings());
+            let bell = law(resonance::KIND, &[100.0, 20.0, 1.0]);
+            take_in(&mut axis, resonance::KIND, bell);
+            of_law(&axis, LEVEL, 0, kind, &(80.0..120.0))
+        };
+        assert!(of(3, 0.6, resonance::KIND).is_some(), "seed 3");
+        assert!(of(3, 0.6, telegraph::KIND).is_none(), "seed 3: two levels");
+        assert!(of(4, 0.0, resonance::KIND).is_none(), "seed 4: steady");
     }
 
     #[test]

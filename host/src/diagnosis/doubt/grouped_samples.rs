@@ -52,3 +52,55 @@ fn hear(hearing: &mut Hearing<'_>) -> Result<(), NoFit> {
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::axis::AxisState;
+    use crate::diagnosis::trial::{LEVEL, RATE_HZ, axis, short};
+
+    const SEED: u64 = 1;
+
+    /// Places far from one another.
+    const APART: [usize; 4] = [4001, 7500, 11_111, 15_002];
+
+    /// Noise with samples that are too large at some places and `more` beyond that after 20 samples, the second of
+    /// the places further out than the others.
+    fn values(more: f64) -> AxisState {
+        axis(SEED, short(SEED), |n, noise| {
+            let size = |place: usize| if place == APART[1] { 16.0 } else { 14.0 };
+            let of = |place: &usize| match n.wrapping_sub(*place) {
+                0 => size(*place),
+                20 => more,
+                _ => 0.0,
+            };
+            noise + APART.iter().map(of).sum::<f64>()
+        })
+    }
+
+    fn heard(axis: &mut AxisState, large_samples_in_groups: bool) -> Vec<Remark> {
+        let mut hearing = Hearing {
+            axis,
+            level: LEVEL,
+            strength_moves: false,
+            large_samples_in_groups,
+            remarks: Vec::new(),
+        };
+        (DOUBT.hear)(&mut hearing).expect("nothing is fitted");
+        hearing.remarks
+    }
+
+    #[test]
+    fn groups_are_remarked_on_where_the_largest_is() {
+        let mut pairs = values(14.0);
+        let [remark] = &heard(&mut pairs, true)[..] else {
+            panic!("seed {SEED}: no remark, or more than one");
+        };
+        let ends_s = [APART[1], APART[1] + 20].map(|n| n as f64 / RATE_HZ);
+        assert_eq!(remark.place, Place::Stretch(ends_s), "seed {SEED}");
+        // Not seen on the way.
+        assert_eq!(heard(&mut pairs, false), [], "seed {SEED}");
+        // By themselves.
+        assert_eq!(heard(&mut values(0.0), true), [], "seed {SEED}");
+    }
+}

@@ -119,8 +119,10 @@ fn remark(axis: &AxisState, one: &Explanation, which: usize, factor: f64) -> Rem
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnosis::explanation::{Candidate, Change};
+    use crate::diagnosis::result::estimate::Estimate;
     use crate::diagnosis::trial::{axis, heard, kinds, law, ringing, short, take_in};
-    use crate::model::{markov, resonance, sinusoid, steps};
+    use crate::model::{clipping, markov, resonance, shock, sinusoid, steps};
 
     #[test]
     fn a_width_that_is_known_to_a_factor_of_ten_is_no_finding() {
@@ -145,12 +147,34 @@ mod tests {
         // How long it takes is no width, and one step that is sure is enough.
         assert!(!spans(markov::KIND, &[sure, wide]));
         assert!(!spans(steps::KIND, &[sure, none, sure, sure]));
+        // A limit is a place among the values.
+        assert!(!spans(clipping::KIND, &[none, sure]));
         let no_end = Some(Value {
             value: 1.0,
             lo: Some(1.0),
             hi: None,
         });
         assert!(spans(resonance::KIND, &[sure, no_end, sure]));
+    }
+
+    #[test]
+    fn what_happened_did_so_however_little_is_known_of_its_size() {
+        let mut axis = axis(3, short(3), |_, noise| noise);
+        let unsure = Value {
+            value: 1.0,
+            lo: None,
+            hi: None,
+        };
+        let effect = Estimate::new(shock::KIND, [unsure; 5]);
+        assert!(unsureness(shock::KIND, &effect.values) > WIDEST);
+        let change = Change::Happened {
+            masked: vec![5000..5010],
+            waves: Vec::new(),
+        };
+        let candidate = Candidate::new(effect, 1e-9, 5.0, change);
+        axis.accept(candidate).expect("a fit");
+        assert_eq!(heard(&DOUBT, &mut axis, false), [], "seed 3");
+        assert_eq!(kinds(&axis), [shock::KIND], "seed 3");
     }
 
     #[test]

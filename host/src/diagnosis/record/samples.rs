@@ -174,6 +174,16 @@ impl Values {
     }
 }
 
+#[cfg(test)]
+impl From<Vec<f64>> for AxisSamples {
+    fn from(values: Vec<f64>) -> Self {
+        Self {
+            values: Values::Floats(values),
+            missing: Vec::new(),
+        }
+    }
+}
+
 impl AxisSamples {
     fn mark(&mut self, bad: Range<usize>) {
         match self.missing.last_mut() {

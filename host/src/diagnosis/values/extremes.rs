@@ -30,17 +30,21 @@ pub fn clipping(values: &[f64], grid: Option<f64>, level: f64) -> Vec<Clipping> 
             .iter()
             .filter(|value| value.is_finite())
             .fold(f64::NEG_INFINITY, |best, value| best.max(side * value));
-        let at = |distance: f64| {
-            let place = |value: &&f64| match grid {
-                Some(grid) => ((extreme - side * **value) / grid - distance).abs() < 0.5,
-                None => distance == 0.0 && side * **value == extreme,
-            };
-            values.iter().filter(place).count() as u64
-        };
-        let (last, before) = (at(0.0), at(1.0));
-        let one_side = match grid {
-            Some(_) => p_value::binomial_half(last, last + before),
-            None => SHARED.powi(last.saturating_sub(1).min(64) as i32),
+        let (one_side, last) = match grid {
+            Some(grid) => {
+                let at = |steps: f64| {
+                    let place =
+                        |value: &&f64| ((extreme - side * **value) / grid - steps).abs() < 0.5;
+                    values.iter().filter(place).count() as u64
+                };
+                let (last, before) = (at(0.0), at(1.0));
+                (p_value::binomial_half(last, last + before), last)
+            }
+            None => {
+                let place = |value: &&f64| side * **value == extreme;
+                let last = values.iter().filter(place).count() as u64;
+                (SHARED.powi(last.saturating_sub(1).min(64) as i32), last)
+            }
         };
         let p_value = p_value::searched(one_side, 2.0);
         (p_value < level).then_some(Clipping {

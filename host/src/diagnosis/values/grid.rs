@@ -82,3 +82,24 @@ pub fn grid(values: &[f64]) -> Option<f64> {
     let repeated = values.len().min(LOOK) as f64 > 1.5 * used;
     (repeated && step.is_finite()).then_some(step)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_grid_is_news_where_it_is_coarser_than_declared_and_shows_in_the_noise() {
+        let is_news = |step, declared| Coarse::new(step, declared, 1.0, 1.0).is_some();
+        assert!(is_news(1.0, None));
+        assert!(is_news(1.0, Some(-0.5)));
+        assert!(!is_news(1.0, Some(1.0)));
+        assert!(!is_news(0.2, None));
+    }
+
+    #[test]
+    fn a_few_values_by_themselves_lie_on_no_grid() {
+        let few = [0.0, 3.0, 1.0, 7.0, 4.0, 9.0];
+        assert_eq!(grid(&few), None);
+        assert_eq!(grid(&few.repeat(2)), Some(1.0));
+    }
+}

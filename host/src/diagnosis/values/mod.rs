@@ -111,6 +111,21 @@ mod tests {
             let found = found(2, |z| step * (z / step).round());
             let coarse = found.coarse.expect("a grid that nobody declared");
             assert_eq!(coarse, Coarse { step, decides }, "seed 2");
+            assert!(found.stale.is_none(), "seed 2, step {step}");
         }
+    }
+
+    #[test]
+    fn values_that_mostly_repeat_have_the_noise_of_those_that_do_not() {
+        let (mut drawn, mut last) = (0, 0.0);
+        let found = found(3, |z| {
+            drawn += 1;
+            if drawn % 4 == 0 {
+                last = 0.02 * (z / 0.02).round();
+            }
+            last
+        });
+        assert!(found.stale.is_some(), "seed 3");
+        assert_eq!(found.coarse, None, "seed 3");
     }
 }

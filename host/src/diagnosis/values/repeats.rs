@@ -225,6 +225,24 @@ mod tests {
     }
 
     #[test]
+    fn two_repeats_are_none_however_rare() {
+        let chance = Chance {
+            count: NEVER,
+            variance: 0.0,
+        };
+        assert!(stale(2, LENGTH, chance, 1e-4).is_none());
+        assert!(stale(3, LENGTH, chance, 1e-4).is_some());
+    }
+
+    #[test]
+    fn values_between_the_codes_that_are_declared_never_repeat() {
+        let mut noise = Gaussian::new(Seed { seed: 4, stream: 0 }, 1.0);
+        let steps: Vec<f64> = (0..LENGTH).map(|_| noise.draw()).collect();
+        let chance = Chance::between(&steps, 1.0, Some(100.0));
+        assert_eq!(chance.count, NEVER, "seed 4");
+    }
+
+    #[test]
     fn values_of_no_grid_never_repeat() {
         let mut noise = Gaussian::new(Seed { seed: 3, stream: 0 }, 1.0);
         let steps: Vec<f64> = (0..LENGTH).map(|_| noise.draw()).collect();

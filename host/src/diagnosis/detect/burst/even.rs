@@ -48,9 +48,7 @@ pub fn p_value(seen: &Whitened, stretch: &Range<usize>) -> f64 {
         .iter()
         .map(|(count, ratio)| 2.0 * count * (all / ratio).ln())
         .sum();
-    if bands.len() < 2 {
-        return 1.0;
-    }
+    // One band by itself is of one factor: without a degree of freedom the probability is one.
     p_value::chi_squared(ratio, bands.len() as f64 - 1.0)
 }
 

@@ -77,14 +77,19 @@ fn where_the_grid_decides_or_the_strength_moves_nothing_is_a_burst() {
 
 #[test]
 fn what_is_left_about_an_outlier_is_no_burst() {
-    for (index, is_found) in [(9000 + 150, false), (12_000, true)] {
-        let mut trial = Trial::new(values(6, 9000..9128, 3.0));
+    for (length, index, is_found) in [
+        (128, 9000 + 150, false),
+        (128, 12_000, true),
+        // A long stretch is more than what one leaves.
+        (2000, 9000 + 150, true),
+    ] {
+        let mut trial = Trial::new(values(6, 9000..9000 + length, 3.0));
         let waves = vec![Wave::Outliers(Arc::new(vec![outlier(index, 0.0)]))];
         trial.know(outliers::KIND, [0.01, 10.0], Change::Waves(waves));
         assert_eq!(
             !trial.ask(&DETECTOR).is_empty(),
             is_found,
-            "seed 6, {index}"
+            "seed 6, {length} samples, {index}"
         );
     }
 }
@@ -175,6 +180,15 @@ fn a_short_stretch_beside_a_burst_is_its_end_and_one_far_from_it_another() {
             );
         }
     }
+}
+
+#[test]
+fn a_long_stretch_beside_a_long_burst_is_another() {
+    let mut trial = Trial::new(values(12, 12_000..14_000, 2.0));
+    let known = Change::Mask(vec![8900..11_000]);
+    trial.know(KIND, [90.0, 110.0, 3.0], known);
+    let found = trial::candidate(trial.ask(&DETECTOR)).expect("a plain burst");
+    assert_eq!(found.amends, None, "seed 12");
 }
 
 #[test]

@@ -73,6 +73,38 @@ fn a_gain_is_told_where_a_third_axis_shares_with_both() {
     }
 }
 
+/// A band with so many averages and a correlation.
+fn band(number: usize, averages: f64, correlation: f64) -> CrossBin {
+    CrossBin {
+        f_hz: 2_f64.powf(0.5 * number as f64),
+        density: correlation.into(),
+        coherence: correlation * correlation,
+        averages,
+    }
+}
+
+#[test]
+fn what_is_shared_in_one_band_alone_is_held_against_that_band() {
+    // A half in one band of 21, which over all bands together is 1.5 deviations of chance.
+    const AVERAGES: f64 = 100.0;
+    let bins: Vec<CrossBin> = (0..21)
+        .map(|number| band(number, AVERAGES, if number == 7 { 0.5 } else { 1e-9 }))
+        .collect();
+    let expected = -AVERAGES * (1.0_f64 - 0.25).ln();
+    let nats = nats(&bins, &bins);
+    assert!((nats / expected - 1.0).abs() < 1e-6, "{nats} {expected}");
+}
+
+#[test]
+fn a_band_of_two_averages_says_nothing() {
+    // Of one average the coherence is one, whatever is shared.
+    let sure: Vec<CrossBin> = (0..9).map(|number| band(number, 100.0, 0.1)).collect();
+    let mut all = vec![band(9, 1.0, 1.0 - 1e-9), band(10, 2.0, 0.9)];
+    all.extend_from_slice(&sure);
+    assert_eq!(chance(&all), chance(&sure));
+    assert_eq!(share(&all), share(&sure));
+}
+
 #[test]
 fn the_share_is_told_as_a_least_one() {
     // Half of the power in every band. Of some thirty bands one lies two and two thirds deviations too high once in

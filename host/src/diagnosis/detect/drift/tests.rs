@@ -131,3 +131,20 @@ fn a_jump_a_settling_or_a_wave_is_no_course() {
         assert_eq!(named(seed, &settling), warmup::KIND, "seed {seed}");
     }
 }
+
+#[test]
+fn a_course_is_looked_for_once_and_not_where_it_was_refused() {
+    let seed = 9;
+    let truth = course(seed, 3.0);
+    let mut values = noise(seed, 1e-3);
+    let each = values.iter_mut().enumerate();
+    each.for_each(|(n, value)| *value += truth(n));
+    let mut trial = Trial::new(values);
+    assert!(trial.look(find).is_some(), "seed {seed}");
+    trial.refused.push(KIND);
+    assert!(trial.look(find).is_none(), "seed {seed}: refused");
+    trial.refused.clear();
+    // Known, but nothing of it was taken out.
+    trial.know(KIND, [1.0, 0.0], Change::Grid { decides: false });
+    assert!(trial.look(find).is_none(), "seed {seed}: known");
+}

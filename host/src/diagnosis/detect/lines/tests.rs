@@ -1,10 +1,13 @@
 //! What looks like a line and is none by itself.
 
+mod mains;
+
 use std::f64::consts::TAU;
 
 use super::*;
 use crate::diagnosis::detect::trial::{self, Trial, noise};
 use crate::diagnosis::laws::Law;
+use crate::model::kind::Kind;
 
 /// A line as it is measured.
 fn measured(f_hz: f64) -> Measured {
@@ -49,6 +52,33 @@ fn with_line(seed: u64, fades: bool) -> Trial {
 }
 
 #[test]
+fn lines_within_excluded_bands_are_left() {
+    let mut trial = with_line(6, false);
+    assert_eq!(
+        trial::kinds(&trial.ask(&DETECTOR)),
+        [sinusoid::KIND],
+        "seed 6"
+    );
+    trial.exclude(3.0, 4.4);
+    assert!(trial.ask(&DETECTOR).is_empty(), "seed 6");
+    // Of a machine's lines the others stay.
+    let mut values = noise(6);
+    for f_hz in [11.0, 22.0, 33.0] {
+        trial::add(&mut values, &trial::line(f_hz, 0.5));
+    }
+    let mut trial = Trial::new(values);
+    let there = |trial: &Trial| -> Vec<bool> {
+        let hum = trial::candidate(trial.ask(&DETECTOR)).expect("a machine");
+        assert_eq!(hum.effect.kind, hum::KIND, "seed 6");
+        let amplitudes = hum.effect.values.iter().skip(hum::FIRST_AMPLITUDE);
+        amplitudes.map(Option::is_some).collect()
+    };
+    assert_eq!(there(&trial), [true; 3], "seed 6");
+    trial.exclude(21.0, 23.0);
+    assert_eq!(there(&trial), [true, false, true], "seed 6");
+}
+
+#[test]
 fn a_line_that_wanders_is_left_and_then_excluded() {
     let steady = with_line(0, false);
     assert_eq!(
@@ -74,11 +104,27 @@ fn a_line_that_wanders_is_left_and_then_excluded() {
 }
 
 #[test]
-fn the_top_of_a_resonance_is_no_line() {
-    let mut trial = Trial::new(noise(1));
+fn of_the_two_peaks_of_a_line_that_turns_once_one_is_excluded() {
+    let mut values = noise(7);
+    let half = values.len() / 2;
+    for (n, value) in values.iter_mut().enumerate() {
+        let size = if n < half { 0.15 } else { -0.15 };
+        *value += size * (TAU * 0.037 * n as f64).cos();
+    }
+    let trial = Trial::new(values);
+    let groups = lines(&trial.axis, trial::LEVEL);
+    assert!(
+        matches!(&groups[..], [Group::Single(_), Group::Single(_)]),
+        "seed 7: {groups:?}"
+    );
+    assert_eq!(trial.ask(&WANDERING).len(), 1, "seed 7");
+}
+
+/// Makes a resonance known.
+fn know_resonance(trial: &mut Trial, f_hz: f64) {
     let law = Law {
         effect: resonance::KIND,
-        values: vec![20.0, 0.2, 1.0],
+        values: vec![f_hz, 0.2, 1.0],
     };
     trial.accept(Candidate::new(
         Estimate::of_law(resonance::KIND),
@@ -86,6 +132,14 @@ fn the_top_of_a_resonance_is_no_line() {
         3.0,
         Change::Law(law),
     ));
+    let about = resonances_hz(&trial.axis);
+    assert!(about[0].contains(&f_hz), "{f_hz} Hz: {about:?}");
+}
+
+#[test]
+fn the_top_of_a_resonance_is_no_line() {
+    let mut trial = Trial::new(noise(1));
+    know_resonance(&mut trial, 20.0);
     let [about] = &resonances_hz(&trial.axis)[..] else {
         panic!("seed 1: no resonance");
     };
@@ -124,40 +178,25 @@ fn what_is_left_of_a_cluster_is_no_line() {
 }
 
 #[test]
-fn lines_of_one_base_are_one_and_a_line_by_itself_is_mains_only_where_its_base_or_twice_that_is() {
-    let is_hum = |all: &[f64]| {
-        let groups = with_hum(all.iter().map(|f_hz| measured(*f_hz)).collect());
-        groups
-            .iter()
-            .any(|group| matches!(group, Group::Hum { .. }))
-    };
-    for (all, expected) in [
-        (&[50.02][..], true),
-        (&[119.96], true),
-        (&[150.06], false),
-        (&[150.06, 250.1], true),
-        (&[150.06, 251.1], false),
-        // A machine's harmonics, and lines that are none.
-        (&[2340.0, 7020.0], true),
-        (&[2340.0, 7020.1], false),
-    ] {
-        assert_eq!(is_hum(all), expected, "{all:?}");
-    }
-}
-
-#[test]
 fn a_harmonic_is_added_to_the_mains_that_are_there() {
-    let mut trial = Trial::new(noise(4));
-    let known = Change::Waves(vec![trial::line(49.0, 0.0)]);
-    trial.know(hum::KIND, [50.0, 0.0, 0.0, 2.0], known);
-    let lines = vec![(1, measured(50.0)), (3, measured(150.0))];
-    let group = Group::Hum {
-        base_hz: 50.1,
-        base_sd_hz: 1e-3,
-        lines,
+    let found = |kind: Kind, waves: Vec<Wave>, base_hz: f64| {
+        let mut trial = Trial::new(noise(4));
+        trial.know(kind, [50.0, 0.0, 0.0, 2.0], Change::Waves(waves));
+        let lines = vec![(1, measured(50.0)), (3, measured(150.0))];
+        let group = Group::Hum {
+            base_hz,
+            base_sd_hz: 1e-3,
+            lines,
+        };
+        let proposals = trial.look(|look| proposals(look, vec![group], |_| false));
+        trial::candidate(proposals).expect("mains")
     };
-    let proposals = trial.look(|look| proposals(look, vec![group], |_| false));
-    let found = trial::candidate(proposals).expect("more of it");
+    let known = || vec![trial::line(49.0, 0.0)];
+    // Of another base, without lines that were taken out, and no mains at all: another one.
+    assert_eq!(found(hum::KIND, known(), 60.0).amends, None, "seed 4");
+    assert_eq!(found(hum::KIND, Vec::new(), 50.1).amends, None, "seed 4");
+    assert_eq!(found(sinusoid::KIND, known(), 50.1).amends, None, "seed 4");
+    let found = found(hum::KIND, known(), 50.1);
     assert_eq!(found.amends, Some(0), "seed 4");
     let values: Vec<Option<f64>> = found
         .effect

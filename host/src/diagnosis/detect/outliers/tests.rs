@@ -188,6 +188,23 @@ fn outliers_are_sought_again_once_something_else_was_explained() {
 }
 
 #[test]
+fn outliers_that_are_found_again_where_they_were_are_left_as_they_are() {
+    let mut values = noise(18);
+    APART.iter().for_each(|&place| values[place] += 50.0);
+    let mut trial = Trial::new(values);
+    let known: Vec<_> = APART.iter().map(|&place| outlier(place, 40.0)).collect();
+    let waves = vec![Wave::Outliers(Arc::new(known))];
+    trial.know(KIND, [0.01, 50.0], Change::Waves(waves));
+    trial.character.learn(Lesson::OutliersSoughtAmong(1));
+    let proposals = trial.ask(&DETECTOR);
+    assert!(
+        trial::teaches(&proposals, &Lesson::OutliersSoughtAmong(1)),
+        "seed 18: {proposals:?}"
+    );
+    assert!(trial::candidate(proposals).is_none(), "seed 18");
+}
+
+#[test]
 fn outliers_that_are_none_any_more_are_taken_back() {
     let mut trial = Trial::new(noise(17));
     let waves = vec![Wave::Outliers(Arc::new(vec![outlier(APART[0], 0.5)]))];

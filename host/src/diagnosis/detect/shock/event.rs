@@ -7,10 +7,10 @@ use std::ops::Range;
 
 use super::about::{About, Beside};
 use super::course::{self, Course};
+use super::even::{LONG, even};
 use super::fit::{self, Fitted};
 use super::moved::{self, Moved, NotMoved};
 use super::scan::{Scan, Stretch};
-use crate::diagnosis::statistic::p_value;
 
 /// Height below which a window beside a cut, or without one sample, shows nothing: a choice, beyond which one of
 /// some 10 000 windows stands.
@@ -24,13 +24,6 @@ const WHITENED: usize = 1 << 20;
 
 /// Means that a course is fitted to, at most: a choice. What lasts for more of them is no single transient.
 const FITTED: usize = 1 << 13;
-
-/// Probability of strengths that differ as much, above which a stretch is as strong from its beginning to its
-/// end: a choice. It decides about a name, not about a finding.
-const EVEN: f64 = 1e-5;
-
-/// Samples of a stretch whose evenness can be seen, at least.
-const LONG: usize = 128;
 
 /// What stands out in a stretch.
 pub enum What {
@@ -103,7 +96,7 @@ impl<'a> Event<'a> {
             return self.told(None);
         }
         let close = self.about(1, self.samples().len() / 2);
-        let even = close.as_ref().and_then(|about| self.even(about));
+        let even = close.as_ref().and_then(|about| even(about, self.samples()));
         drop(close);
         let about = self.about(self.factor(), self.margin());
         let fitted = about.as_ref().and_then(|about| {
@@ -151,7 +144,7 @@ impl<'a> Event<'a> {
         let about = Some(self.samples()).filter(|samples| self.run.end >= samples.end);
         let about = about.and_then(|_| self.about(1, 0));
         about
-            .and_then(|about| self.even(&about))
+            .and_then(|about| even(&about, self.samples()))
             .is_some_and(|gain| gain > nats)
     }
 
@@ -249,38 +242,6 @@ impl<'a> Event<'a> {
         };
         without[largest] = 0.5 * (before.unwrap_or(level) + after.unwrap_or(level));
         self.is_nothing(0..without.len(), &place, &without)
-    }
-
-    /// Gain in log-likelihood of noise as strong from its beginning to its end, in nats; `None` where it is not.
-    fn even(&self, about: &About) -> Option<f64> {
-        let inside = about.means_of(self.samples());
-        if inside.len() < LONG {
-            return None;
-        }
-        // Its ends are not known to the sample.
-        let edge = inside.len() / 10;
-        let errors = &about.errors()[inside.start + edge..inside.end - edge];
-        let count = errors.len() as f64;
-        let mean = errors.iter().map(|error| error * error).sum::<f64>() / count;
-        let correlation = |lag: usize| {
-            let pairs = errors.iter().zip(&errors[lag..]);
-            pairs.map(|(a, b)| a * b).sum::<f64>() / count / mean
-        };
-        // Of another colour than the record's noise, it has fewer numbers of its own.
-        let squares: f64 = (1..=32).map(|lag| correlation(lag).powi(2)).sum();
-        let own = 1.0 / (1.0 + 2.0 * squares);
-        let gain = 0.5 * count * own * (mean - 1.0 - mean.ln());
-        let parts = (errors.len() / 32).clamp(4, 32);
-        let length = errors.len() / parts;
-        let logs: Vec<f64> = errors
-            .chunks_exact(length)
-            .map(|part| (part.iter().map(|error| error * error).sum::<f64>() / length as f64).ln())
-            .collect();
-        let middle = logs.iter().sum::<f64>() / logs.len() as f64;
-        let scatter: f64 = logs.iter().map(|log| (log - middle).powi(2)).sum();
-        let even =
-            p_value::chi_squared(scatter * 0.5 * length as f64 * own, logs.len() as f64 - 1.0);
-        (mean > 1.0 && even > EVEN).then_some(gain)
     }
 
     /// A jump, or single samples, where these explain it as well as a shock.

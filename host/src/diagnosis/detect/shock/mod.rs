@@ -7,6 +7,7 @@
 mod about;
 mod bands;
 mod course;
+mod even;
 mod event;
 mod fit;
 mod happened;

@@ -46,3 +46,19 @@ pub(super) fn logarithms(lines: &[Mark]) -> Vec<Log> {
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_of_which_nothing_is_known_is_no_mark() {
+        let mark = |f_hz: f64, f_sd_hz: f64| Mark {
+            f_hz,
+            f_sd_hz,
+            wanders: false,
+        };
+        let marks = [mark(20.0, 1e-3), mark(20.0, f64::INFINITY), mark(0.0, 1e-3)];
+        assert_eq!(logarithms(&marks).len(), 1);
+    }
+}

@@ -106,3 +106,25 @@ impl Match {
         self.agreement() + ((TAU.sqrt() * self.sd) / before).ln()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_is_one_of_a_pair_at_most() {
+        let at = |log: f64| Log {
+            log,
+            sd: 1e-4,
+            wanders: false,
+        };
+        let (one, two) = ([at(3.0)], [at(3.0001), at(2.9998)]);
+        for (here, there) in [(&one[..], &two[..]), (&two, &one)] {
+            let found = Match::at(here, there, 0.0, 0.0);
+            assert_eq!(found.pairs.len(), 1);
+            // The nearest.
+            let (here, there) = found.pairs[0];
+            assert!((here.log - there.log).abs() < 1.5e-4);
+        }
+    }
+}

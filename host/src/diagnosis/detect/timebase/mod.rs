@@ -9,6 +9,8 @@ mod mark;
 mod matching;
 mod ratio;
 mod sources;
+#[cfg(test)]
+mod tests;
 
 use std::sync::Arc;
 

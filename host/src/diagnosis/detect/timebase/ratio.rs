@@ -163,6 +163,38 @@ mod tests {
         }
     }
 
+    /// Lines at `f_hz`, known to the share `sd`.
+    fn at(f_hz: &[f64], sd: f64) -> Vec<Mark> {
+        f_hz.iter().map(|f_hz| steady(*f_hz, sd * f_hz)).collect()
+    }
+
+    #[test]
+    fn a_pair_that_moved_beside_two_less_sure_lines_that_stayed_is_no_clock() {
+        let stayed = at(&[7.3, 222.2], 1e-3);
+        let moved = [at(&[20.0 / 1.05, 33.0 / 1.05], 1e-4), stayed.clone()].concat();
+        let reference = [at(&[20.0, 33.0], 1e-4), stayed].concat();
+        assert!(ratio(&moved[..2], &reference[..2], 1e-2).is_some());
+        assert_eq!(ratio(&moved, &reference, 1e-2), None);
+    }
+
+    #[test]
+    fn a_ratio_that_may_be_one_is_no_finding_however_many_agree() {
+        // Six lines know the ratio to 6e-5, by which it is four and a half deviations off: 7e-6 by chance.
+        let f_hz = [7.3, 31.0, 57.1, 101.7, 143.9, 222.2];
+        let reference = at(&f_hz, 1e-4);
+        let sd = 1e-4_f64.hypot(2e-5) / 3_f64.sqrt();
+        let moved = f_hz.map(|f_hz| f_hz * (1.0 - 4.5 * sd));
+        let found = |level: f64| ratio(&at(&moved, 1e-4), &reference, level);
+        assert_eq!(found(1e-4).map(|rate| rate.matched), Some(6));
+        assert_eq!(found(1e-6), None);
+    }
+
+    #[test]
+    fn one_line_has_no_ratio() {
+        let (here, there) = (at(&[20.0], 1e-4), at(&[21.0], 1e-4));
+        assert_eq!(ratio(&here, &there, 0.5), None);
+    }
+
     #[test]
     fn unrelated_lines_agree_at_most_as_often_as_the_level() {
         const LEVEL: f64 = 0.02;

@@ -73,3 +73,24 @@ pub(super) fn sources(lines: &[Log]) -> Vec<usize> {
     }
     source
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn source_of(f_hz: &[f64]) -> Vec<usize> {
+        let line = |f_hz: &f64| Log {
+            log: f_hz.ln(),
+            sd: 1e-5,
+            wanders: false,
+        };
+        sources(&f_hz.iter().map(line).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn a_distance_of_side_lines_is_believed_if_it_explains_another() {
+        assert_eq!(source_of(&[10.0, 11.3]), [0, 1]);
+        assert_eq!(source_of(&[10.0, 11.3, 8.7]), [0, 0, 0]);
+        assert_eq!(source_of(&[10.0, 11.3, 31.3]), [0, 0, 0]);
+    }
+}

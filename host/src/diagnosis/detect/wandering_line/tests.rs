@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::*;
 use crate::diagnosis::detect::trial::{self, RATE_HZ, Trial, noise};
+use crate::diagnosis::laws::Law;
 use crate::diagnosis::record::wave::Wave;
 use crate::model::Term;
 use crate::model::kind::Kind;
@@ -93,6 +94,10 @@ fn multiples_that_wander_together_are_one_and_the_mains_are_hum() {
     let rate_hz = 10.0 * RATE_HZ;
     for (f_hz, amplitudes, kind) in [
         (37.0, [0.5, 0.0, 0.4], wandering_line::KIND),
+        // The strongest is not the lowest.
+        (37.0, [0.4, 0.6, 0.0], wandering_line::KIND),
+        // Alone at thrice the mains.
+        (150.0, [0.5, 0.0, 0.0], wandering_line::KIND),
         (50.0, [0.5, 0.0, 0.4], hum::KIND),
         (50.0, [0.0, 0.5, 0.0], hum::KIND),
     ] {
@@ -120,6 +125,58 @@ fn multiples_that_wander_together_are_one_and_the_mains_are_hum() {
             assert!(off <= 0.1 * expected, "seed 2, {f_hz} Hz: {values:?}");
         }
     }
+}
+
+#[test]
+fn a_multiple_within_an_excluded_band_is_none_of_it_and_what_is_refused_is_not_named() {
+    let mut trial = with(1, &tone(20.0, &[0.5, 0.4]), |_| 1.0);
+    let lines = |trial: &Trial| found(trial).map(|(_, values)| values.len());
+    let both = wandering_line::FIRST_AMPLITUDE + 2;
+    assert_eq!(lines(&trial), Some(both), "seed 1");
+    trial.exclude(38.0, 42.0);
+    assert_eq!(lines(&trial), Some(both - 1), "seed 1: excluded");
+    trial.refused.push(wandering_line::KIND);
+    assert_eq!(lines(&trial), None, "seed 1: refused");
+}
+
+#[test]
+fn what_was_named_for_it_goes() {
+    let supersedes = |kind: Kind, change: Change| {
+        let mut trial = with(5, &tone(20.0, &[0.5]), |_| 1.0);
+        trial.know(kind, [20.0, 0.1, 0.1], change);
+        let named = trial::candidate(trial.ask(&DETECTOR)).expect("a plain tone");
+        named.supersedes.contains(&kind)
+    };
+    let line = |f_hz| Change::Waves(vec![trial::line(f_hz, 0.0)]);
+    assert!(supersedes(sinusoid::KIND, line(20.02)), "seed 5");
+    assert!(!supersedes(sinusoid::KIND, line(31.0)), "seed 5: elsewhere");
+    // Laws are fitted to all of the spectrum.
+    let law = Law {
+        effect: resonance::KIND,
+        values: vec![35.0, 2.0, 1.0],
+    };
+    assert!(supersedes(resonance::KIND, Change::Law(law)), "seed 5");
+}
+
+#[test]
+fn steady_mains_that_were_found_first_go_for_mains_that_wander() {
+    let rate_hz = 10.0 * RATE_HZ;
+    let line = WanderingLine {
+        wander: Wander {
+            rms_hz: 0.1,
+            time_s: 1.0,
+        },
+        ..tone(50.0, &[0.5])
+    };
+    let mut values = noise(6);
+    line.generator(rate_hz, Seed { seed: 6, stream: 7 })
+        .add_to(&mut values);
+    let mut trial = Trial::new(noise(6));
+    trial.axis = AxisState::new(Arc::new(values), rate_hz, None).expect("a spectrum");
+    trial.know(hum::KIND, [50.0, 0.1], Change::Waves(Vec::new()));
+    let named = trial::candidate(trial.ask(&DETECTOR)).expect("plain mains");
+    assert_eq!(named.effect.kind, hum::KIND, "seed 6");
+    assert_eq!(named.supersedes, [hum::KIND], "seed 6");
 }
 
 #[test]

@@ -1,0 +1,44 @@
+//! Whether a stretch is as strong from its beginning to its end: a burst then, and no shock.
+
+use std::ops::Range;
+
+use super::about::About;
+use crate::diagnosis::statistic::p_value;
+
+/// Probability of strengths that differ as much, above which a stretch is as strong from its beginning to its
+/// end: a choice. It decides about a name, not about a finding.
+const EVEN: f64 = 1e-5;
+
+/// Samples of a stretch whose evenness can be seen, at least.
+pub const LONG: usize = 128;
+
+/// Gain in log-likelihood of noise as strong from its beginning to its end, in nats; `None` where it is not.
+pub fn even(about: &About, samples: &Range<usize>) -> Option<f64> {
+    let inside = about.means_of(samples);
+    if inside.len() < LONG {
+        return None;
+    }
+    // Its ends are not known to the sample.
+    let edge = inside.len() / 10;
+    let errors = &about.errors()[inside.start + edge..inside.end - edge];
+    let count = errors.len() as f64;
+    let mean = errors.iter().map(|error| error * error).sum::<f64>() / count;
+    let correlation = |lag: usize| {
+        let pairs = errors.iter().zip(&errors[lag..]);
+        pairs.map(|(a, b)| a * b).sum::<f64>() / count / mean
+    };
+    // Of another colour than the record's noise, it has fewer numbers of its own.
+    let squares: f64 = (1..=32).map(|lag| correlation(lag).powi(2)).sum();
+    let own = 1.0 / (1.0 + 2.0 * squares);
+    let gain = 0.5 * count * own * (mean - 1.0 - mean.ln());
+    let parts = (errors.len() / 32).clamp(4, 32);
+    let length = errors.len() / parts;
+    let logs: Vec<f64> = errors
+        .chunks_exact(length)
+        .map(|part| (part.iter().map(|error| error * error).sum::<f64>() / length as f64).ln())
+        .collect();
+    let middle = logs.iter().sum::<f64>() / logs.len() as f64;
+    let scatter: f64 = logs.iter().map(|log| (log - middle).powi(2)).sum();
+    let even = p_value::chi_squared(scatter * 0.5 * length as f64 * own, logs.len() as f64 - 1.0);
+    (mean > 1.0 && even > EVEN).then_some(gain)
+}
