@@ -86,9 +86,11 @@ impl Transformer {
         Series::new(&vec![0.0; self.len])
     }
 
-    /// A ring that begins with `values` less the line through their ends, and is zero from there on.
+    /// A ring that begins with as many of `values` as it has room for, less the line through their ends, and is zero
+    /// from there on.
     pub fn padded(&self, values: &[f64]) -> Series {
         let mut ring = self.zeros();
+        let values = &values[..values.len().min(self.len)];
         ring[..values.len()].copy_from_slice(values);
         take_out_line(&mut ring[..values.len()]);
         ring
