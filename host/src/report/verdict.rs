@@ -197,7 +197,8 @@ pub fn published(published: &PublishedValue, value: &LikelihoodValue) -> Option<
 
 /// Why there is no likelihood fit although there is another.
 pub const NO_SPECTRUM: &str = "No spectrum: gaps leave no stretch of 1024 samples, so there is no \
-                               likelihood fit; the weighted one stands in.";
+                               likelihood fit; the weighted one stands in. `inm diagnose` draws what is missing \
+                               in short gaps, and has one.";
 
 /// Whether a term of the likelihood fit is drawn: where it was resolved from zero.
 pub fn drawn(axis: &AxisAnalysis, coefficient: Coefficient) -> Option<f64> {

@@ -234,11 +234,6 @@ impl AxisState {
         (self.laws, self.fit, self.data) = (laws, fit, data);
     }
 
-    /// Samples over which a converter's filter spreads one; 1 without.
-    pub fn spread(&self) -> usize {
-        if self.is_filtered() { SPREAD } else { 1 }
-    }
-
     /// Brings residual, spectrum and fit up to date with the explanations.
     ///
     /// # Errors

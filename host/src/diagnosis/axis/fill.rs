@@ -2,10 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::diagnosis::axis::explain::SPREAD;
 use crate::diagnosis::axis::{AxisState, NoFit};
 use crate::diagnosis::laws::search;
-use crate::diagnosis::record::short_gaps::{self, ShortGaps};
+use crate::diagnosis::record::short_gaps::ShortGaps;
 
 /// Nats by which a law may still move from one fill to the next when it is taken for the record's own: a choice.
 const AGREED: f64 = 0.1;
@@ -63,18 +62,6 @@ impl AxisState {
         self.fit = fit.ok_or(NoFit)?;
         self.settle(values);
         Ok(())
-    }
-
-    /// Draws the first samples so that they follow the last ones of the ring as the law has it, where a converter's filter
-    /// spreads noise that rises with the frequency over them: the sum of such noise is known so well that what a
-    /// filter of 63 samples lacks at the seam would be taken for jumps far away.
-    pub(super) fn close_seam(&self, values: &mut Arc<Vec<f64>>) {
-        if self.is_filtered() && self.rises_from().is_some() {
-            let first: Vec<usize> = (0..SPREAD.min(self.fast.len() / 2)).collect();
-            let density = self.law_densities(self.fast.len());
-            let values = Arc::make_mut(values).as_mut_slice();
-            short_gaps::draw(&first, values, &self.fast, self.rate_hz, &density);
-        }
     }
 
     /// What bins of another expectation would lose on average by this one.

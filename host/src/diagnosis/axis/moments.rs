@@ -18,10 +18,6 @@ const MEMORY: f64 = 5.0;
 /// other: a choice.
 const FILTERED_GUARD: usize = 2048;
 
-/// Cycles a sample that the converter's filter passes: its corner, at -3 dB, is 0.413 (ADS1281 data sheet, SBAS378, digital
-/// filter).
-const PASSED: f64 = 0.4;
-
 /// Samples at both ends of the record that they leave out, for the ring closes there: a choice,
 /// four times what the line through the ends rests on.
 const SEAM: usize = 1024;
@@ -34,7 +30,6 @@ impl AxisState {
         } else {
             bridge(Arc::make_mut(&mut values).as_mut_slice())
         };
-        self.close_seam(&mut values);
         gaps.extend(self.residual.about_jumps(0));
         let guard = self.guard();
         let widened = |gap: &Range<usize>| {
@@ -62,26 +57,8 @@ impl AxisState {
     /// Samples that what whitens the record remembers a cut for. Noise whose density rises with the
     /// frequency (quantisation) is summed up, back to where it rises from.
     fn guard(&self) -> usize {
-        let rises = self.rises_from();
-        let samples = rises.map_or(0.0, |cycles| MEMORY / (std::f64::consts::TAU * cycles));
-        let [least, most] = GUARD;
-        let least = if self.is_filtered() {
-            FILTERED_GUARD
-        } else {
-            least
-        };
-        (samples as usize).clamp(least, most)
-    }
-
-    /// Cycles a sample up to which the density is that of the noise, not what a converter's filter leaves of it.
-    fn passes_to(&self) -> f64 {
-        if self.is_filtered() { PASSED } else { 0.49 }
-    }
-
-    /// Cycles a sample from which the density is more than twice as high as below, if it is anywhere.
-    pub(super) fn rises_from(&self) -> Option<f64> {
         const POINTS: i32 = 256;
-        let (low, high) = (8.0 / self.residual.len() as f64, self.passes_to());
+        let (low, high) = (8.0 / self.residual.len() as f64, 0.49_f64);
         let (mut least, mut rises) = (f64::INFINITY, None);
         for point in 0..=POINTS {
             let cycles = low * (high / low).powf(f64::from(point) / f64::from(POINTS));
@@ -92,7 +69,14 @@ impl AxisState {
                 rises = Some(cycles);
             }
         }
-        rises
+        let samples = rises.map_or(0.0, |cycles| MEMORY / (std::f64::consts::TAU * cycles));
+        let [least, most] = GUARD;
+        let least = if self.is_filtered() {
+            FILTERED_GUARD
+        } else {
+            least
+        };
+        (samples as usize).clamp(least, most)
     }
 
     /// Whether tests of single moments may look at a sample.

@@ -24,9 +24,6 @@ use crate::model::warmup::KIND;
 /// loses 0.2 % of its statistic.
 const PER_OCTAVE: f64 = 3.0;
 
-/// Shortest time constant that is tried, samples of the slow record: a choice.
-const SHORTEST: usize = 8;
-
 /// The settling of an axis, if there is one that is not known yet.
 pub fn find(look: &Look<'_>, noise: Noise) -> Option<SlowChange> {
     if !look.is_open(KIND) || look.axis.has(KIND) {
@@ -74,7 +71,7 @@ fn is_dwelling(axis: &AxisState, change: &SlowChange) -> bool {
 pub fn warm_up(axis: &AxisState, level: f64, noise: Noise) -> Option<SlowChange> {
     let factor = axis.drift_factor();
     let (record, density) = axis.slow(&axis.filled, factor);
-    let mut settling = Settlings::new(record, density, axis.spread().div_ceil(factor));
+    let mut settling = Settlings::new(record, density);
     let mut z = settling.best().0;
     if noise == Noise::Anew && settling.p_value(z) >= level {
         // Walk and flicker may have been taken for it.
@@ -108,14 +105,11 @@ struct Settlings {
     record: Transform,
     density: Vec<f64>,
     transformer: Transformer,
-    /// Least time constant, samples of the slow record.
-    least: usize,
 }
 
 impl Settlings {
-    fn new(record: Transform, density: Vec<f64>, least: usize) -> Self {
+    fn new(record: Transform, density: Vec<f64>) -> Self {
         Self {
-            least: least.max(SHORTEST),
             transformer: Transformer::new(record.len()),
             record,
             density,
@@ -143,7 +137,7 @@ impl Settlings {
     /// The shortest and the longest time constant.
     fn ends(&self) -> [f64; 2] {
         let length = self.record.len() as f64;
-        [(length / 512.0).max(self.least as f64), length / 1.5]
+        [(length / 512.0).max(8.0), length / 1.5]
     }
 
     fn octaves(&self) -> f64 {

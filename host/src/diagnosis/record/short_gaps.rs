@@ -118,39 +118,25 @@ impl ShortGaps {
     /// Fills them in `values`, which are filled somehow and miss nothing: with noise of the two-sided densities
     /// `density` at the ordinates of the ring, as it may be between the samples that are there.
     pub fn fill(&self, values: &mut [f64], rate_hz: f64, density: &[f64]) {
-        draw(&self.places, values, &self.ring, rate_hz, density);
-    }
-}
-
-/// Draws what of `values` lies at `places`, ascending and on a `ring` that begins with them, from noise of the two-sided
-/// densities `density` at its ordinates, given all other values.
-pub fn draw(
-    places: &[usize],
-    values: &mut [f64],
-    ring: &Transformer,
-    rate_hz: f64,
-    density: &[f64],
-) {
-    let mut normal = Gaussian::new(SEED, 1.0);
-    let noise = ring.noise(density, rate_hz, || normal.draw());
-    let mut off = ring.padded(values);
-    let pairs = off.iter_mut().zip(noise.iter());
-    let within = values.len().min(ring.len());
-    pairs.take(within).for_each(|(off, noise)| *off -= noise);
-    close(&mut off, within);
-    let precision = Precision {
-        ring,
-        places,
-        rate_hz,
-        density,
-    };
-    let off = ring.transform_ring(off, rate_hz);
-    let wanted = precision.at_places(&off).into_iter().map(|one| -one);
-    let moves = precision.solve(wanted.collect());
-    for (&place, by) in places.iter().zip(moves) {
-        // Those of a seam are no values.
-        if let Some(value) = values.get_mut(place) {
-            *value += by;
+        let mut normal = Gaussian::new(SEED, 1.0);
+        let noise = self.ring.noise(density, rate_hz, || normal.draw());
+        let mut off = self.ring.padded(values);
+        let pairs = off.iter_mut().zip(noise.iter());
+        pairs
+            .take(values.len())
+            .for_each(|(off, noise)| *off -= noise);
+        close(&mut off, values.len());
+        let precision = Precision {
+            ring: &self.ring,
+            places: &self.places,
+            rate_hz,
+            density,
+        };
+        let off = self.ring.transform_ring(off, rate_hz);
+        let wanted = precision.at_places(&off).into_iter().map(|one| -one);
+        let moves = precision.solve(wanted.collect());
+        for (&place, by) in self.places().iter().zip(moves) {
+            values[place] += by;
         }
     }
 }
