@@ -109,7 +109,7 @@ fn is_within_burst(found: &[Outlier], powers: &Powers, level: f64) -> bool {
 }
 
 fn candidate(look: &Look<'_>, found: Found) -> Candidate {
-    let law = size_law::law_of(&found.outliers, found.threshold);
+    let law = size_law::law_of(&found.outliers, found.threshold, look.axis.residual.len());
     let rate_hz = Value::log_normal(law.count / look.duration_s(), law.count_log_sd);
     let size = Value::log_normal(law.size, law.size_log_sd);
     let freedom = 2.0 * found.outliers.len() as f64;

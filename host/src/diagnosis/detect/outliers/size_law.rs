@@ -22,8 +22,9 @@ pub struct SizeLaw {
 }
 
 /// Normal sizes, seen from `threshold` up: the mean square of those seen gives the law's variance,
-/// and that the share which is seen (A. C. Cohen, *Truncated and Censored Samples*, 1991, ch. 2).
-pub fn law_of(seen: &[Outlier], threshold: f64) -> SizeLaw {
+/// and that the share which is seen (A. C. Cohen, *Truncated and Censored Samples*, 1991, ch. 2). There are no more
+/// than the record has `samples`.
+pub fn law_of(seen: &[Outlier], threshold: f64, samples: usize) -> SizeLaw {
     let normal = Normal::standard();
     let count = seen.len() as f64;
     let square = seen.iter().map(|one| one.size * one.size).sum::<f64>() / count;
@@ -46,7 +47,9 @@ pub fn law_of(seen: &[Outlier], threshold: f64) -> SizeLaw {
         let t = threshold / variance.sqrt();
         variance * (1.0 + t * normal.pdf(t) / normal.sf(t).max(f64::MIN_POSITIVE))
     };
-    let (mut low, mut high) = ((0.1 * threshold).powi(2), square);
+    // All samples would be outliers if so many deviations were the threshold.
+    let most = -normal.inverse_cdf(0.5 * count / samples as f64);
+    let (mut low, mut high) = ((threshold / most).powi(2).min(square), square);
     for _ in 0..60 {
         let middle = (low * high).sqrt();
         if beyond(middle) > square {
@@ -68,5 +71,27 @@ pub fn law_of(seen: &[Outlier], threshold: f64) -> SizeLaw {
         count_log_sd: count.sqrt().recip().hypot(share_slope * variance_log_sd),
         size: (variance - own).max(0.01 * variance).sqrt(),
         size_log_sd: 0.5 * variance_log_sd,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn there_are_no_more_of_them_than_samples() {
+        // All of one size, just beyond the threshold: no normal law is so steep.
+        let seen: Vec<Outlier> = (0..14)
+            .map(|index| Outlier {
+                index,
+                size: 5.01,
+                size_sd: 0.1,
+            })
+            .collect();
+        for samples in [9263, 1 << 20] {
+            let law = law_of(&seen, 5.0, samples);
+            assert!(law.count <= 1.001 * samples as f64, "{law:?} of {samples}");
+            assert!(law.count > 100.0 && law.size < 5.0, "{law:?} of {samples}");
+        }
     }
 }
