@@ -224,3 +224,6 @@ fn not_measured(identity: &Identity, refusal: Refusal, error: &LinkError) -> Vec
     let rest = |axis: usize| fate(axis, rest_check(identity, axis, 0.0));
     (0..AXES).map(step).chain((0..AXES).map(rest)).collect()
 }
+
+#[cfg(test)]
+mod tests;

@@ -59,7 +59,8 @@ impl LogCommand {
         let mut watch = Watch {
             heard: begun,
             silent: false,
-            damaged: 0,
+            // What was under way when the port was opened is no trouble.
+            damaged: found.session.damaged(),
         };
         while !stop.requested() && ends.is_none_or(|end| found.session.now() < end) {
             found.session.listen().map_err(SourceError::from)?;
