@@ -109,6 +109,8 @@ fn run<'p>(
         pin.store(link.self_test_is_on(), Ordering::Relaxed);
         link.take(now_ps, |byte| parcel.push(byte));
         if link.restarts() > 0 {
+            // Its reply is on the line by then. What the host writes meanwhile finds nobody.
+            line.exchange(parcel)?;
             return Some(End::Command);
         }
         if steps < STEPS {

@@ -4,10 +4,11 @@ use std::fmt::Write as _;
 use std::process::ExitCode;
 
 use clap::Args;
-use inm_protocol::{AxisCounters, SensorRange};
+use inm_protocol::{AxisCounters, Filter, Phase, SensorRange};
 
 use super::JsonOption;
 use super::which::Which;
+use crate::capture::ClockSource;
 use crate::inspect::info::{AxisInfo, Info, State};
 use crate::source::SourceError;
 
@@ -53,10 +54,11 @@ fn text(info: &Info) -> String {
     line(
         "clock",
         format!(
-            "{:?}, stamps of {} ticks/s, converters at {} Hz",
-            info.clock, info.timer_hz, info.converter_clock_hz
-        )
-        .to_lowercase(),
+            "{}, stamps of {} ticks/s, converters at {} Hz",
+            clock(info.clock),
+            info.timer_hz,
+            info.converter_clock_hz
+        ),
     );
     line("line", format!("{} bit/s", info.baud));
     let range = match info.range {
@@ -73,9 +75,9 @@ fn text(info: &Info) -> String {
     line(
         "settings",
         format!(
-            "{} samples/s, {:?}",
+            "{} samples/s, {}",
             info.settings.rate.hz(),
-            info.settings.filter
+            filter(info.settings.filter)
         ),
     );
     match &info.state {
@@ -89,6 +91,29 @@ fn text(info: &Info) -> String {
         line(&format!("axis {}", axis.name), axis_words(axis));
     }
     text
+}
+
+fn clock(source: ClockSource) -> &'static str {
+    match source {
+        ClockSource::Crystal => "crystal",
+        ClockSource::Internal => "INTERNAL OSCILLATOR, good to 1 %: its crystal did not start",
+        ClockSource::Emulated => "emulated",
+        ClockSource::Unknown => "unknown",
+    }
+}
+
+fn filter(filter: Filter) -> String {
+    let Filter::Fir { phase, high_pass } = filter else {
+        return format!("{filter:?}");
+    };
+    let phase = match phase {
+        Phase::Linear => "linear phase",
+        Phase::Minimum => "minimum phase",
+    };
+    match high_pass {
+        Some(word) => format!("{phase}, high-pass of word {word:04X}h"),
+        None => format!("{phase}, no high-pass"),
+    }
 }
 
 fn state_lines(state: &State, line: &mut impl FnMut(&str, String)) {
@@ -120,17 +145,19 @@ fn state_lines(state: &State, line: &mut impl FnMut(&str, String)) {
     line(
         "trouble",
         format!(
-            "{resets} resets and {words} bad words of the converters, {} frames dropped, {} damaged \
-             (`inm board log` says more)",
+            "converters {resets} resets for cause and {words} bad words, line {} frames dropped and {} \
+             damaged (`inm board log` says more)",
             link.frames_dropped, link.frames_bad
         ),
     );
 }
 
-/// Resets of an axis, and words of it that were flagged.
+/// Resets of an axis because of trouble, and words of it that were flagged.
 fn resets_and_words(axis: &AxisCounters) -> [u64; 2] {
     let words = [axis.over_range, axis.torn, axis.missed].map(u64::from);
-    [u64::from(axis.resets), words.iter().sum()]
+    // Every start resets the converters: only those with a reason count.
+    let reasons = [axis.slipped, axis.stuck, axis.stalled, axis.registers_lost];
+    [reasons.map(u64::from).iter().sum(), words.iter().sum()]
 }
 
 fn axis_words(axis: &AxisInfo) -> String {

@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use inm_protocol::{Identity, ToHost};
+use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::{Check, Verdict};
 use crate::capture::ClockSource;
@@ -14,8 +15,12 @@ use crate::link::LinkError;
 /// hold bytes back can feign over 10 s.
 const CLOCK_LIMIT_PPM: f64 = 3000.0;
 
-/// Fewest records that give a rate and something to judge it by.
-const FEWEST: usize = 3;
+/// Fewest records that give a rate and a spread to judge it by: with three degrees of freedom the spread
+/// is known to within a factor of some three.
+const FEWEST: usize = 5;
+
+/// Upper end of the 99 % interval, as a probability of Student's distribution.
+const UPPER_END: f64 = 0.995;
 
 /// A health record: when it was made by the board's clock, and when it arrived by the host's, seconds.
 #[derive(Debug, Clone, Copy)]
@@ -70,7 +75,7 @@ fn judged(ticks: &[Tick]) -> Check {
         return Check::of("clock", None, 0.0, "ppm", limits).without(Verdict::Open, words);
     };
     let mut check = Check::of("clock", None, ppm, "ppm", limits);
-    check.remark = format!("known to {known_to_ppm:.0} ppm");
+    check.remark = format!("known to {known_to_ppm:.0} ppm (99 %)");
     if ppm.abs() + known_to_ppm > CLOCK_LIMIT_PPM && ppm.abs() - known_to_ppm <= CLOCK_LIMIT_PPM {
         check.verdict = Verdict::Open;
         check.remark += ": watch it for longer (--watch)";
@@ -78,9 +83,8 @@ fn judged(ticks: &[Tick]) -> Check {
     check
 }
 
-/// How much faster the board's clock goes, parts in a million, by least squares; and the range of the
-/// records about that line over the time between the first and the last, which no delay of the link can
-/// exceed by itself.
+/// How much faster the board's clock goes than the host's, parts in a million, by least squares, and half
+/// its 99 % interval, from the spread of the arrivals about the line.
 fn rate(ticks: &[Tick]) -> Option<(f64, f64)> {
     if ticks.len() < FEWEST {
         return None;
@@ -93,19 +97,18 @@ fn rate(ticks: &[Tick]) -> Option<(f64, f64)> {
         square += (tick.host_s - host).powi(2);
         product += (tick.host_s - host) * (tick.board_s - board);
     }
-    let span_s = ticks[ticks.len() - 1].host_s - ticks[0].host_s;
-    if square <= 0.0 || span_s <= 0.0 {
+    if square <= 0.0 {
         return None;
     }
     let slope = product / square;
     let error = |tick: &Tick| tick.board_s - board - slope * (tick.host_s - host);
-    let (low, high) = ticks
-        .iter()
-        .map(error)
-        .fold((0.0_f64, 0.0_f64), |(low, high), error| {
-            (low.min(error), high.max(error))
-        });
-    Some((1e6 * (slope - 1.0), 1e6 * (high - low) / span_s))
+    let spread: f64 = ticks.iter().map(|tick| error(tick).powi(2)).sum();
+    let freedom = count - 2.0;
+    let half = StudentsT::new(0.0, 1.0, freedom)
+        .ok()?
+        .inverse_cdf(UPPER_END)
+        * (spread / freedom / square).sqrt();
+    Some((1e6 * (slope - 1.0), 1e6 * half))
 }
 
 #[cfg(test)]
@@ -139,7 +142,19 @@ mod tests {
         let check = judged(&ticks(5, 0.0, |k| if k == 4 { 0.3 } else { 0.0 }));
         assert_eq!(check.verdict, Verdict::Open, "{check:?}");
         assert!(check.remark.contains("--watch"), "{check:?}");
-        let few = judged(&ticks(2, 0.0, |_| 0.0));
+        let few = judged(&ticks(FEWEST as u32 - 1, 0.0, |_| 0.0));
         assert_eq!((few.verdict, few.value), (Verdict::Open, None));
+    }
+
+    /// Five records that alternate between 0 and 10 ms late, by hand.
+    #[test]
+    fn the_interval_is_that_of_a_slope() {
+        let late = |k: u32| if k % 2 == 1 { 0.01 } else { 0.0 };
+        let (ppm, half) = rate(&ticks(5, 0.0, late)).expect("enough");
+        // Symmetric delays do not tilt the line; their squares about their mean of 4 ms are 120 ms^2, the
+        // sum of squares in time is 10 s^2 and 99 % of Student's law with 3 degrees lie within 5.841.
+        let expected = 1e6 * 5.841 * (120e-6_f64 / 3.0 / 10.0).sqrt();
+        assert!(ppm.abs() < 30.0, "{ppm}");
+        assert!((half / expected - 1.0).abs() < 1e-2, "{half}, {expected}");
     }
 }
