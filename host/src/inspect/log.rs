@@ -98,12 +98,12 @@ impl Log {
             Some(_) => "",
             None => " since it started",
         };
-        for axis in 0..AXES {
+        for (axis, name) in AXIS_NAMES.iter().enumerate() {
             let old = before.map_or_else(AxisCounters::default, |before| before.axes[axis]);
             let told = std::mem::take(&mut self.told[axis]);
             let grown = axis_counters(&old, &health.axes[axis], told, before.is_none());
             entries.extend(grown.into_iter().map(|(count, what)| Entry {
-                axis: Some(AXIS_NAMES[axis].to_owned()),
+                axis: Some((*name).to_owned()),
                 ..self.say(format!("{count} {what}{since}"))
             }));
         }

@@ -167,3 +167,6 @@ impl Expect for [SelfTestStep; AXES] {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -61,7 +61,6 @@ fn a_board_is_chosen_by_a_part_of_its_serial_number() {
     }
 }
 
-/// What is behind a port that was not named is never written to: a board that was, answers.
 #[test]
 fn ports_asks_only_those_that_are_named() {
     let board = board([7, 7, 7]);
@@ -80,6 +79,14 @@ fn ports_asks_only_those_that_are_named() {
     for other in others.filter(|port| port["name"] != board.port.as_str()) {
         assert!(other["answer"].is_null(), "{other}");
     }
+    let mut listed = named.as_array().expect("a list").iter();
+    let here = listed.find(|port| port["name"] == board.port.as_str());
+    steady().bind(|| {
+        insta::assert_snapshot!(
+            "ports_as_json",
+            serde_json::to_string_pretty(&here).expect("JSON")
+        );
+    });
     let told = text(&inm(&["board", "ports", &board.port]).stdout);
     assert!(
         told.contains("    board 000000070000000700000007, firmware"),
@@ -117,6 +124,12 @@ fn a_reset_is_over_when_the_board_is_back_and_says_that_it_was_told() {
     let back_s = json["back_after_s"].as_f64().expect("a time");
     // It restarts 200 ms after its reply, and looks for nothing but its converters.
     assert!((0.1..10.0).contains(&back_s), "{back_s} s");
+    steady().bind(|| {
+        insta::assert_snapshot!(
+            "reset_as_json",
+            serde_json::to_string_pretty(&json).expect("JSON")
+        );
+    });
     let info = super::json(&["board", "info", "--port", &board.port], 0);
     assert_eq!(info["restart"], serde_json::json!(Restart::Command));
 }

@@ -9,7 +9,7 @@ use inm_protocol::{Command, MAX_FRAME, Request, Restart, ToBoard, encode};
 use serde_json::Value;
 
 use super::pty::PtyBoard;
-use super::{inm, text};
+use super::{inm, steady, text};
 
 /// Has the board stream to nobody.
 fn start_streaming(board: &PtyBoard) {
@@ -96,6 +96,18 @@ fn a_sound_board_has_nothing_to_tell_but_who_it_is() {
         told.contains("virtual: board 000000000000000000000000"),
         "{told}"
     );
+    let json = inm(&[
+        "board",
+        "log",
+        "--port",
+        "virtual",
+        "--duration",
+        "5",
+        "--json",
+        "-",
+    ]);
+    let json = text(&json.stdout);
+    steady().bind(|| insta::assert_snapshot!("log_as_json", json));
 }
 
 #[test]

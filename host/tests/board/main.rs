@@ -58,6 +58,8 @@ fn steady() -> Settings {
         (r"program is \d+\.\d+\.\d+", "program is [release]"),
         (r"up for \d+\.\d s", "up for [time] s"),
         (r#""up_s": \d+\.\d+"#, r#""up_s": "[time]""#),
+        (r#""group": ("[^"]*"|null)"#, r#""group": "[group]""#),
+        (r#""at":"[^"]*""#, r#""at":"[time]""#),
         (r"after \d+\.\d s", "after [time] s"),
         (r#""back_after_s": \d+\.\d+"#, r#""back_after_s": "[time]""#),
         (
@@ -130,7 +132,7 @@ fn every_refusal_names_the_place_and_the_remedy() {
             "board log --port virtual --json run.inmcap",
             &["board", "log", "--port", "virtual", "--json", recording],
         ),
-        ("board", &["board", "reset", "--port"]),
+        ("board reset --port", &["board", "reset", "--port"]),
     ] {
         let message = fail(arguments).replace(recording, "run.inmcap");
         transcript += &format!("$ inm {shown}\n{message}\n");

@@ -147,10 +147,11 @@ impl Sink {
             file.write_all(json.as_bytes())
                 .with_context(|| format!("{path}: cannot be written"))?;
         }
-        Ok(match self {
+        match self {
             Self::Json => output::say(&json)?,
             Self::Text | Self::Both(..) => output::say(&line(entry))?,
-        })
+        }
+        Ok(())
     }
 }
 

@@ -52,7 +52,7 @@ const LONGEST_WATCH_S: f64 = 86_400.0;
 
 fn text(tested: &SelfTest) -> String {
     let mut text = format!(
-        "board {} on {}, firmware {}\n\n{:<7}{:<6}{:>11}{:>12}{:>11}  {:<16}\n",
+        "board {} on {}, firmware {}\n\n{:<7}{:<6}{:>11}{:>12}{:>11}  {}\n",
         tested.serial,
         tested.port,
         tested.firmware,
