@@ -1,4 +1,5 @@
-//! Noise that the data sheets state, compared with an estimate of N.
+//! What the data sheets state: noise, compared with an estimate of N; step of the self-test and
+//! output at rest, for `inm board selftest`.
 //!
 //! The sensor is an MMA7331L: 350 ug/sqrt(Hz) typical from 0.1 Hz to 1 kHz (Freescale MMA7331L; the
 //! number as remembered, the band as read). Data sheets mean the root of a one-sided density:
@@ -30,13 +31,39 @@ const SENSOR_POLES_HZ: [f64; 2] = [400.0, 300.0];
 /// channel adds noise of its own.
 const TOLERANCE: f64 = 1.5;
 
+/// Smallest and largest step of an axis' output when its self-test pin is driven, g, whatever its sign:
+/// X and Y move by 0.05 g at least (typically -0.1 g), Z by 0.8 to 1.2 g (typically +1 g). Numbers of the
+/// MMA7331L's and MMA7361L's sheets (table 2, "Self Test: Output Response") as remembered, not yet tried
+/// on hardware. For X and Y no maximum is stated: theirs is the minimum of Z, beyond which they answer as
+/// a Z does.
+const SELF_TEST_STEP_G: [[f64; 2]; 3] = [[0.05, 0.8], [0.05, 0.8], [0.8, 1.2]];
+
+/// Largest error of the zero-g output of X, Y, Z, volts at a supply of 2.8 V: 6 % of 1.4 V in plane, 10 %
+/// across (the same sheets, as remembered: `firmware/src/mma7331l.rs`).
+const ZERO_G_ERROR_V: [f64; 3] = [0.084, 0.084, 0.14];
+
+/// Supplies at which the MMA7331L is specified, volts (MMA7331LC, head of table 2).
+pub const SENSOR_SUPPLY_V: [f64; 2] = [2.2, 3.6];
+
+/// Smallest and largest magnitude of the self-test step of `axis` (0 to 2 for X to Z), g; the sign of Z's
+/// is positive.
+pub fn self_test_step_g(axis: usize) -> [f64; 2] {
+    SELF_TEST_STEP_G[axis.min(2)]
+}
+
+/// Largest output at rest of `axis` (0 to 2 for X to Z), g either way: gravity, and the error of the zero-g
+/// output.
+pub fn rest_g(axis: usize, range: SensorRange) -> f64 {
+    1.0 + ZERO_G_ERROR_V[axis.min(2)] / sensitivity_v_per_g(range, SUPPLY_V)
+}
+
 /// What the data sheets say of the white noise of a channel, root of the two-sided density in
 /// m/s^2 per root hertz.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SheetNoise {
     /// Of the MMA7331L.
     pub sensor: f64,
-    /// Of the ADS1281, referred to acceleration in the 4 g range.
+    /// Of the ADS1281, referred to acceleration.
     pub converter: f64,
 }
 
@@ -47,13 +74,22 @@ impl SheetNoise {
             .poles_hz
             .iter()
             .any(|pole_hz| SENSOR_POLES_HZ.contains(pole_hz));
-        (sensor && chain.converter.is_some()).then(|| {
-            let v_per_g = sensitivity_v_per_g(SensorRange::G4, SUPPLY_V);
-            Self {
-                sensor: SENSOR_G * STANDARD_GRAVITY / SQRT_2,
-                converter: CONVERTER_V / v_per_g * STANDARD_GRAVITY / SQRT_2,
-            }
-        })
+        (sensor && chain.converter.is_some()).then(|| Self::on(SensorRange::G4))
+    }
+
+    /// That of an MMA7331L on this range behind an ADS1281; the sensor's is stated for both alike.
+    pub fn on(range: SensorRange) -> Self {
+        let v_per_g = sensitivity_v_per_g(range, SUPPLY_V);
+        Self {
+            sensor: SENSOR_G * STANDARD_GRAVITY / SQRT_2,
+            converter: CONVERTER_V / v_per_g * STANDARD_GRAVITY / SQRT_2,
+        }
+    }
+
+    /// Where the density of a sound channel lies: above what a converter alone may have, up to what still
+    /// agrees with the sensor's typical value.
+    pub fn plausible(&self) -> [f64; 2] {
+        [self.converter * TOLERANCE, self.sensor * TOLERANCE]
     }
 }
 

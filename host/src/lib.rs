@@ -26,6 +26,7 @@ mod fft;
 mod fit;
 #[cfg(feature = "image")]
 mod flash;
+mod inspect;
 #[doc(hidden)]
 #[allow(missing_docs, reason = "each is documented where it is")]
 pub mod internals;

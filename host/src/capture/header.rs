@@ -64,7 +64,7 @@ pub enum ClockSource {
 
 impl ClockSource {
     /// What the board says of itself.
-    fn of(identity: &Identity) -> Self {
+    pub(crate) fn of(identity: &Identity) -> Self {
         match identity.restart {
             Restart::ClockFallback
             | Restart::CommandClockFallback

@@ -5,9 +5,9 @@ use std::process::ExitCode;
 
 use clap::Args;
 
-use super::board::BoardOptions;
 use super::interrupt;
 use super::output;
+use super::recording::BoardOptions;
 use super::results::ResultOptions;
 use crate::analyse::{AnalysisOptions, summarise};
 use crate::bins::record::{Overlap, Record};
@@ -46,6 +46,6 @@ impl LiveCommand {
         let analysis = summarise(&signal, &record, &AnalysisOptions::default());
         self.results.write(&analysis)?;
         ended?;
-        Ok(super::board::recorded(&source))
+        Ok(super::recording::recorded(&source))
     }
 }

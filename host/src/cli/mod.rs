@@ -1,7 +1,7 @@
 //! The command line: one file per subcommand.
 //!
-//! Exit status: 0 done; 1 `diagnose` left something unexplained, or `record` or `live` lost samples;
-//! 2 bad usage or input, with a message that names the place and the remedy.
+//! Exit status: 0 done; 1 `diagnose` left something unexplained, `record` or `live` lost samples, or a
+//! board is not as it should be (`board selftest`, `board reset`); 2 bad usage or input, with a message that names the place and the remedy.
 
 pub mod analyze;
 pub mod board;
@@ -16,6 +16,7 @@ pub mod interrupt;
 pub mod live;
 pub mod output;
 pub mod record;
+pub mod recording;
 pub mod replay;
 pub mod results;
 pub mod simulate;
@@ -56,6 +57,8 @@ enum Command {
     Export(export::Export),
     /// Send a capture down the path that live data take.
     Replay(replay::ReplayCommand),
+    /// Which boards there are, what they are, whether they measure, what goes wrong on them.
+    Board(board::BoardCommand),
     /// Program the board through a debug probe.
     #[cfg(feature = "flash")]
     Flash(flash::FlashCommand),
@@ -72,6 +75,7 @@ pub fn main() -> ExitCode {
         Command::Simulate(command) => command.run(),
         Command::Export(command) => command.run(),
         Command::Replay(command) => command.run(),
+        Command::Board(command) => return finish(command.run()),
         #[cfg(feature = "flash")]
         Command::Flash(command) => command.run(),
     };

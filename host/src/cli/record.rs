@@ -5,9 +5,9 @@ use std::process::ExitCode;
 
 use clap::Args;
 
-use super::board::BoardOptions;
 use super::interrupt;
 use super::output::say;
+use super::recording::BoardOptions;
 use crate::live::{Screen, watch};
 use crate::source::Source;
 use crate::source::board::BoardSource;
@@ -35,7 +35,7 @@ impl RecordCommand {
         // Said in either case: a recording that broke off is still a recording.
         say(&self.told(&source))?;
         ended?;
-        Ok(super::board::recorded(&source))
+        Ok(super::recording::recorded(&source))
     }
 
     /// What there is to say of a recording that came to its end.

@@ -1,5 +1,7 @@
 //! The lives of a board, from power on to the restart that ends each, with what happens to it on the way.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -26,7 +28,8 @@ pub(super) fn power_on(plan: &VirtualConnect, line: &mut Line) {
     let mut restart = Restart::Power;
     let mut misfortunes = plan.restarts.iter();
     loop {
-        let bench = Bench::new(plan.sensors().map(Converter::new));
+        let pin = Arc::default();
+        let bench = Bench::new(plan.sensors(&pin).map(Converter::new));
         let board = Board {
             restart,
             serial: plan.serial,
@@ -34,7 +37,7 @@ pub(super) fn power_on(plan: &VirtualConnect, line: &mut Line) {
         };
         let instrument = VirtualBoard::instrument(&bench, VirtualLink::new(Some(plan.baud)), board);
         let misfortune = misfortunes.as_slice().first();
-        restart = match run(instrument, plan, misfortune, line) {
+        restart = match run(instrument, plan, &pin, misfortune, line) {
             Some(End::Command) => Restart::Command,
             Some(End::Misfortune(Misfortune { cause, dark, .. })) => {
                 misfortunes.next();
@@ -69,6 +72,7 @@ enum End<'p> {
 fn run<'p>(
     mut instrument: Running<'_>,
     plan: &VirtualConnect,
+    pin: &AtomicBool,
     misfortune: Option<&'p Misfortune>,
     line: &mut Line,
 ) -> Option<End<'p>> {
@@ -102,8 +106,11 @@ fn run<'p>(
         }
         let now_ps = bench.now_ps();
         let link = instrument.platform_mut().environment_mut();
+        pin.store(link.self_test_is_on(), Ordering::Relaxed);
         link.take(now_ps, |byte| parcel.push(byte));
         if link.restarts() > 0 {
+            // Its reply is on the line by then. What the host writes meanwhile finds nobody.
+            line.exchange(parcel)?;
             return Some(End::Command);
         }
         if steps < STEPS {

@@ -24,7 +24,8 @@ mod port;
 mod shaken;
 mod witness;
 
-use std::sync::mpsc;
+use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, mpsc};
 use std::thread;
 use std::time::Duration;
 
@@ -40,6 +41,9 @@ use self::line::Line;
 use self::port::VirtualPort;
 use self::shaken::Shaken;
 use crate::link::{Clock, Connect, LinkError, Port};
+
+/// Typical step of a sound sensor's self-test, g (the MMA7331L's sheet as remembered, `data_sheet.rs`).
+const SELF_TEST_G: [f64; AXES] = [-0.1, -0.1, 1.0];
 
 /// A restart that nobody asked for: the board says no word of it, and what it had still to send is
 /// lost.
@@ -69,6 +73,8 @@ pub struct VirtualConnect {
     pub faults: Vec<(usize, u64, Fault)>,
     /// Restarts to come, one a stream.
     pub restarts: Vec<Misfortune>,
+    /// What the sensors X, Y, Z move by while their self-test pin is driven, g.
+    pub self_test_g: [f64; AXES],
     /// What else acts on a sensor.
     pub hidden: Option<Hidden>,
     /// Where the converters' words are noted down, if anywhere.
@@ -89,6 +95,7 @@ impl VirtualConnect {
             baud: 921_600,
             faults: Vec::new(),
             restarts: Vec::new(),
+            self_test_g: SELF_TEST_G,
             hidden: None,
             witness: None,
             axis_witness: None,
@@ -96,14 +103,15 @@ impl VirtualConnect {
         }
     }
 
-    /// The sensors with all that acts on them.
-    fn sensors(&self) -> [Shaken; AXES] {
+    /// The sensors with all that acts on them; `pin` is their self-test pin.
+    fn sensors(&self, pin: &Arc<AtomicBool>) -> [Shaken; AXES] {
         let mut axis = 0;
         self.channels.clone().map(|channel| {
             let sensor = &Sensor::PUBLISHED[axis];
             let hidden = self.hidden.as_ref().filter(|hidden| hidden.axis == axis);
+            let step_g = self.self_test_g[axis];
             axis += 1;
-            Shaken::new(channel, sensor, hidden)
+            Shaken::new(channel, sensor, hidden).tested_by(pin, sensor, step_g)
         })
     }
 }

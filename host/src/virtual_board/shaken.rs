@@ -1,9 +1,12 @@
 //! A sensor on which something acts that its noise model does not know.
 
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use inm_emulator::Signal;
 use inm_emulator::channel::Channel;
 use inm_emulator::filter::DECIMATION;
-use inm_emulator::sensor::Sensor;
+use inm_emulator::sensor::{GRAVITY_M_S2, Sensor};
 
 use crate::model::Seed;
 use crate::model::axis::ModelEffect;
@@ -37,6 +40,10 @@ pub struct Shaken {
     /// Inputs left of the conversion under way.
     left: usize,
     outside: Option<Outside>,
+    /// Whether the board drives the sensors' self-test pin.
+    pin: Arc<AtomicBool>,
+    /// What the sensing element moves by then, 2^-32 steps of the code.
+    self_test: i64,
 }
 
 struct Outside {
@@ -48,11 +55,13 @@ struct Outside {
 }
 
 impl Shaken {
-    /// The channel of `sensor`, and what acts on it.
+    /// The channel of `sensor`, and what acts on it; its self-test pin is low.
     pub fn new(channel: Channel, sensor: &Sensor, hidden: Option<&Hidden>) -> Self {
         Self {
             channel,
             left: 0,
+            pin: Arc::default(),
+            self_test: 0,
             outside: hidden.map(|hidden| Outside {
                 hidden: hidden.clone(),
                 scale: sensor.steps_per_m_s2() * FRACTION,
@@ -62,10 +71,19 @@ impl Shaken {
         }
     }
 
+    /// The same, where `pin` is the self-test pin of `sensor`, which then moves by `step_g`.
+    #[must_use]
+    pub fn tested_by(mut self, pin: &Arc<AtomicBool>, sensor: &Sensor, step_g: f64) -> Self {
+        self.pin = Arc::clone(pin);
+        self.self_test = (step_g * GRAVITY_M_S2 * sensor.steps_per_m_s2() * FRACTION) as i64;
+        self
+    }
+
     fn act(&mut self) {
-        if let Some(outside) = &mut self.outside {
-            self.channel.act(outside.next());
-        }
+        let outside = self.outside.as_mut().map_or(0, Outside::next);
+        let driven = self.pin.load(Ordering::Relaxed);
+        let self_test = if driven { self.self_test } else { 0 };
+        self.channel.act(outside + self_test);
     }
 }
 

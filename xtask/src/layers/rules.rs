@@ -28,6 +28,7 @@ pub const NEVER: [Never; 13] = [
             "host::fft",
             "host::fit",
             "host::flash",
+            "host::inspect",
             "host::link",
             "host::live",
             "host::model",

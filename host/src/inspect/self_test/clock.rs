@@ -1,0 +1,160 @@
+//! The board's clock against the host's: stamps of its health records, by when they arrived.
+
+use std::time::Duration;
+
+use inm_protocol::{Identity, ToHost};
+use statrs::distribution::{ContinuousCDF, StudentsT};
+
+use super::{Check, Verdict};
+use crate::capture::ClockSource;
+use crate::inspect::{Heard, Session};
+use crate::link::LinkError;
+
+/// Parts in a million by which the board's clock may differ from the host's. A third of what its internal
+/// oscillator is good to (1 %), so that the fallback shows; and twice what the 16 ms that a USB adapter may
+/// hold bytes back can feign over 10 s.
+const CLOCK_LIMIT_PPM: f64 = 3000.0;
+
+/// Fewest records that give a rate and a spread to judge it by: with three degrees of freedom the spread
+/// is known to within a factor of some three.
+const FEWEST: usize = 5;
+
+/// Upper end of the 99 % interval, as a probability of Student's distribution.
+const UPPER_END: f64 = 0.995;
+
+/// A health record: when it was made by the board's clock, and when it arrived by the host's, seconds.
+#[derive(Debug, Clone, Copy)]
+struct Tick {
+    board_s: f64,
+    host_s: f64,
+}
+
+/// Listens for `watch`; the check, and the supply of the accelerometers in millivolts if it was told.
+pub(super) fn clock(
+    session: &mut Session,
+    identity: &Identity,
+    watch: Duration,
+) -> Result<(Check, Option<u16>), LinkError> {
+    // What was heard ahead of this waited for an answer to be read.
+    while session.heard().is_some() {}
+    let begun = session.now();
+    let (mut ticks, mut supply_mv) = (Vec::new(), None);
+    while session.now() < begun + watch {
+        session.listen()?;
+        while let Some(Heard { at, message }) = session.heard() {
+            if let ToHost::Health(health) = message {
+                supply_mv = health.supply_mv.or(supply_mv);
+                ticks.push(Tick {
+                    board_s: health.stamp as f64 / f64::from(identity.timer_hz.max(1)),
+                    host_s: at.duration_since(begun).as_secs_f64(),
+                });
+            }
+        }
+    }
+    let check = judged(&ticks);
+    Ok(match ClockSource::of(identity).warning() {
+        Some(warning) => {
+            let failed = Check {
+                verdict: Verdict::Failed,
+                ..check
+            };
+            (failed.explained(warning), supply_mv)
+        }
+        None => (check, supply_mv),
+    })
+}
+
+/// The rate of the board's clock by that of the host, and how well it is known.
+fn judged(ticks: &[Tick]) -> Check {
+    let limits = [-CLOCK_LIMIT_PPM, CLOCK_LIMIT_PPM];
+    let Some((ppm, known_to_ppm)) = rate(ticks) else {
+        let words = format!(
+            "{} health records arrived, {FEWEST} are needed: watch it for longer (--watch)",
+            ticks.len()
+        );
+        return Check::of("clock", None, 0.0, "ppm", limits).without(Verdict::Open, words);
+    };
+    let mut check = Check::of("clock", None, ppm, "ppm", limits);
+    check.remark = format!("known to {known_to_ppm:.0} ppm (99 %)");
+    if ppm.abs() + known_to_ppm > CLOCK_LIMIT_PPM && ppm.abs() - known_to_ppm <= CLOCK_LIMIT_PPM {
+        check.verdict = Verdict::Open;
+        check.remark += ": watch it for longer (--watch)";
+    }
+    check
+}
+
+/// How much faster the board's clock goes than the host's, parts in a million, by least squares, and half
+/// its 99 % interval, from the spread of the arrivals about the line.
+fn rate(ticks: &[Tick]) -> Option<(f64, f64)> {
+    if ticks.len() < FEWEST {
+        return None;
+    }
+    let count = ticks.len() as f64;
+    let mean = |of: fn(&Tick) -> f64| ticks.iter().map(of).sum::<f64>() / count;
+    let (host, board) = (mean(|tick| tick.host_s), mean(|tick| tick.board_s));
+    let (mut square, mut product) = (0.0, 0.0);
+    for tick in ticks {
+        square += (tick.host_s - host).powi(2);
+        product += (tick.host_s - host) * (tick.board_s - board);
+    }
+    if square <= 0.0 {
+        return None;
+    }
+    let slope = product / square;
+    let error = |tick: &Tick| tick.board_s - board - slope * (tick.host_s - host);
+    let spread: f64 = ticks.iter().map(|tick| error(tick).powi(2)).sum();
+    let freedom = count - 2.0;
+    let half = StudentsT::new(0.0, 1.0, freedom)
+        .ok()?
+        .inverse_cdf(UPPER_END)
+        * (spread / freedom / square).sqrt();
+    Some((1e6 * (slope - 1.0), 1e6 * half))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A record a second by a clock that is `ppm` fast, each held back by as much as `late_s` says.
+    fn ticks(count: u32, ppm: f64, late_s: impl Fn(u32) -> f64) -> Vec<Tick> {
+        let tick = |k: u32| Tick {
+            board_s: 100.0 + f64::from(k),
+            host_s: f64::from(k) / (1.0 + 1e-6 * ppm) + late_s(k),
+        };
+        (0..count).map(tick).collect()
+    }
+
+    #[test]
+    fn an_even_clock_is_known_to_the_last_digit() {
+        for ppm in [-400.0, 0.0, 50.0] {
+            let check = judged(&ticks(10, ppm, |_| 0.02));
+            assert_eq!(check.verdict, Verdict::Ok, "{check:?}");
+            let value = check.value.expect("measured");
+            assert!((value - ppm).abs() < 0.01, "{value}");
+        }
+        let fast = judged(&ticks(10, 9000.0, |_| 0.0));
+        assert_eq!(fast.verdict, Verdict::Failed, "{fast:?}");
+    }
+
+    #[test]
+    fn what_the_link_holds_back_leaves_the_answer_open_and_fails_nobody() {
+        // A machine that stood still ahead of the last record.
+        let check = judged(&ticks(5, 0.0, |k| if k == 4 { 0.3 } else { 0.0 }));
+        assert_eq!(check.verdict, Verdict::Open, "{check:?}");
+        assert!(check.remark.contains("--watch"), "{check:?}");
+        let few = judged(&ticks(FEWEST as u32 - 1, 0.0, |_| 0.0));
+        assert_eq!((few.verdict, few.value), (Verdict::Open, None));
+    }
+
+    /// Five records that alternate between 0 and 10 ms late, by hand.
+    #[test]
+    fn the_interval_is_that_of_a_slope() {
+        let late = |k: u32| if k % 2 == 1 { 0.01 } else { 0.0 };
+        let (ppm, half) = rate(&ticks(5, 0.0, late)).expect("enough");
+        // Symmetric delays do not tilt the line; their squares about their mean of 4 ms are 120 ms^2, the
+        // sum of squares in time is 10 s^2 and 99 % of Student's law with 3 degrees lie within 5.841.
+        let expected = 1e6 * 5.841 * (120e-6_f64 / 3.0 / 10.0).sqrt();
+        assert!(ppm.abs() < 30.0, "{ppm}");
+        assert!((half / expected - 1.0).abs() < 1e-2, "{half}, {expected}");
+    }
+}
