@@ -64,6 +64,8 @@ impl<K: Knot, const LEVELS: usize> Knots<'_, K, LEVELS> {
 impl<S: Sums, const LEVELS: usize> Engine<S, LEVELS> {
     /// Accepts at most [`BLOCK`](crate::grid::BLOCK) samples whose codes differ by at most `spread`. Before anything
     /// moves, shows `observe` the sample count after the block and how to find a knot.
+    ///
+    /// One function, as the loop over the levels hands rows and their oldest multiples from one to the next.
     pub(crate) fn push_block(
         &mut self,
         scratch: &mut Scratch,

@@ -80,17 +80,7 @@ impl<const LEVELS: usize> Bins<LEVELS> {
             )));
         }
         let [first, next, start, samples, end] = [word()?, word()?, word()?, word()?, word()?];
-        let positions_fit = first <= start
-            && start <= next
-            && next <= LAST_INDEX
-            && samples <= next - first
-            && samples >= next - start
-            && if end == OPEN {
-                start == first
-            } else {
-                first <= end && end < start
-            };
-        if !positions_fit {
+        if !positions_fit([first, next, start, samples, end]) {
             return Err(E::custom("state whose positions contradict each other"));
         }
         let mut whole = || Ok(u128::from(word()?) | u128::from(word()?) << 64);
@@ -131,6 +121,20 @@ impl<const LEVELS: usize> Bins<LEVELS> {
         }
         Ok(bins)
     }
+}
+
+/// Whether first, next, start, samples and end of a state can be true together.
+const fn positions_fit([first, next, start, samples, end]: [u64; 5]) -> bool {
+    first <= start
+        && start <= next
+        && next <= LAST_INDEX
+        && samples <= next - first
+        && samples >= next - start
+        && if end == OPEN {
+            start == first
+        } else {
+            first <= end && end < start
+        }
 }
 
 /// One accumulator, with room left for all that can still be added to it.

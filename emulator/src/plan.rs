@@ -51,50 +51,13 @@ pub(crate) struct RatePlan {
 impl Plan {
     /// Works the integers out.
     pub(crate) const fn new(sensor: &Sensor) -> Result<Self, Unfit> {
-        let Coefficients {
-            ramp,
-            walk,
-            flicker,
-            white,
-            quantisation,
-        } = sensor.noise;
-        let (sensitivity, pole) = (sensor.sensitivity_v_per_g, sensor.pole_hz);
-        let amounts = [
-            walk,
-            flicker,
-            white,
-            quantisation,
-            sensitivity,
-            pole,
-            sensor.supply_v,
-        ];
-        let signed = [
-            ramp,
-            sensor.gravity_m_s2,
-            sensor.zero_g_error_v,
-            sensor.ainn_v,
-        ];
-        let mut i = 0;
-        while i < amounts.len() {
-            if !(amounts[i] >= 0.0 && amounts[i].is_finite()) {
-                return Err(Unfit::Number);
-            }
-            i += 1;
-        }
-        i = 0;
-        while i < signed.len() {
-            if !signed[i].is_finite() {
-                return Err(Unfit::Number);
-            }
-            i += 1;
-        }
-        if !(sensor.vref_v > 0.0 && sensor.vref_v.is_finite()) {
+        if !are_possible(sensor) {
             return Err(Unfit::Number);
         }
-
         let per_volt = sensor.steps_per_volt();
         let lowest = (RAIL_MARGIN_V - sensor.ainn_v) * per_volt;
         let highest = (sensor.supply_v - RAIL_MARGIN_V - sensor.ainn_v) * per_volt;
+        let flicker = sensor.noise.flicker;
         let relaxation = sqrt(POLE_VARIANCE / GAUSS_VARIANCE) * flicker * sensor.steps_per_m_s2();
         let mut plan = Self {
             rest: 0,
@@ -112,7 +75,7 @@ impl Plan {
         plan.highest = highest as i32;
         plan.flicker_sigma = fixed(relaxation, SLOW_FRACTION);
         plan.flicker_step = fixed(relaxation * sqrt(NEW_VARIANCE), SLOW_FRACTION);
-        i = 0;
+        let mut i = 0;
         while i < plan.rates.len() {
             match RatePlan::new(sensor, 250 << i) {
                 Ok(rate) => plan.rates[i] = rate,
@@ -165,6 +128,48 @@ impl RatePlan {
             ramp: fixed(ramp, SLOW_FRACTION),
         })
     }
+}
+
+/// Whether all numbers of a sensor are finite, and those of them that are amounts not below zero.
+const fn are_possible(sensor: &Sensor) -> bool {
+    let Coefficients {
+        ramp,
+        walk,
+        flicker,
+        white,
+        quantisation,
+    } = sensor.noise;
+    let (sensitivity, pole) = (sensor.sensitivity_v_per_g, sensor.pole_hz);
+    let amounts = [
+        walk,
+        flicker,
+        white,
+        quantisation,
+        sensitivity,
+        pole,
+        sensor.supply_v,
+    ];
+    let signed = [
+        ramp,
+        sensor.gravity_m_s2,
+        sensor.zero_g_error_v,
+        sensor.ainn_v,
+    ];
+    let mut i = 0;
+    while i < amounts.len() {
+        if !(amounts[i] >= 0.0 && amounts[i].is_finite()) {
+            return false;
+        }
+        i += 1;
+    }
+    i = 0;
+    while i < signed.len() {
+        if !signed[i].is_finite() {
+            return false;
+        }
+        i += 1;
+    }
+    sensor.vref_v > 0.0 && sensor.vref_v.is_finite()
 }
 
 /// Whether all are within half the range of a 32-bit word.

@@ -74,7 +74,7 @@ pub struct DrdyPin {
 /// Driver of one converter.
 type Axis = Ads1281<Bus, DrdyPin, Delay>;
 
-/// Brings the board up.
+/// Brings the board up. One sequence, whose order matters and whose every part takes its piece of the chip.
 pub fn start(bins: &'static mut ProofBins) -> (Machine<Attached>, [Axis; 3], PB0<Output>) {
     let mut core = once(cortex_m::Peripherals::take());
     let chip = once(pac::Peripherals::take());

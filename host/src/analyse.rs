@@ -19,7 +19,7 @@ use crate::fit::{likelihood, published, weighted};
 use crate::model::axis::ModelAxis;
 use crate::model::kernel::Kernel;
 use crate::model::{Coefficient, PerCoefficient};
-use crate::navigate::{self, Growth, response::Integral};
+use crate::navigate::{self, Growth, Integration, response::Integral};
 use crate::signal::{Axis, Signal};
 use crate::source::{Source, SourceError};
 use crate::spectrum::{Bin, Estimate, Settings};
@@ -166,25 +166,10 @@ fn analyse_axis(
     );
     let modified = points(Statistic::Modified);
     let design = Design::new(rate_hz, axis.chain.as_ref());
-    let published_taus = options.published_taus.clone();
-    let published_taus = published_taus.unwrap_or_else(|| published::factors(samples));
-    let published_points: Vec<(f64, f64)> = record
-        .nearest(Statistic::Allan, &published_taus)
-        .iter()
-        .map(|one| {
-            (
-                one.m as f64 / rate_hz,
-                one.variance * axis.scale * axis.scale,
-            )
-        })
-        .collect();
     let estimate = Estimate::new(record.cascade(), rate_hz, &Settings::default());
     let weighted = weighted::fit(&modified, rate_hz, &design);
-    let published = published::fit(&published_points);
     let fits = Fits {
-        published: published.map(|squares| {
-            PerCoefficient::from_fn(|one| PublishedValue::of_square(*squares.get(one)))
-        }),
+        published: published_fit(rate_hz, axis.scale, record, options),
         weighted: weighted.map(|fit| fit.coefficients),
         weighted_allowance_percent: weighted.map(|fit| 50.0 * fit.allowance),
         likelihood: likelihood::terms::fit(record.cascade(), &estimate, axis.scale, &design),
@@ -227,6 +212,26 @@ fn spectrum(estimate: &Estimate, units_per_count: f64) -> Vec<SpectrumPoint> {
     estimate.bins.iter().map(point).collect()
 }
 
+/// The published fit of a record whose codes count `scale` each.
+fn published_fit(
+    rate_hz: f64,
+    scale: f64,
+    record: &AxisRecord,
+    options: &AnalysisOptions,
+) -> Option<PerCoefficient<PublishedValue>> {
+    let taus = options.published_taus.clone();
+    let taus = taus.unwrap_or_else(|| published::factors(record.count()));
+    let points: Vec<(f64, f64)> = record
+        .nearest(Statistic::Allan, &taus)
+        .iter()
+        .map(|one| (one.m as f64 / rate_hz, one.variance * scale * scale))
+        .collect();
+    let squares = published::fit(&points)?;
+    Some(PerCoefficient::from_fn(|one| {
+        PublishedValue::of_square(*squares.get(one))
+    }))
+}
+
 /// Times of integration that a navigator asks about, seconds.
 const NAVIGATOR_S: [f64; 5] = [1.0, 10.0, 60.0, 600.0, 3600.0];
 
@@ -255,9 +260,11 @@ fn velocity_error(rate_hz: f64, axis: &Axis, fit: &LikelihoodFit) -> Vec<Growth>
     navigate::growth(
         &model,
         &intervals,
-        Integral::Velocity,
-        rate_hz,
-        navigate::ALIGNMENT_S,
+        Integration {
+            integral: Integral::Velocity,
+            rate_hz,
+            alignment_s: navigate::ALIGNMENT_S,
+        },
         &NAVIGATOR_S,
     )
 }

@@ -2,24 +2,26 @@
 //! captures and live.
 #![cfg(unix)]
 
+#[path = "python_client/later.rs"]
+mod later;
 mod pty;
+#[path = "python_client/troubled.rs"]
+mod troubled;
 
 use std::fmt::Write as _;
-use std::io::{self, Read, Write as _};
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::Arc;
-use std::time::Duration;
 
-use inm_emulator::{Fault, Slip};
-use inm_host::internals::link::{Connect, LinkError, Port};
 use inm_host::internals::source::audit::State;
-use inm_host::internals::source::board::{BoardSource, Plan, Stop};
 use inm_host::internals::source::capture::CaptureSource;
 use inm_host::internals::source::{Block, Chunk, Source, Values};
-use inm_host::internals::virtual_board::{Misfortune, VirtualConnect, Witness};
-use inm_protocol::{Decoder, Hello, MAX_FRAME, Restart, ToHost, encode};
+use inm_host::internals::virtual_board::{VirtualConnect, Witness};
+use inm_protocol::ToHost;
+use later::ConnectLater;
 use pty::PtyBoard;
+use troubled::{Change, changed, troubled};
 
 const SEED: u64 = 21;
 
@@ -211,59 +213,6 @@ fn the_client_records_from_a_port_what_the_host_reads_and_the_converters_sent() 
     }
 }
 
-/// A board whose Y slips a bit and is restarted, as the host records it.
-fn troubled(capture: &Path) {
-    let mut board = VirtualConnect::published(SEED, 0.0);
-    board.faults = vec![
-        (1, 900, Fault::Slip(Slip::Early)),
-        (2, 5000, Fault::DrdyStops),
-    ];
-    let (cause, dark) = (Restart::Watchdog, Duration::ZERO);
-    board.restarts = vec![Misfortune {
-        words: 3000,
-        cause,
-        dark,
-    }];
-    let plan = Plan {
-        samples: Some(12_000),
-        reconnect: Some(Duration::from_secs(60)),
-        ..Plan::default()
-    };
-    let recorded = BoardSource::start(Box::new(board), plan, Some(capture), Stop::default());
-    let mut recorded = recorded.expect("a virtual board starts");
-    while recorded
-        .next_chunk()
-        .expect("the board comes back")
-        .is_some()
-    {}
-}
-
-/// What a capture is made into: some of its frames are left out.
-type Change = fn(&ToHost) -> bool;
-
-/// A copy of a capture with those frames that are kept, and their messages as `edit` leaves them.
-fn changed(capture: &[u8], keeps: Change, edit: fn(&mut ToHost)) -> Vec<u8> {
-    let lines = capture
-        .iter()
-        .enumerate()
-        .filter(|(_, byte)| **byte == b'\n');
-    let (end, _) = lines.take(2).last().expect("two lines");
-    let (header, frames) = capture.split_at(end + 1);
-    let mut copy = header.to_vec();
-    for frame in frames.split_inclusive(|&byte| byte == 0) {
-        let Some(Ok(mut message)) = Decoder::new().next::<ToHost>(&mut &frame[..]) else {
-            continue;
-        };
-        if keeps(&message) {
-            edit(&mut message);
-            let mut out = [0; MAX_FRAME];
-            let len = encode(&message, &mut out).expect("every message has room");
-            copy.extend(&out[..len]);
-        }
-    }
-    copy
-}
-
 /// A slip, a converter that stops and a restart: whole, cut, without its notices, and with frames
 /// missing.
 #[test]
@@ -291,52 +240,6 @@ fn the_client_leaves_out_of_a_troubled_capture_what_the_host_leaves_out() {
         // Each leaves out something else, or the change is none.
         assert!(!seen.contains(&samples), "{name} is as one before it");
         seen.push(samples);
-    }
-}
-
-/// A board of a version to come: to whatever it is asked it says hello, and then something unknown.
-struct Later(Vec<u8>);
-
-impl Read for Later {
-    fn read(&mut self, buf: &mut [u8]) -> io::Result<usize> {
-        if self.0.is_empty() {
-            return Err(io::ErrorKind::TimedOut.into());
-        }
-        let len = self.0.len().min(buf.len());
-        buf[..len].copy_from_slice(&self.0[..len]);
-        self.0.drain(..len);
-        Ok(len)
-    }
-}
-
-impl io::Write for Later {
-    fn write(&mut self, buf: &[u8]) -> io::Result<usize> {
-        let hello = Hello {
-            version: 9,
-            serial: [1, 2, 3],
-            firmware: "9.1.0".try_into().expect("short"),
-            platform: "stm32f405".try_into().expect("short"),
-        };
-        let mut frame = [0; MAX_FRAME];
-        let len = hello.encode(&mut frame).expect("fits");
-        self.0.extend(&frame[..len]);
-        Ok(buf.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
-}
-
-struct ConnectLater;
-
-impl Connect for ConnectLater {
-    fn name(&self) -> String {
-        "later".into()
-    }
-
-    fn open(&mut self) -> Result<Box<dyn Port>, LinkError> {
-        Ok(Box::new(Later(Vec::new())))
     }
 }
 

@@ -77,29 +77,7 @@ impl<R: BufRead> Reader<R> {
                 at: (magic.len() + line.len()) as u64,
             });
         };
-        let bad_header = |source| CaptureError::Header {
-            path: path.to_owned(),
-            source,
-        };
-        // The version first: another version may have another header.
-        let value: serde_json::Value = serde_json::from_slice(json).map_err(bad_header)?;
-        match value.get("protocol").and_then(serde_json::Value::as_u64) {
-            Some(theirs) if !(1..=u64::from(VERSION)).contains(&theirs) => {
-                let theirs = u8::try_from(theirs).unwrap_or(u8::MAX);
-                return Err(CaptureError::Protocol {
-                    path: path.to_owned(),
-                    theirs,
-                });
-            }
-            _ => {}
-        }
-        let header: Header = serde_json::from_value(value).map_err(bad_header)?;
-        header.check().map_err(|impossible| CaptureError::Number {
-            path: path.to_owned(),
-            field: impossible.field,
-            found: impossible.found,
-            expected: impossible.expected,
-        })?;
+        let header = header(json, path)?;
         let header_line = String::from_utf8_lossy(json).into_owned();
         Ok(Self {
             input,
@@ -123,6 +101,34 @@ impl<R: BufRead> Reader<R> {
     pub fn path(&self) -> &Path {
         &self.path
     }
+}
+
+/// The header from its line of JSON; `path` is for messages.
+fn header(json: &[u8], path: &Path) -> Result<Header, CaptureError> {
+    let bad_header = |source| CaptureError::Header {
+        path: path.to_owned(),
+        source,
+    };
+    // The version first: another version may have another header.
+    let value: serde_json::Value = serde_json::from_slice(json).map_err(bad_header)?;
+    match value.get("protocol").and_then(serde_json::Value::as_u64) {
+        Some(theirs) if !(1..=u64::from(VERSION)).contains(&theirs) => {
+            let theirs = u8::try_from(theirs).unwrap_or(u8::MAX);
+            return Err(CaptureError::Protocol {
+                path: path.to_owned(),
+                theirs,
+            });
+        }
+        _ => {}
+    }
+    let header: Header = serde_json::from_value(value).map_err(bad_header)?;
+    header.check().map_err(|impossible| CaptureError::Number {
+        path: path.to_owned(),
+        field: impossible.field,
+        found: impossible.found,
+        expected: impossible.expected,
+    })?;
+    Ok(header)
 }
 
 impl<R: BufRead> Read for Reader<R> {

@@ -73,6 +73,18 @@ pub struct Bare {
     pub slope: f64,
 }
 
+/// Refuses a record that holds too little for any finding.
+fn long_enough(signal: &Axis, measured: &[f64]) -> Result<(), Refused> {
+    let good = measured.iter().filter(|value| value.is_finite()).count();
+    if good < LEAST {
+        return Err(Refused::TooShort {
+            axis: signal.name.clone(),
+            samples: good,
+        });
+    }
+    Ok(())
+}
+
 /// Explains the record of an axis.
 ///
 /// # Errors
@@ -86,13 +98,7 @@ pub fn explain(
 ) -> Result<Explained, Refused> {
     let declared = matches!(record.raw(), Values::Codes(_)).then_some(signal.scale);
     let (measured, mean) = record.centred(signal.scale);
-    let good = measured.iter().filter(|value| value.is_finite()).count();
-    if good < LEAST {
-        return Err(Refused::TooShort {
-            axis: signal.name.clone(),
-            samples: good,
-        });
-    }
+    long_enough(signal, &measured)?;
     let level = level_of_one_test(options);
     let measured = Arc::new(measured);
     let begin_with = |chain: Option<&Chain>| {

@@ -90,18 +90,25 @@ fn diagnose_axes(
     {
         return Err(refused);
     }
-    let residuals: Vec<Vec<f32>> = residuals
-        .into_iter()
-        .map(Spilled::back)
-        .collect::<Result<_, _>>()?;
-    let shared = common_mode::shared(&residuals, signal.rate_hz, level_of_one_test(options));
+    let residuals: Result<Vec<_>, _> = residuals.into_iter().map(Spilled::back).collect();
+    Ok(together(axes, &residuals?, signal.rate_hz, options))
+}
+
+/// The axes with what their `residuals` share.
+fn together(
+    mut axes: Vec<AxisDiagnosis>,
+    residuals: &[Vec<f32>],
+    rate_hz: f64,
+    options: &Options,
+) -> Diagnosed {
+    let shared = common_mode::shared(residuals, rate_hz, level_of_one_test(options));
     for common in &shared.axes {
         axes[common.axis]
             .findings
             .push(common_mode::finding(common));
     }
-    Ok(Diagnosed {
+    Diagnosed {
         axes,
         correlation: shared.correlation,
-    })
+    }
 }

@@ -54,18 +54,15 @@ pub fn render(input: &Input) -> anyhow::Result<String> {
         format!("np.array([{}])", values.join(", "))
     };
     let mut text = String::new();
-    writeln!(
+    write!(
         text,
-        "# {}: noise model for gnss-ins-sim, SI units",
+        "# {}: noise model for gnss-ins-sim, SI units\n\
+         #     imu = imu_model.IMU(accuracy='low-accuracy', axis=6, gps=False)\n\
+         #     imu.{setter}({name})\n\
+         import numpy as np\n\n\
+         {name} = {{\n",
         input.name
     )?;
-    writeln!(
-        text,
-        "#     imu = imu_model.IMU(accuracy='low-accuracy', axis=6, gps=False)"
-    )?;
-    writeln!(text, "#     imu.{setter}({name})")?;
-    writeln!(text, "import numpy as np\n")?;
-    writeln!(text, "{name} = {{")?;
     writeln!(
         text,
         "    # bias, {unit}: left at zero, the mean of a record at rest holds gravity\n    'b': {},",
@@ -87,6 +84,13 @@ pub fn render(input: &Input) -> anyhow::Result<String> {
         row(&|axis| noise[axis])
     )?;
     writeln!(text, "}}")?;
+    accuracy(&mut text, input, &drifts)?;
+    text += &sensor.left_out_comment(input, '#', &["markov"]);
+    Ok(text)
+}
+
+/// How well the drifts stand for what they stand for, in comments.
+fn accuracy(text: &mut String, input: &Input, drifts: &[Drift]) -> std::fmt::Result {
     writeln!(
         text,
         "# The drift stands for B, K and slow Markov noise. Allan deviation of this file against \
@@ -95,27 +99,10 @@ pub fn render(input: &Input) -> anyhow::Result<String> {
         SHORTEST / input.model.rate_hz,
         input.longest_s
     )?;
-    for (axis, drift) in sensor.axes.iter().zip(&drifts) {
+    for (axis, drift) in input.model.axes.iter().zip(drifts) {
         writeln!(text, "#     {}: {:.0} %", axis.name, drift.percent)?;
     }
-    let effects = input.model.axes.iter().flat_map(|axis| &axis.effects);
-    let left_out: Vec<String> = sensor
-        .left_out(&[Coefficient::Q, Coefficient::R])
-        .into_iter()
-        .chain(
-            effects
-                .map(|one| one.kind().name().to_owned())
-                .filter(|name| name != "markov"),
-        )
-        .collect();
-    if !left_out.is_empty() {
-        writeln!(
-            text,
-            "# Not in this file, for want of a place: {}.",
-            left_out.join(", ")
-        )?;
-    }
-    Ok(text)
+    Ok(())
 }
 
 fn python(value: f64) -> String {
@@ -135,12 +122,7 @@ struct Drift {
 
 impl Drift {
     fn new(axis: &ModelAxis, rate_hz: f64, longest_s: f64) -> Self {
-        let mut slow = axis.clone();
-        slow.chain = None;
-        slow.coefficients.q = 0.0;
-        slow.coefficients.r = 0.0;
-        slow.effects
-            .retain(|effect| effect.kind().name() == "markov");
+        let slow = slow(axis);
         let white = White {
             root_density: slow.coefficients.n,
         };
@@ -156,10 +138,6 @@ impl Drift {
             deviation: 0.0,
             time_s: f64::INFINITY,
         };
-        let percent = |parts: &[f64]| {
-            let error = |part: &f64| (part.sqrt() - 1.0).abs();
-            100.0 * parts.iter().map(error).fold(0.0, f64::max)
-        };
         if law.terms().len() <= usize::from(slow.coefficients.n != 0.0) {
             return Self {
                 markov: none,
@@ -174,14 +152,7 @@ impl Drift {
                 time_s: SHORTEST / rate_hz * (f64::from(step) / TRIED_PER_OCTAVE).exp2(),
             };
             let units: Vec<f64> = factors.iter().map(|&m| relative(&unit, m)).collect();
-            // Least squares of white + D unit = 1.
-            let (up, down) = units
-                .iter()
-                .zip(&whites)
-                .fold((0.0, 0.0), |(up, down), (u, w)| {
-                    (up + u * (1.0 - w), down + u * u)
-                });
-            let variance = (up / down).max(0.0);
+            let variance = likeliest(&units, &whites);
             let parts: Vec<f64> = units
                 .iter()
                 .zip(&whites)
@@ -201,4 +172,30 @@ impl Drift {
             percent: best.2,
         }
     }
+}
+
+/// What of an axis the white noise and the drift of the file stand for.
+fn slow(axis: &ModelAxis) -> ModelAxis {
+    let mut slow = axis.clone();
+    slow.chain = None;
+    slow.coefficients.q = 0.0;
+    slow.coefficients.r = 0.0;
+    slow.effects
+        .retain(|effect| effect.kind().name() == "markov");
+    slow
+}
+
+/// The variance `D` of least squares for `white + D unit = 1`, parts of the model's Allan variance.
+fn likeliest(units: &[f64], whites: &[f64]) -> f64 {
+    let pairs = units.iter().zip(whites);
+    let (up, down) = pairs.fold((0.0, 0.0), |(up, down), (u, w)| {
+        (up + u * (1.0 - w), down + u * u)
+    });
+    (up / down).max(0.0)
+}
+
+/// Largest difference of the deviation, percent, where these parts of the variance are there.
+fn percent(parts: &[f64]) -> f64 {
+    let error = |part: &f64| (part.sqrt() - 1.0).abs();
+    100.0 * parts.iter().map(error).fold(0.0, f64::max)
 }

@@ -64,19 +64,7 @@ pub fn render(input: &Input) -> anyhow::Result<String> {
         "    'RandomWalk', {});  % K, ({unit})*sqrt(Hz)",
         row(Coefficient::K)?
     )?;
-    let effects = input.model.axes.iter().flat_map(|axis| &axis.effects);
-    let left_out: Vec<String> = sensor
-        .left_out(&[Coefficient::Q, Coefficient::R])
-        .into_iter()
-        .chain(effects.map(|effect| effect.kind().name().to_owned()))
-        .collect();
-    if !left_out.is_empty() {
-        writeln!(
-            text,
-            "% Not in this file, for want of a place: {}.",
-            left_out.join(", ")
-        )?;
-    }
+    text += &sensor.left_out_comment(input, '%', &[]);
     writeln!(
         text,
         "% ConstantBias is left at zero: the mean of a record at rest holds gravity."

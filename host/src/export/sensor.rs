@@ -102,6 +102,21 @@ impl Sensor {
             .map(|one| format!("{} ({})", one.symbol(), one.name()))
             .collect()
     }
+
+    /// What of `input` has no place in a file that holds N, B, K and the effects `placed`, as a comment after `mark`;
+    /// nothing where all has.
+    pub fn left_out_comment(&self, input: &Input, mark: char, placed: &[&str]) -> String {
+        let effects = input.model.axes.iter().flat_map(|axis| &axis.effects);
+        let effects = effects.map(|one| one.kind().name());
+        let effects = effects.filter(|name| !placed.contains(name));
+        let mut left_out = self.left_out(&[Coefficient::Q, Coefficient::R]);
+        left_out.extend(effects.map(str::to_owned));
+        if left_out.is_empty() {
+            return String::new();
+        }
+        let left_out = left_out.join(", ");
+        format!("{mark} Not in this file, for want of a place: {left_out}.\n")
+    }
 }
 
 /// A number as every one of these languages reads a floating-point number: with point, sign of

@@ -47,36 +47,7 @@ impl ShapingFilter {
         let known = Known::new(axis);
         let coefficients = &axis.coefficients;
         let sections = sections(axis, rate_hz);
-        let (mut stable, mut fast) = (StateSpace::empty(), Vec::<Box<dyn Term>>::new());
-        let white = White {
-            root_density: coefficients.n,
-        };
-        let quantisation = Quantisation {
-            step: coefficients.q,
-        };
-        if axis.chain.is_some() {
-            if coefficients.n != 0.0 {
-                fast.push(Box::new(white));
-            }
-            if coefficients.q != 0.0 {
-                fast.push(Box::new(quantisation));
-            }
-        } else {
-            if coefficients.n != 0.0 {
-                stable = stable.plus(&white_block(white, rate_hz));
-            }
-            if coefficients.q != 0.0 {
-                stable = stable.plus(&quantisation_block(quantisation, rate_hz));
-            }
-        }
-        for markov in &known.markov {
-            if axis.chain.is_some() && markov.time_s * rate_hz < FAST_SAMPLES {
-                fast.push(Box::new(*markov));
-            } else {
-                let name = format!("markov, {:.3e} s", markov.time_s);
-                stable = stable.plus(&markov_block(&name, *markov, rate_hz));
-            }
-        }
+        let (mut stable, fast) = known.parted(axis, rate_hz);
         if !fast.is_empty() {
             stable = stable.plus(&chained(axis, &fast, &sections, rate_hz));
         }
@@ -142,6 +113,42 @@ impl Known {
             known.effects.push(effect.clone());
         }
         known
+    }
+
+    /// White, quantisation and Markov noise: what is made as it is, and what goes through the chain's filter.
+    fn parted(&self, axis: &ModelAxis, rate_hz: f64) -> (StateSpace, Vec<Box<dyn Term>>) {
+        let coefficients = &axis.coefficients;
+        let (mut stable, mut fast) = (StateSpace::empty(), Vec::<Box<dyn Term>>::new());
+        let white = White {
+            root_density: coefficients.n,
+        };
+        let quantisation = Quantisation {
+            step: coefficients.q,
+        };
+        if axis.chain.is_some() {
+            if coefficients.n != 0.0 {
+                fast.push(Box::new(white));
+            }
+            if coefficients.q != 0.0 {
+                fast.push(Box::new(quantisation));
+            }
+        } else {
+            if coefficients.n != 0.0 {
+                stable = stable.plus(&white_block(white, rate_hz));
+            }
+            if coefficients.q != 0.0 {
+                stable = stable.plus(&quantisation_block(quantisation, rate_hz));
+            }
+        }
+        for markov in &self.markov {
+            if axis.chain.is_some() && markov.time_s * rate_hz < FAST_SAMPLES {
+                fast.push(Box::new(*markov));
+            } else {
+                let name = format!("markov, {:.3e} s", markov.time_s);
+                stable = stable.plus(&markov_block(&name, *markov, rate_hz));
+            }
+        }
+        (stable, fast)
     }
 }
 

@@ -60,11 +60,8 @@ pub struct WeightedFit {
 ///
 /// `None` where fewer than five points carry weight, or the curve is zero everywhere.
 pub fn fit(points: &[Point], rate_hz: f64, design: &Design) -> Option<WeightedFit> {
-    let points: Vec<Point> = points
-        .iter()
-        .filter(|point| point.edf >= LEAST_EDF && point.variance > 0.0)
-        .copied()
-        .collect();
+    let count = |point: &&Point| point.edf >= LEAST_EDF && point.variance > 0.0;
+    let points: Vec<Point> = points.iter().filter(count).copied().collect();
     if points.len() < Coefficient::ALL.len() {
         return None;
     }

@@ -94,7 +94,21 @@ impl Snapshot {
             write!(out, " -> {capture}")?;
         }
         writeln!(out, "   {} samples/s", self.rate_hz)?;
+        self.progress(out)?;
+        self.state(out)?;
+        if let Some(proof) = &self.proof {
+            writeln!(out, "{proof}")?;
+        }
+        self.allan(out)?;
+        self.coefficients(out)?;
+        for line in &self.news {
+            writeln!(out, "! {line}")?;
+        }
+        Ok(())
+    }
 
+    /// How far the recording is, in a line.
+    fn progress(&self, out: &mut String) -> std::fmt::Result {
         let elapsed_s = self.samples as f64 / self.rate_hz;
         match self.expected {
             Some(expected) if expected > 0 => {
@@ -117,8 +131,11 @@ impl Snapshot {
         if self.bytes > 0 {
             write!(out, "  {:.1} MB", self.bytes as f64 / 1e6)?;
         }
-        writeln!(out)?;
+        writeln!(out)
+    }
 
+    /// What was lost and how the board is, in a line.
+    fn state(&self, out: &mut String) -> std::fmt::Result {
         let Losses {
             lost_samples,
             gaps,
@@ -142,12 +159,11 @@ impl Snapshot {
                 write!(out, ", converter trouble {trouble} times")?;
             }
         }
-        writeln!(out)?;
+        writeln!(out)
+    }
 
-        if let Some(proof) = &self.proof {
-            writeln!(out, "{proof}")?;
-        }
-
+    /// The Allan table.
+    fn allan(&self, out: &mut String) -> std::fmt::Result {
         if !self.table.is_empty() {
             writeln!(out)?;
             write!(out, "{:>11}", "tau, s")?;
@@ -169,6 +185,11 @@ impl Snapshot {
             }
             writeln!(out)?;
         }
+        Ok(())
+    }
+
+    /// The coefficients, in the columns of the table.
+    fn coefficients(&self, out: &mut String) -> std::fmt::Result {
         for row in &self.noise {
             write!(out, "{:>11}", row.symbol)?;
             for cell in &row.cells {
@@ -184,9 +205,6 @@ impl Snapshot {
                 }
             }
             writeln!(out)?;
-        }
-        for line in &self.news {
-            writeln!(out, "! {line}")?;
         }
         Ok(())
     }

@@ -31,6 +31,7 @@ pub mod marks;
 pub mod motion;
 pub mod once;
 pub mod outliers;
+mod parameter;
 pub mod powerlaw;
 pub mod published;
 pub mod quantisation;

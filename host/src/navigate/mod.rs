@@ -50,8 +50,18 @@ pub struct Growth {
     pub hi: f64,
 }
 
-/// Growth of the error of `integral` over `times_s`, all above zero, after an alignment of
-/// `alignment_s`.
+/// How a signal is integrated.
+#[derive(Debug, Clone, Copy)]
+pub struct Integration {
+    /// Once or twice.
+    pub integral: Integral,
+    /// Samples a second.
+    pub rate_hz: f64,
+    /// The alignment before the start, seconds.
+    pub alignment_s: f64,
+}
+
+/// Growth of the error of an integral over `times_s`, all above zero.
 ///
 /// `intervals` are the 95 % intervals of the magnitudes of the coefficients; they are taken for
 /// independent. The ramp is added in squares, as an error of unknown sign; other drifts of
@@ -59,19 +69,15 @@ pub struct Growth {
 pub fn growth(
     axis: &ModelAxis,
     intervals: &PerCoefficient<(f64, f64)>,
-    integral: Integral,
-    rate_hz: f64,
-    alignment_s: f64,
+    integration: Integration,
     times_s: &[f64],
 ) -> Vec<Growth> {
+    let Integration {
+        integral, rate_hz, ..
+    } = integration;
     // Variances are linear in the squares of the coefficients: one law for each, and the effects.
     let with = |coefficients, effects: &dyn Fn(&Part) -> bool| {
-        let mut axis = ModelAxis {
-            coefficients,
-            ..axis.clone()
-        };
-        axis.effects.retain(|effect| effects(&effect.part()));
-        axis.law(rate_hz)
+        part_of(axis, coefficients, effects).law(rate_hz)
     };
     let laws = PerCoefficient::from_fn(|coefficient| {
         let unit = PerCoefficient::from_fn(|one| f64::from(u8::from(one == coefficient)));
@@ -85,7 +91,7 @@ pub fn growth(
     let at = |&t_s: &f64| {
         let weights = Weights {
             integral,
-            c: samples(alignment_s),
+            c: samples(integration.alignment_s),
             n: samples(t_s),
         };
         let density = |f_hz: f64| linear(&effects, f_hz) + whole.density_added(f_hz);
@@ -117,6 +123,20 @@ pub fn growth(
         }
     };
     times_s.iter().map(at).collect()
+}
+
+/// An axis with these coefficients and, of its effects, those for which `keeps` says so.
+fn part_of(
+    axis: &ModelAxis,
+    coefficients: PerCoefficient<f64>,
+    keeps: &dyn Fn(&Part) -> bool,
+) -> ModelAxis {
+    let mut axis = ModelAxis {
+        coefficients,
+        ..axis.clone()
+    };
+    axis.effects.retain(|effect| keeps(&effect.part()));
+    axis
 }
 
 /// Seconds of the signal's integral in one sum of the weights.
@@ -175,6 +195,14 @@ mod tests {
     use crate::model::whole::Model;
     use crate::simulate::source::Simulation;
 
+    fn of(integral: Integral, rate_hz: f64, alignment_s: f64) -> Integration {
+        Integration {
+            integral,
+            rate_hz,
+            alignment_s,
+        }
+    }
+
     fn points(axis: &ModelAxis) -> PerCoefficient<(f64, f64)> {
         PerCoefficient::from_fn(|one| {
             let value = axis.coefficients.get(one).abs();
@@ -215,7 +243,7 @@ mod tests {
         ];
         let times_s = [0.5, 3.0, 60.0, 1000.0];
         for (axis, integral, closed) in cases {
-            let found = growth(axis, &points(axis), integral, 200.0, 60.0, &times_s);
+            let found = growth(axis, &points(axis), of(integral, 200.0, 60.0), &times_s);
             for one in found {
                 let expected = closed(one.t_s, 60.0).sqrt();
                 let relative = one.sigma / expected - 1.0;
@@ -268,7 +296,7 @@ mod tests {
             .into_iter()
             .zip(squares)
         {
-            let predicted = growth(axis, &points(axis), integral, 100.0, 4.0, &[10.0])[0];
+            let predicted = growth(axis, &points(axis), of(integral, 100.0, 4.0), &[10.0])[0];
             // Five sigma of a mean square of independent Gaussian numbers.
             let tolerance = 5.0 * (2.0 / RECORDS as f64).sqrt();
             let ratio = square / predicted.sigma.powi(2);
@@ -289,7 +317,12 @@ mod tests {
             n: (1.0, 3.0),
             ..PerCoefficient::default()
         };
-        let one = growth(&axis, &intervals, Integral::Velocity, 100.0, 10.0, &[10.0])[0];
+        let one = growth(
+            &axis,
+            &intervals,
+            of(Integral::Velocity, 100.0, 10.0),
+            &[10.0],
+        )[0];
         assert!((one.lo / one.sigma - 0.5).abs() < 1e-12);
         assert!((one.hi / one.sigma - 1.5).abs() < 1e-12);
     }

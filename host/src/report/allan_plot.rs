@@ -96,8 +96,10 @@ pub fn panel(
         theme,
         LAYOUT,
         titles,
-        |pixels| Scale::log(tau_s, pixels),
-        |pixels| Scale::log(deviation, pixels),
+        (
+            |pixels| Scale::log(tau_s, pixels),
+            |pixels| Scale::log(deviation, pixels),
+        ),
     );
     terms(&mut frame, axis);
     measured(&mut frame, axis);

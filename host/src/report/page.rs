@@ -6,7 +6,7 @@ use std::fmt::{Result, Write};
 use super::number::{duration, grouped, plain, significant};
 use super::svg::escape;
 use super::text::{rate_words, unusable_words};
-use crate::analyse::SourceSummary;
+use crate::analyse::{GapSummary, SourceSummary};
 
 const STYLE: &str = include_str!("page.css");
 
@@ -90,27 +90,7 @@ pub fn source(page: &mut String, source: &SourceSummary) -> Result {
     }
     if !gaps.is_empty() {
         timeline(page, source)?;
-        write!(
-            page,
-            "<details><summary>All gaps</summary><div class=\"scroll\"><table><tr><th>at, s</th>\
-             <th>samples</th><th>length, s</th><th class=\"words\">cause</th></tr>"
-        )?;
-        for gap in gaps.iter().take(MOST_GAPS) {
-            write!(
-                page,
-                "<tr><td>{}</td><td>{}</td><td>{}</td><td class=\"words\">{}</td></tr>",
-                significant(gap.from_s, 7),
-                gap.samples.map_or("unknown".into(), grouped),
-                gap.duration_s
-                    .map_or("unknown".into(), |length| significant(length, 4)),
-                escape(&gap.cause)
-            )?;
-        }
-        write!(page, "</table></div>")?;
-        if gaps.len() > MOST_GAPS {
-            write!(page, "<p>and {} more</p>", gaps.len() - MOST_GAPS)?;
-        }
-        write!(page, "</details>")?;
+        gap_table(page, gaps)?;
     }
     if !news.is_empty() {
         write!(
@@ -124,6 +104,31 @@ pub fn source(page: &mut String, source: &SourceSummary) -> Result {
         write!(page, "</ul></details>")?;
     }
     write!(page, "</section>")
+}
+
+/// The gaps one by one, folded away.
+fn gap_table(page: &mut String, gaps: &[GapSummary]) -> Result {
+    write!(
+        page,
+        "<details><summary>All gaps</summary><div class=\"scroll\"><table><tr><th>at, s</th>\
+             <th>samples</th><th>length, s</th><th class=\"words\">cause</th></tr>"
+    )?;
+    for gap in gaps.iter().take(MOST_GAPS) {
+        write!(
+            page,
+            "<tr><td>{}</td><td>{}</td><td>{}</td><td class=\"words\">{}</td></tr>",
+            significant(gap.from_s, 7),
+            gap.samples.map_or("unknown".into(), grouped),
+            gap.duration_s
+                .map_or("unknown".into(), |length| significant(length, 4)),
+            escape(&gap.cause)
+        )?;
+    }
+    write!(page, "</table></div>")?;
+    if gaps.len() > MOST_GAPS {
+        write!(page, "<p>and {} more</p>", gaps.len() - MOST_GAPS)?;
+    }
+    write!(page, "</details>")
 }
 
 /// The record as a bar, with its gaps.

@@ -86,8 +86,10 @@ pub fn panel(
         theme,
         LAYOUT,
         titles,
-        |pixels| Scale::log(f_hz, pixels),
-        |pixels| Scale::log(density, pixels),
+        (
+            |pixels| Scale::log(f_hz, pixels),
+            |pixels| Scale::log(density, pixels),
+        ),
     );
     let spots = spots(axis);
     terms(&mut frame, axis);

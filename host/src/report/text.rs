@@ -161,26 +161,7 @@ fn coefficients(text: &mut String, axis: &AxisAnalysis) -> std::fmt::Result {
         "", "likelihood", "95 % interval", "weighted", "published", "unit"
     )?;
     for coefficient in Coefficient::ALL.into_iter().rev() {
-        let value = likelihood
-            .as_ref()
-            .map(|fit| fit.coefficients.get(coefficient));
-        let published = axis.fits.published.as_ref().map(|fit| fit.get(coefficient));
-        let number = |value: Option<f64>| value.map_or("-".into(), |value| significant(value, 4));
-        let remark = value
-            .zip(published)
-            .and_then(|(value, published)| verdict::published(published, value));
-        let line = format!(
-            "  {} {:<20} {:>11} {:>23} {:>11} {:>13}  {:<width$}  {}{}",
-            coefficient.symbol(),
-            coefficient.name(),
-            number(value.and_then(|value| value.value)),
-            value.map_or("-".into(), interval),
-            number(weighted.as_ref().and_then(|fit| fit.get(coefficient).value)),
-            published.map_or("-".into(), published_value),
-            coefficient.unit(axis.unit),
-            value.map_or(String::new(), verdict::sentence),
-            remark.map_or(String::new(), |remark| format!(" ({remark})")),
-        );
+        let line = coefficient_line(axis, coefficient, width);
         writeln!(text, "{}", line.trim_end())?;
     }
     let tied = likelihood.as_ref().and_then(verdict::tied);
@@ -200,6 +181,31 @@ fn coefficients(text: &mut String, axis: &AxisAnalysis) -> std::fmt::Result {
         writeln!(text, "  {note}")?;
     }
     Ok(())
+}
+
+/// A coefficient by each of the fits, with a sentence; its unit takes `width` characters.
+fn coefficient_line(axis: &AxisAnalysis, coefficient: Coefficient, width: usize) -> String {
+    let (likelihood, weighted) = (&axis.fits.likelihood, &axis.fits.weighted);
+    let value = likelihood
+        .as_ref()
+        .map(|fit| fit.coefficients.get(coefficient));
+    let published = axis.fits.published.as_ref().map(|fit| fit.get(coefficient));
+    let number = |value: Option<f64>| value.map_or("-".into(), |value| significant(value, 4));
+    let remark = value
+        .zip(published)
+        .and_then(|(value, published)| verdict::published(published, value));
+    format!(
+        "  {} {:<20} {:>11} {:>23} {:>11} {:>13}  {:<width$}  {}{}",
+        coefficient.symbol(),
+        coefficient.name(),
+        number(value.and_then(|value| value.value)),
+        value.map_or("-".into(), interval),
+        number(weighted.as_ref().and_then(|fit| fit.get(coefficient).value)),
+        published.map_or("-".into(), published_value),
+        coefficient.unit(axis.unit),
+        value.map_or(String::new(), verdict::sentence),
+        remark.map_or(String::new(), |remark| format!(" ({remark})")),
+    )
 }
 
 fn interval(value: &LikelihoodValue) -> String {

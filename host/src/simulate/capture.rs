@@ -12,7 +12,7 @@ use jiff::Timestamp;
 
 use super::source::Simulation;
 use crate::capture::{Header, RegistersOf, Writer};
-use crate::signal::Unit;
+use crate::signal::{Signal, Unit};
 use crate::source::Source;
 
 /// Clock of an ADS1281, hertz.
@@ -61,6 +61,25 @@ pub fn write_capture(simulation: &mut Simulation, path: &Path) -> anyhow::Result
 /// What the capture says of itself.
 fn header(simulation: &Simulation) -> anyhow::Result<Header> {
     let signal = simulation.signal();
+    let identity = identity(converter_rate(signal)?, signal);
+    let created = Timestamp::now().to_string();
+    let mut header = Header::new(
+        &identity,
+        ([[0; REGISTERS]; AXES], RegistersOf::BeforeTheStart),
+        created,
+    );
+    for (axis, described) in header.axes.iter_mut().zip(&signal.axes) {
+        axis.name.clone_from(&described.name);
+        axis.chain = described
+            .chain
+            .as_ref()
+            .map_or(String::new(), ToString::to_string);
+    }
+    Ok(header)
+}
+
+/// The converter's rate that a signal has, where a capture can hold it.
+fn converter_rate(signal: &Signal) -> anyhow::Result<Rate> {
     anyhow::ensure!(
         signal.axes.len() == AXES,
         "a capture has {AXES} axes, the model has {}; write .npy or .csv instead",
@@ -80,13 +99,17 @@ fn header(simulation: &Simulation) -> anyhow::Result<Header> {
     let rate = Rate::ALL
         .into_iter()
         .find(|rate| f64::from(rate.hz()) == signal.rate_hz);
-    let Some(rate) = rate else {
-        anyhow::bail!(
+    rate.ok_or_else(|| {
+        anyhow::anyhow!(
             "the converter has no rate of {}/s; --rate 250, 500, 1000, 2000 or 4000, or write \
              .npy or .csv instead",
             signal.rate_hz
-        );
-    };
+        )
+    })
+}
+
+/// The board that would have sent the signal.
+fn identity(rate: Rate, signal: &Signal) -> Identity {
     let phase = signal.axes[0]
         .chain
         .as_ref()
@@ -94,7 +117,7 @@ fn header(simulation: &Simulation) -> anyhow::Result<Header> {
         .unwrap_or(Phase::Linear);
     let board = describe("simulation");
     let text = |text: &str| text.try_into().unwrap_or_default();
-    let identity = Identity {
+    Identity {
         serial: board.serial,
         firmware: text(env!("CARGO_PKG_VERSION")),
         platform: text(board.platform),
@@ -113,21 +136,7 @@ fn header(simulation: &Simulation) -> anyhow::Result<Header> {
             },
         },
         restart: board.restart,
-    };
-    let created = Timestamp::now().to_string();
-    let mut header = Header::new(
-        &identity,
-        ([[0; REGISTERS]; AXES], RegistersOf::BeforeTheStart),
-        created,
-    );
-    for (axis, described) in header.axes.iter_mut().zip(&signal.axes) {
-        axis.name.clone_from(&described.name);
-        axis.chain = described
-            .chain
-            .as_ref()
-            .map_or(String::new(), ToString::to_string);
     }
-    Ok(header)
 }
 
 /// Conversions on their way into frames.

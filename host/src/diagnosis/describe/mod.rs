@@ -17,7 +17,7 @@ use crate::diagnosis::held_out::size::Sizes;
 use crate::diagnosis::options::Options;
 use crate::diagnosis::record::residual::Residual;
 use crate::diagnosis::refused::Refused;
-use crate::diagnosis::result::finding::{AxisDiagnosis, Base, Final, Finding, Gain};
+use crate::diagnosis::result::finding::{AxisDiagnosis, Base, Final, Finding, Gain, Remark};
 use crate::diagnosis::result::verdict::Verdict;
 use crate::diagnosis::result::views::Views;
 use crate::diagnosis::views::{self, Models};
@@ -55,10 +55,7 @@ pub(crate) fn describe(
     };
     let base = judge.judged(&Snapshot::default(), &bare.fit, bare.slope);
     let last_ramp = last_ramp(&axis);
-    // What has no name is a law too.
-    let mut now = Snapshot::of(axis.explanations());
-    now.laws.clone_from(&axis.laws);
-    let noise = judge.judged(&now, &axis.fit, slope(last_ramp));
+    let noise = judge.judged(&explained_now(&axis), &axis.fit, slope(last_ramp));
     let findings = judge.findings(held_out_nats, &noise.model);
     let last = last(&axis, &noise, last_ramp, &findings, squares_sd);
     let models = Models {
@@ -69,15 +66,10 @@ pub(crate) fn describe(
     let allan = views::allan(&axis, models, &findings);
     let verdict = Verdict::new(&allan);
     let unnamed = unnamed.map(|p_value| without_name(p_value, &noise.model, axis.rate_hz, &allan));
+    let covariate = options.covariate.as_deref();
     let views = bare.before.map(|before| Views {
         held_out: judge.held.beside(&base.expected, &noise.expected),
-        ..Views::new(
-            &axis,
-            before,
-            (models, allan),
-            &findings,
-            options.covariate.as_deref(),
-        )
+        ..Views::new(&axis, before, (models, allan), &findings, covariate)
     });
     let filled_samples = axis.filled_samples();
     let passed = passed(&axis);
@@ -85,12 +77,7 @@ pub(crate) fn describe(
     let diagnosis = AxisDiagnosis {
         name: signal.name.clone(),
         unit: signal.unit,
-        base: Base {
-            model: base.model,
-            discrepancies: bare.discrepancies,
-            allan_error_percent: base.error_percent,
-            allan_error_sampling_percent: base.sampling_percent,
-        },
+        base: described_base(base, bare.discrepancies),
         refused: None,
         recognised_chain: recognised,
         filled_samples,
@@ -102,6 +89,23 @@ pub(crate) fn describe(
         views: views.unwrap_or_default(),
     };
     (diagnosis, residual)
+}
+
+/// All that explains an axis; what has no name is a law too.
+fn explained_now(axis: &AxisState) -> Snapshot {
+    let mut now = Snapshot::of(axis.explanations());
+    now.laws.clone_from(&axis.laws);
+    now
+}
+
+/// The five terms alone, and where they fail.
+fn described_base(base: Judged, discrepancies: Vec<Remark>) -> Base {
+    Base {
+        model: base.model,
+        discrepancies,
+        allan_error_percent: base.error_percent,
+        allan_error_sampling_percent: base.sampling_percent,
+    }
 }
 
 /// What there is to say of an axis that cannot be diagnosed, beside others that can.

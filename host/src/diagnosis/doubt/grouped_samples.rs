@@ -57,7 +57,7 @@ fn hear(hearing: &mut Hearing<'_>) -> Result<(), NoFit> {
 mod tests {
     use super::*;
     use crate::diagnosis::axis::AxisState;
-    use crate::diagnosis::trial::{LEVEL, RATE_HZ, axis, short};
+    use crate::diagnosis::trial::{LEVEL, RATE_HZ, axis, excluded, short};
 
     const SEED: u64 = 1;
 
@@ -102,5 +102,24 @@ mod tests {
         assert_eq!(heard(&mut pairs, false), [], "seed {SEED}");
         // By themselves.
         assert_eq!(heard(&mut values(0.0), true), [], "seed {SEED}");
+    }
+
+    #[test]
+    fn groups_where_an_excluded_band_is_loud_are_its_own() {
+        // A tone of 200 Hz, switched on for 400 samples about each of the places.
+        let loud = |n: usize| APART.iter().any(|place| n.abs_diff(*place) < 200);
+        let tone = |n: usize| 2.0 * (std::f64::consts::TAU * 0.2 * n as f64).cos();
+        let large = |n: usize| APART.iter().any(|place| n == *place || n == *place + 20);
+        let mut tones = axis(SEED, short(SEED), |n, noise| {
+            noise + if loud(n) { tone(n) } else { 0.0 } + if large(n) { 14.0 } else { 0.0 }
+        });
+        assert_eq!(
+            heard(&mut tones, true).len(),
+            1,
+            "seed {SEED}: not excluded"
+        );
+        tones.exclude(excluded(180.0, 220.0));
+        tones.refresh().expect("a fit");
+        assert_eq!(heard(&mut tones, true), [], "seed {SEED}");
     }
 }

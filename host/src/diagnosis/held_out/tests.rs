@@ -1,14 +1,23 @@
 //! Each way of holding data out: what is there gains, and what is not there gains nothing. That of
 //! stretches is tested with their detector.
 
+use super::allan::HeldCurve;
 use super::laws::Ordinates;
+use super::size::Sizes;
 use super::*;
-use crate::diagnosis::explanation::Change;
+use crate::diagnosis::explanation::{Change, Snapshot};
+use crate::diagnosis::record::wave::Wave;
+use crate::diagnosis::result::estimate::Estimate;
+use crate::diagnosis::result::value::Value;
 use crate::diagnosis::statistic::matched_filter::{Impulse, Transformer, held_out_gain};
 use crate::diagnosis::trial::{
-    RATE_HZ, axis, law, line, long, made_up, numbers, ringing, short, take_in,
+    NOTHING, RATE_HZ, axis, law, line, long, made_up, numbers, ringing, short, take_in,
 };
-use crate::model::{burst, markov, resonance, sinusoid};
+use crate::model::PerCoefficient;
+use crate::model::axis::ModelAxis;
+use crate::model::shock::{self, Shock};
+use crate::model::{burst, markov, resonance, sinusoid, steps};
+use crate::signal::Unit;
 
 fn plain(seed: u64) -> AxisState {
     axis(seed, short(seed), |_, noise| noise)
@@ -93,4 +102,67 @@ fn a_mask_changes_nothing_that_a_likelihood_sees() {
     take_in(&mut axis, sinusoid::KIND, line(50.0, 0.1).into());
     let nothing = [0, 1].map(|place| axis.explanations()[place].changes_nothing());
     assert_eq!(nothing, [true, false], "seed 3");
+}
+
+/// How much the only explanation of an axis changes white noise of deviation 1, percent.
+fn change_percent(axis: &AxisState) -> Option<f64> {
+    let noise = ModelAxis {
+        name: "X".into(),
+        unit: Unit::default(),
+        mean: 0.0,
+        chain: None,
+        coefficients: PerCoefficient {
+            n: RATE_HZ.sqrt().recip(),
+            ..PerCoefficient::default()
+        },
+        effects: Vec::new(),
+    };
+    let held = HeldCurve::new(axis);
+    let last = Snapshot::of(axis.explanations());
+    Sizes::new(axis, &held, &noise, &last).change_percent(&axis.explanations()[0])
+}
+
+#[test]
+fn a_burst_changes_the_power_of_the_whole_record() {
+    let mut axis = plain(7);
+    let mut one = made_up(burst::KIND, Change::Mask(vec![1000..3000]));
+    one.effect = Estimate::new(burst::KIND, [1.0, 3.0, 4.0].map(Value::exact));
+    axis.accept(one).expect("a fit");
+    // Two seconds of sixteen times the power.
+    let more = 2.0 * 15.0 * RATE_HZ / axis.residual.len() as f64;
+    let expected = 100.0 * ((1.0 + more).sqrt() - 1.0);
+    let change = change_percent(&axis).expect("a change");
+    assert!(
+        (change / expected - 1.0).abs() < 1e-9,
+        "seed 7: {change} of {expected}"
+    );
+}
+
+#[test]
+fn what_no_model_of_noise_and_waveforms_holds_has_no_size() {
+    let mut axis = plain(8);
+    take_in(&mut axis, steps::KIND, NOTHING);
+    assert_eq!(change_percent(&axis), None, "seed 8");
+}
+
+#[test]
+fn what_happened_changes_the_record_though_no_fit_looks_at_it() {
+    let row = [5.0, 1e3, 0.1, 0.0, 0.0];
+    let wave = Wave::Shocks {
+        shocks: vec![Shock::of(&row)],
+        rate_hz: RATE_HZ,
+    };
+    let mut axis = plain(9);
+    let mut one = made_up(
+        shock::KIND,
+        Change::Happened {
+            masked: vec![5000..5100],
+            waves: vec![wave],
+        },
+    );
+    one.effect = Estimate::new(shock::KIND, row.map(Value::exact));
+    axis.accept(one).expect("a fit");
+    // A bump of a thousand deviations in a hundred of some 20 000 samples.
+    let change = change_percent(&axis).expect("a change");
+    assert!(change > 1e3, "seed 9: {change} %");
 }

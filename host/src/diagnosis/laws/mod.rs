@@ -8,6 +8,7 @@ pub mod gain;
 pub mod rise;
 pub mod search;
 pub mod spread;
+mod starts;
 
 use crate::diagnosis::record::bins::SpectralBins;
 use crate::fit::likelihood::{Data, Fit, maximise};

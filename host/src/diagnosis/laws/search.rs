@@ -1,17 +1,14 @@
 //! The values of laws that fit best.
 
-use rayon::prelude::*;
-
 use crate::diagnosis::laws::rise::Rise;
 use crate::diagnosis::laws::{Law, component_of, component_through, components, passed};
 use crate::diagnosis::record::bins::SpectralBins;
 use crate::diagnosis::statistic::p_value;
 use crate::fit::likelihood::scoring::{Range, greatest_beside, maximise_beside};
 use crate::fit::likelihood::{Data, Fit};
-use crate::model::catalogue::CATALOGUE;
-use crate::model::effect::Band;
 use crate::model::kind::Kind;
-use crate::numeric::mixture::add_mixture;
+
+pub use crate::diagnosis::laws::starts::{Fitted, Starts};
 
 /// Smallest step in the logarithm of a shape: a choice, 0.2 %.
 const FINEST: f64 = 2e-3;
@@ -22,9 +19,6 @@ const WORTH: f64 = 1e-3;
 /// Gain in log-likelihood at the best start below which nothing significant is near: at one place
 /// noise gains as much in a few of 100 records.
 const PROMISING: f64 = 2.0;
-
-/// Starts that are fitted, of those whose first rise is known: a choice, for each costs a fit.
-const TRIED: usize = 16;
 
 /// Components of some laws and the best squares for them.
 struct Standing {
@@ -112,101 +106,6 @@ fn moved(
     })
 }
 
-/// Where searches begin: every law of the catalogue at its starting values. Made once for a bins.
-pub struct Starts {
-    starts: Vec<Start>,
-}
-
-struct Start {
-    law: Law,
-    /// Its own component, where it adds one.
-    component: Option<Vec<f64>>,
-}
-
-impl Starts {
-    /// For the bins of a bins; `None` if it has none.
-    pub fn new(bins: &SpectralBins) -> Option<Self> {
-        let all = bins.all();
-        let band = Band {
-            from_hz: all.first()?.f_hz,
-            to_hz: all.last()?.f_hz,
-        };
-        let laws = CATALOGUE.iter().flat_map(|&effect| {
-            let values = effect.starts(&band);
-            values.into_iter().map(move |values| Law { effect, values })
-        });
-        let laws: Vec<Law> = laws.collect();
-        let starts = laws
-            .into_par_iter()
-            .map(|law| Start {
-                component: component_through(bins, &law, |_| 1.0),
-                law,
-            })
-            .collect();
-        Some(Self { starts })
-    }
-}
-
-impl Starts {
-    /// The least of each value of an effect.
-    fn lowest(&self, effect: Kind) -> Vec<f64> {
-        let own = self.starts.iter();
-        own.filter(|start| start.law.effect == effect)
-            .map(|start| start.law.values.clone())
-            .reduce(|a, b| a.iter().zip(&b).map(|(a, b)| a.min(*b)).collect())
-            .unwrap_or_default()
-    }
-
-    /// What each of an effect's starts changes in the expectation of a fit with `laws`.
-    fn directions(
-        &self,
-        bins: &SpectralBins,
-        laws: &[Law],
-        base: &Fit,
-        effect: Kind,
-    ) -> impl Iterator<Item = Vec<f64>> {
-        let own = self.starts.iter();
-        own.filter(move |start| start.law.effect == effect)
-            .map(move |start| match &start.component {
-                Some(component) => component.clone(),
-                None => {
-                    let mut all = laws.to_vec();
-                    all.push(start.law.clone());
-                    let mut change: Vec<f64> = base.expected.iter().map(|e| -e).collect();
-                    add_mixture(&mut change, &components(bins, &all), &base.squared);
-                    change
-                }
-            })
-    }
-
-    /// Those of an effect from which the likelihood rises most at first, together with `present`, with the
-    /// fit `base`; all of them where that says little, as behind a filter.
-    fn promising(
-        &self,
-        data: &Data,
-        base: &Fit,
-        present: &[Vec<f64>],
-        effect: Kind,
-        unfiltered: bool,
-    ) -> Vec<&Start> {
-        let own = self.starts.iter();
-        let mut own: Vec<&Start> = own.filter(|start| start.law.effect == effect).collect();
-        // Of a filter no first rise is known.
-        let adds = own.iter().all(|start| start.component.is_some());
-        if !unfiltered || !adds || own.len() <= TRIED {
-            return own;
-        }
-        let Some(rise) = Rise::new(data, base, present) else {
-            return own;
-        };
-        let rise = |start: &Start| start.component.as_ref().map_or(0.0, |one| rise.of(one));
-        let mut rises: Vec<(f64, &Start)> = own.drain(..).map(|one| (rise(one), one)).collect();
-        rises.sort_by(|a, b| b.0.total_cmp(&a.0));
-        rises.truncate(TRIED);
-        rises.into_iter().map(|(_, one)| one).collect()
-    }
-}
-
 /// A law that was found, together with others.
 pub struct Found {
     /// The law with the values that fit best, size 1.
@@ -217,19 +116,6 @@ pub struct Found {
     pub nats: f64,
     /// Probability of as large a gain where it is absent.
     pub p_value: f64,
-}
-
-/// A spectrum with the laws that were fitted to it.
-#[derive(Clone, Copy)]
-pub struct Fitted<'a> {
-    /// Its bins.
-    pub bins: &'a SpectralBins,
-    /// What was measured in them.
-    pub data: &'a Data,
-    /// Laws beyond the five terms.
-    pub laws: &'a [Law],
-    /// Fit of all.
-    pub fit: &'a Fit,
 }
 
 /// The best values of a kind of law beside those that are there.
@@ -280,9 +166,9 @@ fn best_start<'a>(
         laws,
         fit: base,
     } = present;
-    let unfiltered = laws.iter().all(Law::adds);
+    let unfiltered = present.is_unfiltered();
     let mut best: Option<(f64, &Law)> = None;
-    for start in starts.promising(data, base, components, kind, unfiltered) {
+    for start in starts.promising(present, components, kind) {
         let all = match &start.component {
             Some(own) if unfiltered => [components, std::slice::from_ref(own)].concat(),
             _ => {

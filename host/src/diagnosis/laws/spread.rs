@@ -47,21 +47,7 @@ impl<'a> Spread<'a> {
                 })
             })
             .collect();
-        let size = places.len();
-        let curvature = DMatrix::from_fn(size, size, |i, j| {
-            if i > j {
-                return 0.0;
-            }
-            let (a, b) = (steps[i], steps[j]);
-            if i == j {
-                (fall(&[(i, a)]) + fall(&[(i, -a)])) / (a * a)
-            } else {
-                let same = fall(&[(i, a), (j, b)]) + fall(&[(i, -a), (j, -b)]);
-                let other = fall(&[(i, a), (j, -b)]) + fall(&[(i, -a), (j, b)]);
-                (same - other) / (4.0 * a * b)
-            }
-        });
-        let curvature = DMatrix::from_fn(size, size, |i, j| curvature[(i.min(j), i.max(j))]);
+        let curvature = curvature(&steps, fall);
         let moved: Vec<_> = steps
             .iter()
             .enumerate()
@@ -141,6 +127,25 @@ impl<'a> Spread<'a> {
             })
             .collect()
     }
+}
+
+/// Second differences of the log-likelihood, which falls by `fall` where shapes take these steps.
+fn curvature(steps: &[f64], fall: impl Fn(&[(usize, f64)]) -> f64) -> DMatrix<f64> {
+    let size = steps.len();
+    let curvature = DMatrix::from_fn(size, size, |i, j| {
+        if i > j {
+            return 0.0;
+        }
+        let (a, b) = (steps[i], steps[j]);
+        if i == j {
+            (fall(&[(i, a)]) + fall(&[(i, -a)])) / (a * a)
+        } else {
+            let same = fall(&[(i, a), (j, b)]) + fall(&[(i, -a), (j, -b)]);
+            let other = fall(&[(i, a), (j, -b)]) + fall(&[(i, -a), (j, b)]);
+            (same - other) / (4.0 * a * b)
+        }
+    });
+    DMatrix::from_fn(size, size, |i, j| curvature[(i.min(j), i.max(j))])
 }
 
 /// Step at which the likelihood has lost about half a nat, by its `loss`.

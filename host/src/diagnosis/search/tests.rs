@@ -5,6 +5,8 @@ use std::sync::Mutex;
 use super::*;
 use crate::diagnosis::detect::look::Lesson;
 use crate::diagnosis::explanation::Change;
+use crate::diagnosis::result::estimate::Estimate;
+use crate::diagnosis::result::value::Value;
 use crate::diagnosis::trial::{
     LEVEL, axis, excluded, jump, kinds, law, line, made_up, short, spike, take_in,
 };
@@ -83,6 +85,27 @@ const GREEDY: Detector = Detector {
         Ok(explain(burst::KIND, Change::Mask(vec![all])))
     },
 };
+
+/// A step that is higher than any value, once.
+const BOUNDLESS: Detector = Detector {
+    tests: 0,
+    look: |look| {
+        let mut high = made_up(steps::KIND, jump(5000, 0.1).into());
+        high.effect = Estimate::new(steps::KIND, [1.0, 1e6].map(Value::exact));
+        let is_new = !look.axis.has(steps::KIND);
+        let proposal = is_new.then(|| Proposal::Explain(Box::new(high)));
+        Ok(proposal.into_iter().collect())
+    },
+};
+
+#[test]
+fn what_the_record_has_no_room_for_is_not_taken_in() {
+    let mut axis = noise(9);
+    let (done, told) = search(&mut axis, &[], &[], &[&BOUNDLESS, &PATIENT]);
+    assert_eq!(told, [sinusoid::KIND], "seed 9");
+    assert_eq!(kinds(&axis), told, "seed 9");
+    assert!(done.is_ok(), "seed 9");
+}
 
 #[test]
 fn a_round_ends_with_the_first_change() {

@@ -15,7 +15,7 @@ use crate::diagnosis::result::views::VelocityError;
 use crate::diagnosis::views::Models;
 use crate::model::PerCoefficient;
 use crate::model::axis::ModelAxis;
-use crate::navigate::{self, ALIGNMENT_S, response::Integral};
+use crate::navigate::{self, ALIGNMENT_S, Integration, response::Integral};
 
 /// Times of integration, seconds; those that fit into a block: choices, decades and minutes.
 const TIMES_S: [f64; 6] = [0.1, 1.0, 10.0, 60.0, 300.0, 600.0];
@@ -89,19 +89,16 @@ fn predict(model: &ModelAxis, windows: &[&Window]) -> Vec<f64> {
         return Vec::new();
     };
     let rate_hz = first.rate_hz;
-    let alignment_s = first.aligned as f64 / rate_hz;
     let times_s = windows
         .iter()
         .map(|window| window.integrated as f64 / rate_hz);
     let times_s: Vec<f64> = times_s.collect();
-    let growth = navigate::growth(
-        model,
-        &known,
-        Integral::Velocity,
+    let integration = Integration {
+        integral: Integral::Velocity,
         rate_hz,
-        alignment_s,
-        &times_s,
-    );
+        alignment_s: first.aligned as f64 / rate_hz,
+    };
+    let growth = navigate::growth(model, &known, integration, &times_s);
     growth.into_iter().map(|one| one.sigma).collect()
 }
 

@@ -41,8 +41,10 @@ pub fn panel(axis: &AxisDiagnosis, id: &str, theme: &Theme) -> String {
         theme,
         WITH_STRIP,
         titles,
-        |pixels| Scale::log(tau_s, pixels),
-        |pixels| Scale::log(deviation, pixels),
+        (
+            |pixels| Scale::log(tau_s, pixels),
+            |pixels| Scale::log(deviation, pixels),
+        ),
     );
     let blue = theme.measured;
     let band: Vec<_> = points

@@ -41,8 +41,10 @@ pub fn panel(axis: &AxisDiagnosis, id: &str, theme: &Theme) -> String {
         theme,
         WITHOUT_STRIP,
         titles,
-        |pixels| Scale::linear((-reach, reach), pixels),
-        |pixels| Scale::log((FLOOR.log10(), most), pixels),
+        (
+            |pixels| Scale::linear((-reach, reach), pixels),
+            |pixels| Scale::log((FLOOR.log10(), most), pixels),
+        ),
     );
     let after: Vec<_> = steps(&views.after)
         .into_iter()

@@ -46,8 +46,10 @@ pub fn panel(axis: &AxisDiagnosis, id: &str, theme: &Theme) -> String {
         theme,
         WITH_STRIP,
         titles,
-        |pixels| Scale::linear((0.0, course.duration_s()), pixels),
-        |pixels| Scale::linear(extremes, pixels),
+        (
+            |pixels| Scale::linear((0.0, course.duration_s()), pixels),
+            |pixels| Scale::linear(extremes, pixels),
+        ),
     );
     frame.set_strip(range(course, |one| [one.measured.mean, one.modelled.mean]));
     marks(&mut frame, course);

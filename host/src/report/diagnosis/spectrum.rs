@@ -27,8 +27,10 @@ pub fn panel(axis: &AxisDiagnosis, id: &str, theme: &Theme) -> String {
         theme,
         WITH_STRIP,
         titles,
-        |pixels| Scale::log(f_hz, pixels),
-        |pixels| Scale::log(density, pixels),
+        (
+            |pixels| Scale::log(f_hz, pixels),
+            |pixels| Scale::log(density, pixels),
+        ),
     );
     let (peaks, unexplained) = places::bands(axis);
     for (from, to) in peaks {

@@ -127,8 +127,7 @@ impl<'a> Frame<'a> {
         theme: &'a Theme,
         layout: Layout,
         titles: Titles,
-        x: impl FnOnce(Span) -> Scale,
-        y: impl FnOnce(Span) -> Scale,
+        (x, y): (impl FnOnce(Span) -> Scale, impl FnOnce(Span) -> Scale),
     ) -> Self {
         let (top, bottom) = layout.main();
         Self {
@@ -194,19 +193,31 @@ impl<'a> Frame<'a> {
     /// The picture as SVG elements.
     pub fn finish(self) -> String {
         let mut svg = String::new();
-        let Self {
-            id, theme, layout, ..
-        } = self;
-        let mut fields = vec![(layout.main(), &self.main)];
-        fields.extend(self.strip.as_ref().map(|scale| (layout.strip(), scale)));
         let _ = write!(
             svg,
             "<rect width=\"{WIDTH}\" height=\"{}\" fill=\"{}\"/>",
-            layout.height, theme.paper
+            self.layout.height, self.theme.paper
         );
+        let mut fields = vec![(self.layout.main(), &self.main)];
+        let strip = self.strip.as_ref();
+        fields.extend(strip.map(|scale| (self.layout.strip(), scale)));
+        self.draw_x(&mut svg, &fields);
+        for (number, (span, scale)) in fields.into_iter().enumerate() {
+            self.draw_field(&mut svg, number, span, scale);
+        }
+        self.draw_titles(&mut svg);
+        let head = legend::text_width(&self.titles.head, 15.5);
+        let left = (LEFT + head + 18.0).max(LEFT);
+        legend::draw(&mut svg, self.theme, left, TOP - 12.0, &self.legend);
+        svg
+    }
+
+    /// The horizontal scale: a line through all fields and a label at each tick.
+    fn draw_x(&self, svg: &mut String, fields: &[(Span, &Scale)]) {
+        let Self { theme, layout, .. } = self;
         for tick in self.x.ticks() {
             let x = tick.at;
-            for ((top, bottom), _) in &fields {
+            for ((top, bottom), _) in fields {
                 let _ = write!(
                     svg,
                     "<path d=\"M{x:.1} {top}V{bottom}\" stroke=\"{}\"/>",
@@ -221,33 +232,41 @@ impl<'a> Frame<'a> {
                 tick.label
             );
         }
-        for (number, ((top, bottom), scale)) in fields.into_iter().enumerate() {
-            for tick in scale.ticks() {
-                let _ = write!(
-                    svg,
-                    "<path d=\"M{LEFT} {y:.1}H{RIGHT}\" stroke=\"{}\"/><text x=\"{}\" \
-                     y=\"{:.1}\" text-anchor=\"end\" fill=\"{}\">{}</text>",
-                    theme.grid,
-                    LEFT - 7.0,
-                    // Labels at the ends stay within the frame.
-                    (tick.at + 4.0).clamp(top + 8.0, bottom),
-                    theme.faint,
-                    tick.label,
-                    y = tick.at,
-                );
-            }
+    }
+
+    /// A field: its vertical scale, what is drawn in it, and its rim.
+    fn draw_field(&self, svg: &mut String, number: usize, (top, bottom): Span, scale: &Scale) {
+        let Self { id, theme, .. } = self;
+        for tick in scale.ticks() {
             let _ = write!(
                 svg,
-                "<clipPath id=\"{id}-{number}\"><rect x=\"{LEFT}\" y=\"{top}\" width=\"{w}\" \
-                 height=\"{h}\"/></clipPath><g clip-path=\"url(#{id}-{number})\">{}</g>\
-                 <rect x=\"{LEFT}\" y=\"{top}\" width=\"{w}\" height=\"{h}\" fill=\"none\" \
-                 stroke=\"{}\"/>",
-                self.drawn[number],
+                "<path d=\"M{LEFT} {y:.1}H{RIGHT}\" stroke=\"{}\"/><text x=\"{}\" \
+                 y=\"{:.1}\" text-anchor=\"end\" fill=\"{}\">{}</text>",
+                theme.grid,
+                LEFT - 7.0,
+                // Labels at the ends stay within the frame.
+                (tick.at + 4.0).clamp(top + 8.0, bottom),
                 theme.faint,
-                w = RIGHT - LEFT,
-                h = bottom - top,
+                tick.label,
+                y = tick.at,
             );
         }
+        let _ = write!(
+            svg,
+            "<clipPath id=\"{id}-{number}\"><rect x=\"{LEFT}\" y=\"{top}\" width=\"{w}\" \
+             height=\"{h}\"/></clipPath><g clip-path=\"url(#{id}-{number})\">{}</g>\
+             <rect x=\"{LEFT}\" y=\"{top}\" width=\"{w}\" height=\"{h}\" fill=\"none\" \
+             stroke=\"{}\"/>",
+            self.drawn[number],
+            theme.faint,
+            w = RIGHT - LEFT,
+            h = bottom - top,
+        );
+    }
+
+    /// What stands over the fields, and the titles around them.
+    fn draw_titles(&self, svg: &mut String) {
+        let Self { theme, layout, .. } = self;
         let (top, bottom) = layout.main();
         let _ = write!(
             svg,
@@ -281,9 +300,5 @@ impl<'a> Frame<'a> {
             theme.ink,
             self.titles.head
         );
-        let head = legend::text_width(&self.titles.head, 15.5);
-        let left = (LEFT + head + 18.0).max(LEFT);
-        legend::draw(&mut svg, theme, left, TOP - 12.0, &self.legend);
-        svg
     }
 }

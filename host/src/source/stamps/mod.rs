@@ -1,6 +1,6 @@
 //! Time stamps of a file: the rate that they give, the gaps, and whether they can mean what they say.
 
-use super::grid::{self, NoGrid};
+use super::grid::{self, Grid, NoGrid};
 use super::header;
 use super::options::{ArrayOptions, TimeUnit};
 use super::table::Table;
@@ -68,22 +68,8 @@ pub fn read(
         remedy,
     };
     let grid = grid::fit(&times).map_err(|error| {
-        match error {
-        NoGrid::TooFew => bad(
-            "one row gives no sampling rate".into(),
-            "give --rate HZ in place of --time".into(),
-        ),
-        NoGrid::StandStill => bad(
-            "the time stamps stand still".into(),
-            "give --rate HZ in place of --time".into(),
-        ),
-        NoGrid::Crowded(row) => bad(
-            format!("about row {row} there are more rows than their time stamps have room for"),
-            "delete rows that are there twice; if the stamps are no times of sampling, give --rate \
-             HZ in place of --time"
-                .into(),
-        ),
-    }
+        let (message, remedy) = no_grid(error);
+        bad(message, remedy)
     })?;
     let name = table.header().map(|names| names[column].clone());
     let column = Column {
@@ -105,12 +91,46 @@ pub fn read(
     }
     let rate_hz = agreed(rate_hz, options.rate_hz, &mut notes)
         .map_err(|(message, remedy)| bad(message, remedy))?;
+    let runs = runs(&grid).map_err(|(message, remedy)| bad(message, remedy))?;
+    let lost = runs.last().map_or(0, |(row, place)| place - row);
+    Ok(Stamps {
+        rate_hz,
+        runs,
+        rows: times.len() as u64,
+        end: times.len() as u64 + lost,
+        notes,
+    })
+}
+
+/// What is wrong with stamps that follow no grid, and the remedy.
+fn no_grid(error: NoGrid) -> (String, String) {
+    match error {
+        NoGrid::TooFew => (
+            "one row gives no sampling rate".into(),
+            "give --rate HZ in place of --time".into(),
+        ),
+        NoGrid::StandStill => (
+            "the time stamps stand still".into(),
+            "give --rate HZ in place of --time".into(),
+        ),
+        NoGrid::Crowded(row) => (
+            format!("about row {row} there are more rows than their time stamps have room for"),
+            "delete rows that are there twice; if the stamps are no times of sampling, give --rate \
+             HZ in place of --time"
+                .into(),
+        ),
+    }
+}
+
+/// The row and the place on the grid at which each stretch without a loss begins; between the last two lies what was
+/// lost in all.
+fn runs(grid: &Grid) -> Result<Vec<(u64, u64)>, (String, String)> {
     let mut lost = 0_u64;
     let mut runs = vec![(0, 0)];
     for loss in &grid.losses {
         lost = lost.saturating_add(loss.samples);
         if lost > MOST_LOST {
-            return Err(bad(
+            return Err((
                 format!(
                     "the time stamps jump ahead of row {} by more samples than a record can hold",
                     loss.row
@@ -120,13 +140,7 @@ pub fn read(
         }
         runs.push((loss.row as u64, loss.row as u64 + lost));
     }
-    Ok(Stamps {
-        rate_hz,
-        runs,
-        rows: times.len() as u64,
-        end: times.len() as u64 + lost,
-        notes,
-    })
+    Ok(runs)
 }
 
 /// All stamps, which do not run backwards.

@@ -46,29 +46,11 @@ pub fn burst(powers: &Powers, level: f64) -> Option<Burst> {
         }
         length *= 2;
     }
-    let (_, mut range) = best;
+    let (_, range) = best;
     if range.is_empty() {
         return None;
     }
-    // Both ends by themselves, until neither moves.
-    for _ in 0..8 {
-        let before = range.clone();
-        let reach = range.len().max(4);
-        let starts = range.start.saturating_sub(reach)..range.end;
-        range.start = starts
-            .max_by(|&a, &b| sums.gain(a..range.end).total_cmp(&sums.gain(b..range.end)))
-            .unwrap_or(range.start);
-        let ends = range.start + 1..=(range.end + reach).min(blocks);
-        range.end = ends
-            .max_by(|&a, &b| {
-                sums.gain(range.start..a)
-                    .total_cmp(&sums.gain(range.start..b))
-            })
-            .unwrap_or(range.end);
-        if range == before {
-            break;
-        }
-    }
+    let range = settled(&sums, range, blocks);
     let nats = sums.gain(range.clone());
     // The blocks at both ends are its own in part only.
     let whole_blocks = match range.len() {
@@ -91,6 +73,31 @@ pub fn burst(powers: &Powers, level: f64) -> Option<Burst> {
         held_nats: held_out(powers, &range),
         p_value,
     })
+}
+
+/// A stretch of so many `blocks` with both ends where its gain is largest, each moved by itself until neither moves.
+fn settled(sums: &Sums, mut range: Range<usize>, blocks: usize) -> Range<usize> {
+    /// Turns, at most: a choice.
+    const TURNS: usize = 8;
+    for _ in 0..TURNS {
+        let before = range.clone();
+        let reach = range.len().max(4);
+        let starts = range.start.saturating_sub(reach)..range.end;
+        range.start = starts
+            .max_by(|&a, &b| sums.gain(a..range.end).total_cmp(&sums.gain(b..range.end)))
+            .unwrap_or(range.start);
+        let ends = range.start + 1..=(range.end + reach).min(blocks);
+        range.end = ends
+            .max_by(|&a, &b| {
+                sums.gain(range.start..a)
+                    .total_cmp(&sums.gain(range.start..b))
+            })
+            .unwrap_or(range.end);
+        if range == before {
+            break;
+        }
+    }
+    range
 }
 
 /// Gain in log-likelihood of the odd blocks for variances within and outside of `range` that are

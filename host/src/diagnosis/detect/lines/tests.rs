@@ -215,3 +215,25 @@ fn a_harmonic_is_added_to_the_mains_that_are_there() {
         "seed 4"
     );
 }
+
+/// The same, plain, with a third of every 15 s missing, which gives it others beside it, a fifteenth of a hertz apart.
+fn with_gaps(seed: u64, fades: bool) -> Trial {
+    let whole = with_line(seed, fades);
+    let measured = whole.axis.residual.measured().iter().enumerate();
+    let values = measured.map(|(n, value)| if n % 1500 < 500 { f64::NAN } else { *value });
+    Trial::new(values.collect())
+}
+
+#[test]
+fn where_much_is_missing_the_strongest_of_a_cluster_is_a_line() {
+    let trial = with_gaps(5, false);
+    let groups = lines(&trial.axis, trial::LEVEL);
+    assert!(
+        matches!(&groups[..], [Group::Cluster { lines, .. }] if lines.len() >= 3),
+        "seed 5: {groups:?}"
+    );
+    let line = trial::candidate(trial.ask(&DETECTOR)).expect("a plain line");
+    // It is known to far less than a hundredth of what is between it and its neighbours.
+    let f_hz = line.effect.plain()[0];
+    assert!((f_hz - 3.7).abs() < 1e-3, "seed 5: {f_hz} Hz");
+}

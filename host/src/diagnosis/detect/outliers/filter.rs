@@ -55,10 +55,8 @@ pub fn outliers(
     let mut candidates: Vec<usize> = (0..z.len())
         .filter(|&index| z[index].abs() > threshold * spread(index) && usable(index))
         .collect();
-    let highest = candidates
-        .iter()
-        .map(|&index| z[index].abs() / spread(index))
-        .fold(0.0, f64::max);
+    let highest = candidates.iter().map(|&n| z[n].abs() / spread(n));
+    let highest = highest.fold(0.0, f64::max);
     candidates.sort_by(|&a, &b| z[b].abs().total_cmp(&z[a].abs()));
     let size_sd = filter.size_sd;
     // One record's worth of memory at a time: the output is made again where the short answer is kept.
@@ -94,22 +92,25 @@ pub fn outliers(
         .map(outlier)
         .collect();
     drop(pursuit);
-    let nats = if found.is_empty() {
-        0.0
-    } else {
-        let filter = matched(whole, density, &Impulse);
-        let gain = |one: &Outlier| {
-            let [even, odd] = filter.halves(one.index);
-            odd.gain(even.size())
-        };
-        found.iter().map(gain).sum()
-    };
     Found {
         p_value: p_value::highest(highest, whole.len(), f64::INFINITY),
         threshold: threshold * middle * size_sd,
-        nats,
+        nats: gain(whole, density, &found),
         outliers: found,
     }
+}
+
+/// Gain in log-likelihood of these outliers on the ordinates that their sizes are not fitted to.
+fn gain(whole: &Transform, density: &[f64], found: &[Outlier]) -> f64 {
+    if found.is_empty() {
+        return 0.0;
+    }
+    let filter = matched(whole, density, &Impulse);
+    let gain = |one: &Outlier| {
+        let [even, odd] = filter.halves(one.index);
+        odd.gain(even.size())
+    };
+    found.iter().map(gain).sum()
 }
 
 /// Probability that as many outliers stand close to one another as do, if each came by itself:

@@ -239,3 +239,10 @@ fn a_shock_of_one_sample_is_one_of_the_outliers() {
         assert_eq!(goes, is_one, "seed 20, {samples} samples");
     }
 }
+
+#[test]
+fn few_outliers_are_dated_one_by_one() {
+    let all: Vec<_> = (1..=17).map(|n| outlier(1000 * n, 9.0)).collect();
+    assert_eq!(dated(&all[..16], trial::RATE_HZ).len(), 2 * 16);
+    assert_eq!(dated(&all, trial::RATE_HZ).len(), 0);
+}

@@ -169,9 +169,8 @@ impl<'a> Scan<'a> {
             if to < from + len {
                 return 0.0;
             }
-            let (mut scratch, mut seen) = (windows.scratch(), Vec::new());
-            let mut height =
-                |start| -> Height { usual.height(values, start, 0.0, &mut scratch, &mut seen) };
+            let mut memory = (windows.scratch(), Vec::new());
+            let mut height = |start| -> Height { usual.height(values, start, 0.0, &mut memory) };
             let starts = windows.starts(&(from..to));
             starts.map(|start| height(start).z).fold(0.0, f64::max)
         });

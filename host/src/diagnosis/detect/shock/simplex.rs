@@ -48,13 +48,7 @@ pub fn climbed(first: &[f64], steps: &[f64], height: impl Fn(&[f64]) -> f64) -> 
             if nearer.0 > corners[last].0.max(reflected.0) {
                 nearer
             } else {
-                let best = corners[0].1.clone();
-                for (value, at) in &mut corners[1..] {
-                    at.iter_mut()
-                        .zip(&best)
-                        .for_each(|(one, best)| *one = 0.5 * (*one + best));
-                    *value = height(at);
-                }
+                draw_together(&mut corners, &height);
                 continue;
             }
         };
@@ -62,6 +56,17 @@ pub fn climbed(first: &[f64], steps: &[f64], height: impl Fn(&[f64]) -> f64) -> 
     }
     corners.sort_by(|a, b| b.0.total_cmp(&a.0));
     corners.swap_remove(0).1
+}
+
+/// Moves every corner halfway to the first.
+fn draw_together(corners: &mut [(f64, Vec<f64>)], height: impl Fn(&[f64]) -> f64) {
+    let best = corners[0].1.clone();
+    for (value, at) in &mut corners[1..] {
+        at.iter_mut()
+            .zip(&best)
+            .for_each(|(one, best)| *one = 0.5 * (*one + best));
+        *value = height(at);
+    }
 }
 
 #[cfg(test)]

@@ -202,8 +202,7 @@ impl Usual {
         values: &[f64],
         start: usize,
         from: f64,
-        scratch: &mut Scratch,
-        seen: &mut Vec<f64>,
+        (scratch, seen): &mut (Scratch, Vec<f64>),
     ) -> Height {
         seen.clear();
         let powers = self.windows.powers(values, self.unit, start, scratch);
@@ -260,8 +259,8 @@ impl Usual {
         const LOW: f64 = 2.5;
         let memory = || (self.windows.scratch(), Vec::new());
         let all = starts.par_iter().with_min_len(64);
-        let all = all.map_init(memory, |(scratch, seen), &start| {
-            (start, self.height(values, start, LOW, scratch, seen))
+        let all = all.map_init(memory, |memory, &start| {
+            (start, self.height(values, start, LOW, memory))
         });
         let mut high: Vec<(usize, Height)> = all.filter(|(_, height)| height.z >= LOW).collect();
         let places = high.chunk_by(|one, next| next.0 - one.0 <= self.windows.len());

@@ -89,23 +89,69 @@ fn two_levels_are_told_from_markov_noise() {
         found.rivals.iter().any(|one| one.effect == markov::KIND),
         "seed 5"
     );
-    // The same spectrum of normal amplitudes: a correlation time of 1/8 s.
-    let keep = (-8.0 / trial::RATE_HZ).exp();
-    let mut normal = Gaussian::new(
-        Seed { seed: 5, stream: 4 },
-        2.0 * f64::sqrt(1.0 - keep * keep),
-    );
-    let mut level = 0.0;
-    let values = noise(5).into_iter().map(|value| {
-        level = keep * level + normal.draw();
-        value + level
-    });
-    let trial = Trial::new(values.collect());
+    let trial = Trial::new(markov_like(5));
     assert_eq!(
         trial::kinds(&trial.ask(&DETECTOR)),
         [markov::KIND],
         "seed 5"
     );
+}
+
+/// Noise with the spectrum of a level that switches by 4, of normal amplitudes: a correlation time of 1/8 s.
+fn markov_like(seed: u64) -> Vec<f64> {
+    let keep = (-8.0 / trial::RATE_HZ).exp();
+    let mut normal = Gaussian::new(Seed { seed, stream: 4 }, 2.0 * f64::sqrt(1.0 - keep * keep));
+    let mut level = 0.0;
+    let values = noise(seed).into_iter().map(|value| {
+        level = keep * level + normal.draw();
+        value + level
+    });
+    values.collect()
+}
+
+#[test]
+fn two_levels_are_named_once_and_not_where_they_were_refused() {
+    let switching = |character: bool| {
+        let mut trial = Trial::new(trial::switching(7, 4.0).0);
+        trial.character.level_switches = character;
+        trial
+    };
+    let anywhere = |trial: &Trial| {
+        let found = trial.look(switching_anywhere);
+        found.expect("a record that can be fitted").is_some()
+    };
+    assert!(anywhere(&switching(false)), "seed 7");
+    assert!(!anywhere(&switching(true)), "seed 7: known");
+    let mut refused = switching(false);
+    refused.refused.push(two_levels::KIND);
+    assert!(!anywhere(&refused), "seed 7: refused");
+    assert_eq!(
+        trial::kinds(&refused.ask(&DETECTOR)),
+        [markov::KIND],
+        "seed 7: refused"
+    );
+    let mut known = switching(true);
+    known.know(two_levels::KIND, [4.0, 0.25], trial::steps(&[]));
+    assert_eq!(
+        trial::kinds(&known.ask(&DETECTOR)),
+        [markov::KIND],
+        "seed 7: a second one"
+    );
+}
+
+#[test]
+fn jumps_beside_noise_that_does_not_switch_stay() {
+    let jumps = [trial::jump(6000, 4.0), trial::jump(9000, -4.0)];
+    let mut values = markov_like(8);
+    trial::add(
+        &mut values,
+        &crate::diagnosis::record::wave::Wave::Steps(jumps.to_vec()),
+    );
+    let mut trial = Trial::new(values);
+    trial.know(steps::KIND, [60.0, 4.0], trial::steps(&jumps));
+    let proposals = trial.ask(&DETECTOR);
+    assert!(!trial::withdraws(&proposals, steps::KIND), "seed 8");
+    assert_eq!(trial::kinds(&proposals), [markov::KIND], "seed 8");
 }
 
 #[test]
@@ -123,6 +169,19 @@ fn jumps_that_belong_to_a_switching_are_put_back() {
     assert!(trial::withdraws(&proposals, steps::KIND), "seed 6");
     assert!(trial::teaches(&proposals, &Lesson::LevelSwitches), "seed 6");
     assert_eq!(trial::kinds(&proposals), [two_levels::KIND], "seed 6");
+    let mut refused = with(&jumps, steps::KIND);
+    refused.refused.push(two_levels::KIND);
+    assert!(
+        !trial::withdraws(&refused.ask(&DETECTOR), steps::KIND),
+        "seed 6: refused"
+    );
+    // Jumps of twice the height are none of it.
+    let high = [(100, -8.0), (101, 8.0)].map(|(place, height)| trial::jump(moments[place], height));
+    let proposals = with(&high, steps::KIND).ask(&DETECTOR);
+    assert!(
+        !trial::withdraws(&proposals, steps::KIND),
+        "seed 6: twice as high"
+    );
     // Two levels that jumps were named: there is more of it.
     let proposals = with(&jumps, two_levels::KIND).ask(&DETECTOR);
     assert!(trial::withdraws(&proposals, two_levels::KIND), "seed 6");

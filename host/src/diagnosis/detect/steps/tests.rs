@@ -151,3 +151,36 @@ fn refused_jumps_are_not_named_again() {
     trial.refused.push(KIND);
     assert!(trial.ask(&level::IN_FITTED_NOISE).is_empty(), "seed 7");
 }
+
+#[test]
+fn a_jump_is_of_a_loud_stretch_that_is_long_and_plainer_and_holds_it() {
+    let is_part = |length: usize, index: usize, z: f64| {
+        let mut values = noise(8);
+        values[8000..8000 + length]
+            .iter_mut()
+            .for_each(|one| *one *= 4.0);
+        let jump = Jump {
+            z,
+            ..trial::jump(index, 1.5)
+        };
+        Trial::new(values).look(|look| is_of_burst(look, &jump, index))
+    };
+    assert!(is_part(2000, 9000, 20.0), "seed 8");
+    assert!(!is_part(2000, 15_000, 20.0), "seed 8: elsewhere");
+    assert!(!is_part(2000, 9000, 60.0), "seed 8: a plainer jump");
+    assert!(!is_part(600, 8300, 20.0), "seed 8: a short stretch");
+}
+
+#[test]
+fn levels_that_a_stretch_of_motion_leaves_are_its_own() {
+    let mut trial = Trial::new(values(9, &[trial::jump(12_000, 4.0)]));
+    let change = Change::Happened {
+        masked: vec![6000..6500],
+        waves: vec![Wave::Steps(vec![trial::jump(6000, 0.1)])],
+    };
+    trial.know(crate::model::motion::KIND, [0.0; 5], change);
+    let found = trial.look(|look| proposals(look, trial::jump(12_000, 4.0)));
+    let found = trial::candidate(found).expect("a jump");
+    assert_eq!(found.amends, None, "seed 9");
+    assert_eq!(found.effect.values.len(), 2, "seed 9: {:?}", found.effect);
+}

@@ -133,3 +133,43 @@ pub fn log_odds(axis: &AxisState, law: &Law, fit: &Fit) -> Option<f64> {
     let rest = |f_hz: f64| axis.bins.base_density(&fit.squared, f_hz);
     two_levels::log_odds(axis, squared.sqrt(), time_s, wander, rest)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::detect::trial;
+
+    /// Whether jumps of these heights are two levels, every other one down.
+    fn is_two_levels(heights: &[f64]) -> bool {
+        let jumps = heights.iter().enumerate();
+        let jump = |(place, height): (usize, &f64)| {
+            let sign = if place % 2 == 0 { 1.0 } else { -1.0 };
+            trial::jump(1000 * (place + 1), sign * height)
+        };
+        is_to_and_fro(&jumps.map(jump).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn jumps_between_two_levels_are_of_one_height() {
+        assert!(is_two_levels(&[4.0; 12]));
+        // A quarter of them is three times as high.
+        let mut uneven = [3.0; 12];
+        uneven[3..6].fill(9.0);
+        assert!(!is_two_levels(&uneven));
+        // Half of them less than half as high, with a sixth of the energy.
+        let mut others = [4.0; 20];
+        others[10..].fill(1.9);
+        assert!(!is_two_levels(&others));
+    }
+
+    #[test]
+    fn what_the_placing_of_a_jump_leaves_is_none() {
+        let mut jumps: Vec<Jump> = (0..10)
+            .map(|place| trial::jump(1000 * place, if place % 2 == 0 { 4.0 } else { -4.0 }))
+            .collect();
+        for place in [1, 5, 9] {
+            jumps.insert(place, trial::jump(1000 * place + 3, 0.5));
+        }
+        assert!(is_to_and_fro(&jumps));
+    }
+}

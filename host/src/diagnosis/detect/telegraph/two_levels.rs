@@ -88,13 +88,15 @@ pub fn log_odds(
         (mean, (square / (RECORDS - 1) as f64).sqrt().max(1e-6))
     };
     let measured = excess_of(record);
-    // Student's law, as the spread itself rests on few records.
-    let score = |(mean, sd): (f64, f64)| {
-        let freedom = (RECORDS - 1) as f64;
-        let t = (measured - mean) / (sd * (1.0 + 1.0 / RECORDS as f64).sqrt());
-        -0.5 * (freedom + 1.0) * (t * t / freedom).ln_1p() - sd.ln()
-    };
-    Some(score(simulate(true)) - score(simulate(false)))
+    Some(score(measured, simulate(true)) - score(measured, simulate(false)))
+}
+
+/// Log-likelihood of an excess beside simulated ones of this mean and deviation: Student's law, as the spread itself
+/// rests on few records.
+fn score(measured: f64, (mean, sd): (f64, f64)) -> f64 {
+    let freedom = (RECORDS - 1) as f64;
+    let t = (measured - mean) / (sd * (1.0 + 1.0 / RECORDS as f64).sqrt());
+    -0.5 * (freedom + 1.0) * (t * t / freedom).ln_1p() - sd.ln()
 }
 
 /// Excess kurtosis.

@@ -77,27 +77,7 @@ pub fn bands(values: &[f64], rate_hz: f64) -> Vec<Band> {
     let count = (values.len() / segment) as f64 * 18.0 / 11.0;
     let beyond = |k: usize| (mean[k] / floor[k] - 1.0) * count.sqrt();
     let bin_hz = rate_hz / segment as f64;
-    let mut found: Vec<[usize; 2]> = Vec::new();
-    let mut k = LOWEST;
-    while k + 1 < bins {
-        if beyond(k) < STANDS_OUT {
-            k += 1;
-            continue;
-        }
-        let (mut low, mut high) = (k, k);
-        while low > 1 && beyond(low - 1) > ENDS {
-            low -= 1;
-        }
-        while high + 2 < bins && beyond(high + 1) > ENDS {
-            high += 1;
-        }
-        k = high + 1;
-        match found.last_mut() {
-            Some(last) if close(*last, [low, high]) => last[1] = high,
-            _ => found.push([low, high]),
-        }
-    }
-    found
+    standing_out(bins, beyond)
         .iter()
         .map(|&[low, high]| {
             let middle = |power: &dyn Fn(usize) -> f64| {
@@ -125,6 +105,31 @@ pub fn bands(values: &[f64], rate_hz: f64) -> Vec<Band> {
             }
         })
         .collect()
+}
+
+/// First and last bin of all that stands out of `bins`; `beyond` is by how many deviations a bin does.
+fn standing_out(bins: usize, beyond: impl Fn(usize) -> f64) -> Vec<[usize; 2]> {
+    let mut found: Vec<[usize; 2]> = Vec::new();
+    let mut k = LOWEST;
+    while k + 1 < bins {
+        if beyond(k) < STANDS_OUT {
+            k += 1;
+            continue;
+        }
+        let (mut low, mut high) = (k, k);
+        while low > 1 && beyond(low - 1) > ENDS {
+            low -= 1;
+        }
+        while high + 2 < bins && beyond(high + 1) > ENDS {
+            high += 1;
+        }
+        k = high + 1;
+        match found.last_mut() {
+            Some(last) if close(*last, [low, high]) => last[1] = high,
+            _ => found.push([low, high]),
+        }
+    }
+    found
 }
 
 fn close(one: [usize; 2], next: [usize; 2]) -> bool {

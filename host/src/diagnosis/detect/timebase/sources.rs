@@ -8,27 +8,45 @@ const HARMONICS: f64 = 20.0;
 /// Side lines on either side of a harmonic that do: a machine that is modulated. Two are a choice.
 const SIDE_LINES: i32 = 2;
 
+/// A frequency and its standard deviation, hertz.
+#[derive(Clone, Copy)]
+struct Hertz {
+    f_hz: f64,
+    sd_hz: f64,
+}
+
+/// No side lines.
+const NONE: Hertz = Hertz {
+    f_hz: 0.0,
+    sd_hz: 0.0,
+};
+
+/// Which lines the multiples of the line `base` are, with side lines at the distance `apart`.
+fn explained(lines: &[Hertz], base: usize, apart: Hertz) -> Vec<bool> {
+    let base = lines[base];
+    let is_explained = |line: &Hertz| {
+        (-SIDE_LINES..=SIDE_LINES).any(|side| {
+            let side = f64::from(side);
+            let number = ((line.f_hz - side * apart.f_hz) / base.f_hz).round();
+            let off = line.f_hz - side * apart.f_hz - number * base.f_hz;
+            let sd = line
+                .sd_hz
+                .hypot(number * base.sd_hz)
+                .hypot(side * apart.sd_hz);
+            (1.0..=HARMONICS).contains(&number) && off.abs() < SAME * sd
+        })
+    };
+    lines.iter().map(is_explained).collect()
+}
+
 /// The source of each line, numbered from 0: multiples of one base, with side lines at equal
 /// distances, are one source.
 pub(super) fn sources(lines: &[Log]) -> Vec<usize> {
-    let hertz: Vec<f64> = lines.iter().map(|line| line.log.exp()).collect();
-    let sd_hz = |line: usize| lines[line].sd * hertz[line];
-    // Which lines a base and a distance of side lines explain.
-    let explained = |base: usize, side_hz: f64, side_sd_hz: f64| -> Vec<bool> {
-        (0..lines.len())
-            .map(|line| {
-                (-SIDE_LINES..=SIDE_LINES).any(|side| {
-                    let side = f64::from(side);
-                    let number = ((hertz[line] - side * side_hz) / hertz[base]).round();
-                    let off = hertz[line] - side * side_hz - number * hertz[base];
-                    let sd = sd_hz(line)
-                        .hypot(number * sd_hz(base))
-                        .hypot(side * side_sd_hz);
-                    (1.0..=HARMONICS).contains(&number) && off.abs() < SAME * sd
-                })
-            })
-            .collect()
+    let hertz = |line: &Log| Hertz {
+        f_hz: line.log.exp(),
+        sd_hz: line.sd * line.log.exp(),
     };
+    let hertz: Vec<Hertz> = lines.iter().map(hertz).collect();
     let count = |explained: &[bool]| explained.iter().filter(|one| **one).count();
     let mut source = vec![usize::MAX; lines.len()];
     let mut next = 0;
@@ -37,7 +55,7 @@ pub(super) fn sources(lines: &[Log]) -> Vec<usize> {
         let mut best: Vec<bool> = Vec::new();
         let mut most = 0;
         for base in (0..lines.len()).filter(left) {
-            let plain = explained(base, 0.0, 0.0);
+            let plain = explained(&hertz, base, NONE);
             let own = (0..lines.len())
                 .filter(left)
                 .filter(|&line| plain[line])
@@ -47,11 +65,14 @@ pub(super) fn sources(lines: &[Log]) -> Vec<usize> {
             }
             // A distance is known by one line; it must explain another to be believed.
             for other in (0..lines.len()).filter(left).filter(|&line| !plain[line]) {
-                let side_hz = (hertz[other] - hertz[base]).abs();
-                if side_hz > 0.4 * hertz[base] {
+                let side = Hertz {
+                    f_hz: (hertz[other].f_hz - hertz[base].f_hz).abs(),
+                    sd_hz: hertz[other].sd_hz.hypot(hertz[base].sd_hz),
+                };
+                if side.f_hz > 0.4 * hertz[base].f_hz {
                     continue;
                 }
-                let all = explained(base, side_hz, sd_hz(other).hypot(sd_hz(base)));
+                let all = explained(&hertz, base, side);
                 let own = (0..lines.len())
                     .filter(left)
                     .filter(|&line| all[line])

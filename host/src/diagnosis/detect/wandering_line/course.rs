@@ -40,11 +40,8 @@ pub struct Course {
 pub fn course(band: &Band, track: &Track) -> Option<Course> {
     let mut frequencies = frequencies(band, track);
     let count = frequencies.len();
-    let counts: Vec<bool> = track
-        .counts
-        .windows(2)
-        .map(|two| two[0] && two[1])
-        .collect();
+    let counts = track.counts.windows(2).map(|two| two[0] && two[1]);
+    let counts: Vec<bool> = counts.collect();
     let counted = || {
         frequencies
             .iter()
@@ -68,16 +65,13 @@ pub fn course(band: &Band, track: &Track) -> Option<Course> {
     let still = fit(&powers, &errors, None)?;
     let longest_s = 0.5 * band.duration_s;
     let times = std::iter::successors(Some(0.5 * step_s), |time_s| Some(time_s * TIMES));
-    let fits: Vec<(f64, Fit)> = times
-        .take_while(|time_s| *time_s < longest_s)
-        .filter_map(|time_s| {
-            let moves: Vec<f64> = angles
-                .iter()
-                .map(|&a| spectrum(a, step_s / time_s))
-                .collect();
-            Some((time_s, fit(&powers, &errors, Some(&moves))?))
-        })
-        .collect();
+    let times = times.take_while(|time_s| *time_s < longest_s);
+    let at = |time_s| {
+        let moves = angles.iter().map(|&a| spectrum(a, step_s / time_s));
+        let moves: Vec<f64> = moves.collect();
+        Some((time_s, fit(&powers, &errors, Some(&moves))?))
+    };
+    let fits: Vec<(f64, Fit)> = times.filter_map(at).collect();
     let best = fits
         .iter()
         .map(|(_, fit)| fit.value)

@@ -162,11 +162,8 @@ pub fn named(look: &Look<'_>, within_hz: &Range<f64>, p_value: f64) -> Option<Pr
         kind,
         values: values(&course, &family.lines, family.number),
     };
-    let bands = family
-        .lines
-        .iter()
-        .map(|line| line.band_hz.clone())
-        .collect();
+    let bands = family.lines.iter().map(|line| line.band_hz.clone());
+    let bands = bands.collect();
     let freedom = 4.0 + family.lines.len() as f64;
     let mut supersedes = made_for_it(axis, &family.lines);
     supersedes.extend(

@@ -1,0 +1,128 @@
+//! Where a search of laws begins.
+
+use rayon::prelude::*;
+
+use crate::diagnosis::laws::rise::Rise;
+use crate::diagnosis::laws::{Law, component_through, components};
+use crate::diagnosis::record::bins::SpectralBins;
+use crate::fit::likelihood::{Data, Fit};
+use crate::model::catalogue::CATALOGUE;
+use crate::model::effect::Band;
+use crate::model::kind::Kind;
+use crate::numeric::mixture::add_mixture;
+
+/// Starts that are fitted, of those whose first rise is known: a choice, for each costs a fit.
+const TRIED: usize = 16;
+
+/// A spectrum with the laws that were fitted to it.
+#[derive(Clone, Copy)]
+pub struct Fitted<'a> {
+    /// Its bins.
+    pub bins: &'a SpectralBins,
+    /// What was measured in them.
+    pub data: &'a Data,
+    /// Laws beyond the five terms.
+    pub laws: &'a [Law],
+    /// Fit of all.
+    pub fit: &'a Fit,
+}
+
+impl Fitted<'_> {
+    /// Whether no law of it filters.
+    pub(super) fn is_unfiltered(&self) -> bool {
+        self.laws.iter().all(Law::adds)
+    }
+}
+
+/// Where searches begin: every law of the catalogue at its starting values. Made once for all bins.
+pub struct Starts {
+    starts: Vec<Start>,
+}
+
+/// One of them.
+pub(super) struct Start {
+    /// The law with the values that a search begins with, size 1.
+    pub(super) law: Law,
+    /// Its own component, where it adds one.
+    pub(super) component: Option<Vec<f64>>,
+}
+
+impl Starts {
+    /// For these bins; `None` if there are none.
+    pub fn new(bins: &SpectralBins) -> Option<Self> {
+        let all = bins.all();
+        let band = Band {
+            from_hz: all.first()?.f_hz,
+            to_hz: all.last()?.f_hz,
+        };
+        let laws = CATALOGUE.iter().flat_map(|&effect| {
+            let values = effect.starts(&band);
+            values.into_iter().map(move |values| Law { effect, values })
+        });
+        let laws: Vec<Law> = laws.collect();
+        let starts = laws
+            .into_par_iter()
+            .map(|law| Start {
+                component: component_through(bins, &law, |_| 1.0),
+                law,
+            })
+            .collect();
+        Some(Self { starts })
+    }
+
+    /// The least of each value of an effect.
+    pub(super) fn lowest(&self, effect: Kind) -> Vec<f64> {
+        let own = self.starts.iter();
+        own.filter(|start| start.law.effect == effect)
+            .map(|start| start.law.values.clone())
+            .reduce(|a, b| a.iter().zip(&b).map(|(a, b)| a.min(*b)).collect())
+            .unwrap_or_default()
+    }
+
+    /// What each of an effect's starts changes in the expectation of a fit with `laws`.
+    pub(super) fn directions(
+        &self,
+        bins: &SpectralBins,
+        laws: &[Law],
+        base: &Fit,
+        effect: Kind,
+    ) -> impl Iterator<Item = Vec<f64>> {
+        let own = self.starts.iter();
+        own.filter(move |start| start.law.effect == effect)
+            .map(move |start| match &start.component {
+                Some(component) => component.clone(),
+                None => {
+                    let mut all = laws.to_vec();
+                    all.push(start.law.clone());
+                    let mut change: Vec<f64> = base.expected.iter().map(|e| -e).collect();
+                    add_mixture(&mut change, &components(bins, &all), &base.squared);
+                    change
+                }
+            })
+    }
+
+    /// Those of an effect from which the likelihood rises most at first, beside what is `present` with these
+    /// `components`; all of them where that says little, as behind a filter.
+    pub(super) fn promising(
+        &self,
+        present: Fitted<'_>,
+        components: &[Vec<f64>],
+        effect: Kind,
+    ) -> Vec<&Start> {
+        let own = self.starts.iter();
+        let mut own: Vec<&Start> = own.filter(|start| start.law.effect == effect).collect();
+        // Of a filter no first rise is known.
+        let adds = own.iter().all(|start| start.component.is_some());
+        if !present.is_unfiltered() || !adds || own.len() <= TRIED {
+            return own;
+        }
+        let Some(rise) = Rise::new(present.data, present.fit, components) else {
+            return own;
+        };
+        let rise = |start: &Start| start.component.as_ref().map_or(0.0, |one| rise.of(one));
+        let mut rises: Vec<(f64, &Start)> = own.drain(..).map(|one| (rise(one), one)).collect();
+        rises.sort_by(|a, b| b.0.total_cmp(&a.0));
+        rises.truncate(TRIED);
+        rises.into_iter().map(|(_, one)| one).collect()
+    }
+}
