@@ -67,7 +67,7 @@ fn is_quieter(axis: &AxisState, step: f64, level: f64) -> bool {
 
 /// Deviation of noise by its increments.
 fn short_term(axis: &AxisState) -> f64 {
-    let values = axis.residual.values();
+    let values = axis.residual.seen();
     let steps = values.windows(2).map(|pair| (pair[1] - pair[0]).powi(2));
     let (sum, count) = steps
         .filter(|square| square.is_finite())

@@ -118,6 +118,19 @@ impl Residual {
         left
     }
 
+    /// What is left of the samples that were measured; NaN where one is missing, drawn or not, or excluded.
+    pub fn seen(&self) -> Arc<Vec<f64>> {
+        let mut left = self.values();
+        if !Arc::ptr_eq(&self.whole, &self.measured) {
+            let pairs = Arc::make_mut(&mut left)
+                .iter_mut()
+                .zip(self.measured.iter());
+            let drawn = pairs.filter(|(_, measured)| !measured.is_finite());
+            drawn.for_each(|(left, _)| *left = f64::NAN);
+        }
+        left
+    }
+
     /// All ranges that are excluded.
     pub fn left_out(&self) -> impl Iterator<Item = &Range<usize>> {
         self.masked_or_cut().chain(&self.spread)

@@ -88,7 +88,7 @@ pub fn even(look: &Look<'_>) -> Option<Burst> {
 /// Whether a stretch is as loud as noise whose strength lasts is anyway.
 fn lasts(look: &Look<'_>, range: &Range<usize>) -> bool {
     let axis = look.axis;
-    let values = axis.residual.values();
+    let values = axis.residual.seen();
     let is_there = |n: usize| axis.usable(n) && !range.contains(&n) && values[n].is_finite();
     let quiet = runs_of(values.len(), is_there);
     Lasting::of(&values, &quiet, 0.0).is_some_and(|law| law.foretells(&values, range, look.level()))

@@ -183,7 +183,7 @@ fn sought(look: &Look<'_>, whole: &Transform, density: &[f64], powers: &Powers) 
 
 /// What is left of the record, with its outliers.
 fn with_outliers(look: &Look<'_>) -> Arc<Vec<f64>> {
-    let mut values = look.axis.residual.values();
+    let mut values = look.axis.residual.seen();
     let known = look.axis.residual.outliers();
     if !known.is_empty() {
         let values = Arc::make_mut(&mut values);

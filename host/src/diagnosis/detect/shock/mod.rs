@@ -61,7 +61,7 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     if kinds.iter().any(|kind| look.axis.has(*kind)) {
         return Ok(Vec::new());
     }
-    let values = look.axis.residual.values();
+    let values = look.axis.residual.seen();
     let scan = Scan::new(&values, &look.axis.filled);
     let found = scan.map_or_else(Vec::new, |scan| found(scan, look));
     let found = found
