@@ -183,7 +183,16 @@ fn sought(look: &Look<'_>, whole: &Transform, density: &[f64], powers: &Powers) 
 
 /// What is left of the record, with its outliers.
 fn with_outliers(look: &Look<'_>) -> Arc<Vec<f64>> {
-    let mut values = look.axis.residual.seen();
+    /// Share of drawn samples beyond which they count as seen: a choice. Of many more hardly a sample has neighbours
+    /// enough that were measured.
+    const MOST_DRAWN: f64 = 0.01;
+    let residual = &look.axis.residual;
+    let drawn = look.axis.filled_samples() as f64;
+    let mut values = if drawn <= MOST_DRAWN * residual.len() as f64 {
+        residual.seen()
+    } else {
+        residual.values()
+    };
     let known = look.axis.residual.outliers();
     if !known.is_empty() {
         let values = Arc::make_mut(&mut values);
