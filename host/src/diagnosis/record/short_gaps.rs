@@ -38,7 +38,7 @@ const MOST: f64 = 0.5;
 const TURNS: usize = 64;
 
 /// What the last turn may gain, as a part of a degree of freedom for each sample that is filled: a choice. A sample
-/// is then off by a hundredth of what it is not known by.
+/// then moves by some three thousandths of what it is not known by, the root of it.
 const LAST: f64 = 1e-5;
 
 /// Any seed is as good as another; the same one each time, so that a record has one answer.
