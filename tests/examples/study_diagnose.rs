@@ -190,7 +190,15 @@ fn verdict(trial: &Trial) -> String {
     };
     let facts: Vec<&str> = trial.facts.iter().map(|(_, at)| at.trim()).collect();
     let like = facts.join(" ");
-    format!("{case}: {verdict}, {:.2} s, {like}", time.as_secs_f64())
+    let worse = if score.is_worse {
+        ", WORSE than five terms"
+    } else {
+        ""
+    };
+    format!(
+        "{case}: {verdict}{worse}, {:.2} s, {like}",
+        time.as_secs_f64()
+    )
 }
 
 fn tasks(part: Part, arguments: &Arguments) -> Vec<Task> {

@@ -143,26 +143,23 @@ impl<'a> Axis<'a> {
     /// All that is added ahead of the chain, behind it.
     fn waveform(&self) -> Vec<f64> {
         let scene = &self.scene;
-        let waveforms = self.effects.iter().enumerate().filter_map(|(i, effect)| {
-            // The same for all axes.
-            let mut draw = Draw::new(self.seed, &format!("{} waveform {i}", self.record));
-            effect.waveform(scene, self.axis, &mut draw)
-        });
-        let waveform = waveforms.reduce(|mut sum, other| {
-            for (a, b) in sum.iter_mut().zip(other) {
-                *a += b;
-            }
-            sum
-        });
-        let Some(mut waveform) = waveform else {
-            return vec![0.0; scene.samples];
-        };
-        if self.power(0.5 * scene.rate_hz) != 1.0 || !scene.chain.is_none() {
-            filter(&mut waveform, scene.rate_hz, |f_hz| {
-                scene.chain.power(f_hz, scene.rate_hz) * self.power(f_hz)
-            });
+        // The same for all axes.
+        let draw = |i: usize| Draw::new(self.seed, &format!("{} waveform {i}", self.record));
+        let effects = || self.effects.iter().enumerate();
+        let waveforms =
+            effects().filter_map(|(i, one)| one.waveform(scene, self.axis, &mut draw(i)));
+        let mut sum = vec![0.0; scene.samples];
+        let any = add_all(&mut sum, waveforms);
+        let power = |f_hz: f64| scene.chain.power(f_hz, scene.rate_hz) * self.power(f_hz);
+        if any && (self.power(0.5 * scene.rate_hz) != 1.0 || !scene.chain.is_none()) {
+            filter(&mut sum, scene.rate_hz, power);
         }
-        waveform
+        let gain = |f_hz: f64| power(f_hz).sqrt();
+        add_all(
+            &mut sum,
+            effects().filter_map(|(i, one)| one.tones(scene, &mut draw(i), &gain)),
+        );
+        sum
     }
 
     fn envelope(&self) -> Option<Vec<f64>> {
@@ -205,4 +202,16 @@ impl<'a> Axis<'a> {
 
 fn mean_square(values: &[f64]) -> f64 {
     values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64
+}
+
+/// Adds series of samples to a sum; whether there are any.
+fn add_all(sum: &mut [f64], all: impl Iterator<Item = Vec<f64>>) -> bool {
+    let mut any = false;
+    for one in all {
+        any = true;
+        sum.iter_mut()
+            .zip(one)
+            .for_each(|(sum, value)| *sum += value);
+    }
+    any
 }

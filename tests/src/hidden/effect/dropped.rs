@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::hum::Hum;
-use super::{Effect, Evidence, Scene, Truth};
+use super::{Effect, Evidence, Gain, Scene, Truth};
 use crate::hidden::draw::Draw;
 use crate::hidden::ideal::detector::{Contrast, power};
 
@@ -56,7 +56,7 @@ impl Effect for Dropped {
         let at = self.time_s / scene.duration_s();
         let mut left: Vec<f64> = self
             .hum
-            .tones()
+            .lines()
             .map(|tone| {
                 let turn = TAU * tone.f_hz * self.samples as f64 / scene.rate_hz;
                 tone.energy(scene) * (1.0 - steady_share(at, turn))
@@ -71,8 +71,8 @@ impl Effect for Dropped {
         .and(self.hum.evidence(scene))
     }
 
-    fn waveform(&self, scene: &Scene, axis: usize, draw: &mut Draw) -> Option<Vec<f64>> {
-        self.hum.waveform(scene, axis, draw)
+    fn tones(&self, scene: &Scene, draw: &mut Draw, gain: Gain<'_>) -> Option<Vec<f64>> {
+        self.hum.tones(scene, draw, gain)
     }
 
     /// The record gets shorter.

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::tone::Tone;
-use super::{Effect, Evidence, Scene, Truth};
+use super::{Effect, Evidence, Gain, Scene, Truth};
 use crate::hidden::draw::Draw;
 use crate::hidden::ideal::detector::{Contrast, power};
 
@@ -47,7 +47,7 @@ impl Hum {
     }
 
     /// The lines.
-    pub fn tones(&self) -> impl Iterator<Item = &Tone> {
+    pub fn lines(&self) -> impl Iterator<Item = &Tone> {
         self.lines.iter().map(|(_, tone)| tone)
     }
 
@@ -80,7 +80,7 @@ impl Effect for Hum {
     /// All lines together over bases within 1 Hz of 50 and of 60; and each line by itself at its
     /// place among ten harmonics. The rival is a hum without the weakest line.
     fn evidence(&self, scene: &Scene) -> Evidence {
-        let energies: Vec<f64> = self.tones().map(|tone| tone.energy(scene)).collect();
+        let energies: Vec<f64> = self.lines().map(|tone| tone.energy(scene)).collect();
         let (sum, least) = (
             energies.iter().sum(),
             energies.iter().copied().fold(f64::INFINITY, f64::min),
@@ -96,10 +96,11 @@ impl Effect for Hum {
         }
     }
 
-    fn waveform(&self, scene: &Scene, _axis: usize, _draw: &mut Draw) -> Option<Vec<f64>> {
+    fn tones(&self, scene: &Scene, _draw: &mut Draw, gain: Gain<'_>) -> Option<Vec<f64>> {
         let mut samples = vec![0.0; scene.samples];
-        for tone in self.tones() {
-            tone.add_to(&mut samples, scene.rate_hz);
+        for tone in self.lines() {
+            let behind = tone.scaled(gain(tone.f_hz));
+            behind.add_to(&mut samples, scene.rate_hz);
         }
         Some(samples)
     }

@@ -34,6 +34,9 @@ use super::outside::Place;
 use super::scene::Scene;
 use super::truth::Truth;
 
+/// Factor that the chain has on the amplitude of a tone, by its frequency in hertz.
+pub type Gain<'a> = &'a dyn Fn(f64) -> f64;
+
 /// Something hidden in a record, with its parameters. What it leaves out of these methods it
 /// does not do.
 pub trait Effect: Send + Sync {
@@ -69,6 +72,12 @@ pub trait Effect: Send + Sync {
     /// What is added to an axis ahead of the chain, sample by sample. `draw` is the same for
     /// all axes.
     fn waveform(&self, _scene: &Scene, _axis: usize, _draw: &mut Draw) -> Option<Vec<f64>> {
+        None
+    }
+
+    /// Tones that are added to an axis. They were there before the record and are there after it, so that the chain has
+    /// no beginning of them to answer: it gives them the factor `gain` at their frequency. `draw` as above.
+    fn tones(&self, _scene: &Scene, _draw: &mut Draw, _gain: Gain<'_>) -> Option<Vec<f64>> {
         None
     }
 

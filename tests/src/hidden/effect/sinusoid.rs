@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::tone::{Tone, frequency, trials};
-use super::{Effect, Evidence, Scene, Truth};
+use super::{Effect, Evidence, Gain, Scene, Truth};
 use crate::hidden::draw::Draw;
 use crate::hidden::ideal::detector::power;
 
@@ -36,9 +36,10 @@ impl Effect for Sinusoid {
         Evidence::power(power(self.0.energy(scene), 2.0, trials(scene.samples)))
     }
 
-    fn waveform(&self, scene: &Scene, _axis: usize, _draw: &mut Draw) -> Option<Vec<f64>> {
+    fn tones(&self, scene: &Scene, _draw: &mut Draw, gain: Gain<'_>) -> Option<Vec<f64>> {
         let mut samples = vec![0.0; scene.samples];
-        self.0.add_to(&mut samples, scene.rate_hz);
+        let behind = self.0.scaled(gain(self.0.f_hz));
+        behind.add_to(&mut samples, scene.rate_hz);
         Some(samples)
     }
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use super::tone::{Tone, frequency};
-use super::{Effect, Evidence, Scene, Truth};
+use super::{Effect, Evidence, Gain, Scene, Truth};
 use crate::hidden::draw::Draw;
 use crate::hidden::ideal::detector::Contrast;
 use crate::hidden::ideal::grid::{Feature, Grid};
@@ -127,14 +127,17 @@ impl Effect for WanderingLine {
         }
     }
 
-    fn waveform(&self, scene: &Scene, _axis: usize, draw: &mut Draw) -> Option<Vec<f64>> {
+    /// It moves by 2 % at most: over that the chain is taken as even.
+    fn tones(&self, scene: &Scene, draw: &mut Draw, gain: Gain<'_>) -> Option<Vec<f64>> {
+        let amplitudes = [1.0, 2.0].map(|number| gain(number * self.f_hz));
+        let amplitudes = [0, 1].map(|place| amplitudes[place] * self.amplitudes[place]);
         let decay = 1.0 / (self.wander_s * scene.rate_hz);
         let (keep, fresh) = ((-decay).exp(), (-(-2.0 * decay).exp_m1()).sqrt());
         let mut away = draw.normal();
         let mut turns = 0.0_f64;
         let samples = (0..scene.samples).map(|_| {
             let angles = [1.0, 2.0].map(|number| TAU * (number * turns).fract());
-            let tones = angles.iter().zip(&self.phases).zip(&self.amplitudes);
+            let tones = angles.iter().zip(&self.phases).zip(&amplitudes);
             let value = tones.map(|((angle, phase), size)| size * (angle + phase).cos());
             let value = value.sum();
             turns = (turns + (self.f_hz + self.wander_hz * away) / scene.rate_hz).fract();

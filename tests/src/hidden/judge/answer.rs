@@ -24,9 +24,30 @@ pub struct Axis {
     /// What the model holds without a name; none where it needs nothing.
     #[serde(default)]
     pub unnamed: Option<serde_json::Value>,
+    /// How good the models are.
+    #[serde(default)]
+    pub verdict: Verdict,
     /// What the pictures show.
     #[serde(default)]
     pub views: Views,
+}
+
+/// How good the models are, at every averaging time that is judged.
+#[derive(Debug, Clone, Default, Deserialize)]
+pub struct Verdict {
+    /// Averaging times of 20 intervals or more.
+    pub points: Vec<Judged>,
+}
+
+/// How far the models are off at an averaging time.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+pub struct Judged {
+    /// Standard deviation of what was measured, percent.
+    pub sampling_percent: f64,
+    /// The five terms alone, percent above what was measured.
+    pub five_terms_percent: f64,
+    /// The last model.
+    pub model_percent: f64,
 }
 
 /// Curves of the record and of the models, the five terms alone and the last one.

@@ -26,6 +26,8 @@ pub struct Score {
     pub held: bool,
     /// Whether what has no name changes the Allan deviation of no axis by more than 1 %.
     pub unnamed_is_small: bool,
+    /// Whether the last model is worse than the five terms somewhere, by more than 1 % and what sampling leaves open.
+    pub is_worse: bool,
     /// Errors of the models' Allan deviations in the target, where everything is named and nothing
     /// else.
     pub allan: Vec<ModelError>,
@@ -59,6 +61,7 @@ pub fn score(case: &Case, answer: &Answer) -> Score {
     let mut score = Score {
         held: true,
         unnamed_is_small: answer.axes.iter().all(counted::is_small),
+        is_worse: answer.axes.iter().any(is_worse),
         ..Score::default()
     };
     let mut left: Vec<(usize, &Finding)> = answer
@@ -100,6 +103,14 @@ pub fn score(case: &Case, answer: &Answer) -> Score {
         score.allan = allan::errors(case, &axis.views);
     }
     score
+}
+
+/// Whether the last model of an axis is worse than the five terms.
+fn is_worse(axis: &Axis) -> bool {
+    axis.verdict.points.iter().any(|point| {
+        let allowed = 1.0 + point.sampling_percent;
+        point.model_percent.abs() > point.five_terms_percent.abs() + allowed
+    })
 }
 
 /// Takes the findings that answer a truth: the nearest in frequency of its name in the target,

@@ -8,7 +8,7 @@ use super::trial::Trial;
 /// Named right, named beside, and how long it took, a row a kind; then what was named instead.
 pub fn confusion(trials: &[Trial]) -> String {
     let mut text = String::from(
-        "row                      cases   right   named   extra  unexpl  placed  failed  median s\n",
+        "row                      cases   right   named   extra  unexpl   worse  placed  failed  median s\n",
     );
     let rows = rows(trials);
     for (row, trials) in &rows {
@@ -63,12 +63,13 @@ fn summary(row: &str, trials: &[&Trial]) -> String {
     times.sort_by(f64::total_cmp);
     let median = times.get(times.len() / 2).copied().unwrap_or(0.0);
     format!(
-        "{row:<22} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {median:>9.2}\n",
+        "{row:<22} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {median:>9.2}\n",
         trials.len(),
         count(&|score| score.is_right()),
         count(&|score| score.is_named()),
         count(&|score| !score.extra.is_empty()),
         count(&|score| score.unexplained > 0),
+        count(&|score| score.is_worse),
         count(&|score| score.placed == Some(true)),
         trials.len() - scores.len(),
     )

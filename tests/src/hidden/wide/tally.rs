@@ -92,7 +92,7 @@ pub fn tables(trials: &[Trial]) -> String {
     for heading in order {
         let _ = writeln!(
             text,
-            "{heading:<22} cases   right  %    95 %       named   extra  unexpl  held   failed  redrawn"
+            "{heading:<22} cases   right  %    95 %       named   extra  unexpl   worse  held   failed  redrawn"
         );
         for (at, trials) in headings.remove(heading).unwrap_or_default() {
             text.push_str(&row(at, &trials));
@@ -112,12 +112,13 @@ fn row(at: &str, trials: &[&Trial]) -> String {
     let right = count(&is_right);
     let (lo, hi) = wilson(right, trials.len());
     format!(
-        "{at:<22} {:>5} {right:>7} {:>4.0} {lo:>4.0} to {hi:>3.0} {:>8} {:>7} {:>7} {:>5} {:>8} {:>8}\n",
+        "{at:<22} {:>5} {right:>7} {:>4.0} {lo:>4.0} to {hi:>3.0} {:>8} {:>7} {:>7} {:>7} {:>5} {:>8} {:>8}\n",
         trials.len(),
         100.0 * right as f64 / trials.len().max(1) as f64,
         count(&|score| score.named.iter().all(|(_, named)| *named)),
         count(&|score| !score.extra.is_empty()),
         count(&|score| score.unexplained > 0),
+        count(&|score| score.is_worse),
         count(&|score| score.held),
         trials.len() - scores.len(),
         trials.iter().map(|trial| trial.redrawn).sum::<usize>(),
