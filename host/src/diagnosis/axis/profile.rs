@@ -68,6 +68,8 @@ pub struct Profile<'a> {
 pub struct Joint {
     /// Size over standard deviation that is as rare with all of the density known.
     pub z: f64,
+    /// Gain in log-likelihood, nats.
+    pub nats: f64,
     /// Squares of walk and flicker.
     squares: [f64; 2],
 }
@@ -129,6 +131,7 @@ impl<'a> Profile<'a> {
         let twice = 2.0 * (best.nats - self.null).max(0.0);
         let size = best.sizes[0];
         Joint {
+            nats: 0.5 * twice,
             z: size.signum() * as_normal(twice, 2.0 * self.deciding(wave, best.squares)),
             squares: best.squares,
         }

@@ -3,7 +3,7 @@
 //! They take one another's place: what is not explained by the one that is there is explained in part
 //! by the others. So they look together, and the largest is taken in first.
 
-use super::{Detector, drift, steps, thermal, warmup};
+use super::{Detector, again, drift, steps, thermal, warmup};
 use crate::diagnosis::axis::NoFit;
 use crate::diagnosis::axis::profile::Noise;
 use crate::diagnosis::detect::look::{Look, Proposal};
@@ -29,6 +29,9 @@ pub static IN_NOISE_ANEW: Detector = Detector {
 const PART: f64 = 0.5;
 
 fn strongest(look: &Look<'_>, noise: Noise) -> Result<Vec<Proposal>, NoFit> {
+    if let Some(better) = again::proposal(look) {
+        return Ok(vec![better]);
+    }
     let thermal = thermal::find(look, noise);
     let settling = warmup::find(look, noise);
     let jump = steps::find(look, noise);
@@ -38,8 +41,13 @@ fn strongest(look: &Look<'_>, noise: Noise) -> Result<Vec<Proposal>, NoFit> {
     let of_jump = size(jump.map(|jump| jump.z));
     let course = (noise == Noise::Anew).then(|| drift::find(look)).flatten();
 
-    let most = of_thermal.max(of_settling).max(of_jump);
-    if let Some(course) = course.filter(|course| course.nats * PART > 0.5 * most * most) {
+    let slow = [
+        thermal.as_ref().map(|(change, _)| change),
+        settling.as_ref(),
+    ];
+    let gains = slow.into_iter().flatten().map(|change| change.gain_nats);
+    let most_nats = gains.fold(0.5 * of_jump * of_jump, f64::max);
+    if let Some(course) = course.filter(|course| course.nats * PART > most_nats) {
         return Ok(vec![drift::proposal(look, course)]);
     }
     if let Some(thermal) = thermal.filter(|_| of_thermal >= of_settling && of_thermal >= of_jump) {

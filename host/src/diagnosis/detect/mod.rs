@@ -3,6 +3,7 @@
 //! A [`Detector`] looks at an axis and proposes what to do; it changes nothing. Their order is that of a
 //! round of the [search](crate::diagnosis::search).
 
+mod again;
 pub mod burst;
 pub mod clipping;
 pub mod coarse_grid;

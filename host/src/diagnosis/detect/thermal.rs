@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::axis::profile::{Noise, Profile};
 use crate::diagnosis::detect::look::{Look, Proposal};
-use crate::diagnosis::detect::slow_change::SlowChange;
+use crate::diagnosis::detect::slow_change::{MeasuredAgain, SlowChange};
 use crate::diagnosis::explanation::{Candidate, Change, Explanation};
 use crate::diagnosis::record::bridge::block_means;
 use crate::diagnosis::record::wave::Wave;
@@ -81,7 +81,7 @@ fn follows(
     noise: Noise,
 ) -> Option<(SlowChange, f64)> {
     let factor = axis.drift_factor();
-    let mut lags = Lags::new(axis, column);
+    let mut lags = Lags::new(axis, &axis.filled, column);
     let mut best = lags.best()?;
     let mut beside_walk = None;
     if noise == Noise::Anew && lags.p_value(best.0.z()) >= level {
@@ -90,26 +90,42 @@ fn follows(
         best = lags.best()?;
     }
     let (projection, lag) = lags.refined(best)?;
-    let z = beside_walk.unwrap_or(projection.z());
+    let of_projection = |z: f64| (z, 0.5 * z * z);
+    let (z, gain_nats) = beside_walk.unwrap_or(of_projection(projection.z()));
     let p_value = lags.p_value(z);
     if p_value >= level || !z.is_finite() {
         return None;
     }
-    let mean = column.iter().sum::<f64>() / column.len() as f64;
-    let full = behind(column, lag * factor as f64, mean);
-    let full: Vec<f32> = full.into_iter().map(|value| value as f32).collect();
+    let found = lags.change(column, factor, (projection, lag));
     let change = SlowChange {
-        wave: Wave::Follows {
-            gain: projection.size(),
-            column: Arc::new(full),
-        },
         z,
-        size_sd: projection.size_sd(),
-        time_log_sd: lags.log_sd(projection, lag),
+        gain_nats,
         p_value,
-        nats: held_out_gain(&lags.record, &lags.density, &lags.wave(lag)),
+        ..found
     };
     Some((change, lag * factor as f64 / axis.rate_hz))
+}
+
+/// What follows the covariate as it is `known`, measured in `values`, where it is; what it gains there, and what it gains
+/// as it is known, nats.
+pub fn measured_again(
+    look: &Look<'_>,
+    values: &[f64],
+    known: &Explanation,
+) -> Option<MeasuredAgain> {
+    let column = look.context.covariate?;
+    let [Wave::Follows { gain, .. }] = known.waves() else {
+        return None;
+    };
+    let factor = look.axis.drift_factor();
+    let rate_hz = look.axis.rate_hz / factor as f64;
+    let lags = Lags::new(look.axis, values, column);
+    let lag_s = Follows::of_temperature(&known.effect.plain()).lag_s;
+    let known_gain = lags.at(lag_s * rate_hz).gain(*gain);
+    let (projection, lag) = lags.refined(lags.best()?)?;
+    let change = lags.change(column, factor, (projection, lag));
+    let gain = change.gain_nats;
+    Some((proposal((change, lag / rate_hz))?, gain, known_gain))
 }
 
 /// A slow record and the column that it may follow, in means over as many samples.
@@ -123,11 +139,11 @@ struct Lags {
 }
 
 impl Lags {
-    fn new(axis: &AxisState, column: &[f64]) -> Self {
+    fn new(axis: &AxisState, values: &[f64], column: &[f64]) -> Self {
         /// Shortest lag that is tried, samples: a shorter one is as good as none.
         const SHORTEST: f64 = 4.0;
         let factor = axis.drift_factor();
-        let (record, density) = axis.slow(&axis.filled, factor);
+        let (record, density) = axis.slow(values, factor);
         let means = block_means(column, factor);
         let longest = means.len() as f64 / 8.0;
         let lags = std::iter::successors(Some(SHORTEST), |lag| Some(2.0 * lag));
@@ -164,8 +180,8 @@ impl Lags {
         all.into_iter().max_by(larger)
     }
 
-    /// Whitens by walk and flicker fitted anew beside the column; its statistic there.
-    fn beside_walk(&mut self, axis: &AxisState) -> Option<f64> {
+    /// Whitens by walk and flicker fitted anew beside the column; its statistic there, and its gain, nats.
+    fn beside_walk(&mut self, axis: &AxisState) -> Option<(f64, f64)> {
         let profile = Profile::new(axis, &self.record, &self.density);
         let joints = self.trials.par_iter();
         let joints: Vec<_> = joints.map(|&lag| profile.fit(&self.wave(lag))).collect();
@@ -174,13 +190,13 @@ impl Lags {
             .max_by(|a, b| a.z.abs().total_cmp(&b.z.abs()))?;
         self.density = profile.density(&joint);
         self.record.close(&self.density);
-        Some(joint.z)
+        Some((joint.z, joint.nats))
     }
 
     /// The top between the lags that are tried.
     fn refined(&self, (mut projection, mut lag): (Projection, f64)) -> Option<(Projection, f64)> {
         /// First step of a lag's logarithm, half an octave, and the smallest.
-        const STEPS: [f64; 2] = [0.35, 5e-3];
+        const STEPS: [f64; 2] = [0.35, 1e-5];
         let mut step = STEPS[0];
         while lag > 0.0 && step > STEPS[1] {
             let moved = [f64::exp(step), f64::exp(-step)]
@@ -193,6 +209,31 @@ impl Lags {
             }
         }
         Some((projection, lag))
+    }
+
+    /// The `column` behind a lag that was found, one sample of the record standing for `factor`.
+    fn change(
+        &self,
+        column: &[f64],
+        factor: usize,
+        (projection, lag): (Projection, f64),
+    ) -> SlowChange {
+        let mean = column.iter().sum::<f64>() / column.len() as f64;
+        let full = behind(column, lag * factor as f64, mean);
+        let full: Vec<f32> = full.into_iter().map(|value| value as f32).collect();
+        let z = projection.z();
+        SlowChange {
+            wave: Wave::Follows {
+                gain: projection.size(),
+                column: Arc::new(full),
+            },
+            z,
+            gain_nats: 0.5 * z * z,
+            size_sd: projection.size_sd(),
+            time_log_sd: self.log_sd(projection, lag),
+            p_value: self.p_value(z),
+            nats: held_out_gain(&self.record, &self.density, &self.wave(lag)),
+        }
     }
 
     /// Standard deviation of the logarithm of the lag: the square of the statistic falls as a parabola in it.
@@ -286,6 +327,7 @@ mod tests {
             let change = SlowChange {
                 wave: trial::settling(4.0, time_s),
                 z: 20.0,
+                gain_nats: 200.0,
                 size_sd: 0.1,
                 time_log_sd: 0.1,
                 p_value: 1e-9,

@@ -8,9 +8,9 @@ use rayon::prelude::*;
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::axis::profile::{Noise, Profile};
 use crate::diagnosis::detect::look::{Look, Proposal};
-use crate::diagnosis::detect::slow_change::SlowChange;
+use crate::diagnosis::detect::slow_change::{MeasuredAgain, SlowChange};
 use crate::diagnosis::detect::{telegraph, thermal};
-use crate::diagnosis::explanation::{Candidate, Change};
+use crate::diagnosis::explanation::{Candidate, Change, Explanation};
 use crate::diagnosis::record::wave::Wave;
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
@@ -23,6 +23,10 @@ use crate::model::warmup::KIND;
 /// Time constants of a settling tried an octave: in white noise one halfway between two of them
 /// loses 0.2 % of its statistic.
 const PER_OCTAVE: f64 = 3.0;
+
+/// Smallest step of a time constant's logarithm: of a settling a hundred thousand deviations large half a deviation is left
+/// then, a tenth of it to what else is slow.
+const FINEST: f64 = 1e-5;
 
 /// The settling of an axis, if there is one that is not known yet.
 pub fn find(look: &Look<'_>, noise: Noise) -> Option<SlowChange> {
@@ -54,6 +58,25 @@ pub fn proposal(look: &Look<'_>, change: SlowChange) -> Option<Proposal> {
     })))
 }
 
+/// The settling that is `known`, measured in `values`, where it is; what it gains there, and what it gains as it is known,
+/// nats.
+pub fn measured_again(
+    look: &Look<'_>,
+    values: &[f64],
+    known: &Explanation,
+) -> Option<MeasuredAgain> {
+    let [Wave::WarmUp { amplitude, samples }] = known.waves() else {
+        return None;
+    };
+    let factor = look.axis.drift_factor();
+    let (record, density) = look.axis.slow(values, factor);
+    let settling = Settlings::new(record, density);
+    let known_gain = settling.at(samples / factor as f64).gain(*amplitude);
+    let change = settling.change(factor);
+    let gain = change.gain_nats;
+    Some((proposal(look, change)?, gain, known_gain))
+}
+
 /// Whether a settling is as quick as the level switches: a dwell at the start.
 fn is_dwelling(axis: &AxisState, change: &SlowChange) -> bool {
     /// Dwell times that make a settling of its own: a dwell lasts as long with the probability
@@ -73,6 +96,7 @@ pub fn warm_up(axis: &AxisState, level: f64, noise: Noise) -> Option<SlowChange>
     let (record, density) = axis.slow(&axis.filled, factor);
     let mut settling = Settlings::new(record, density);
     let mut z = settling.best().0;
+    let mut gain_nats = 0.5 * z * z;
     if noise == Noise::Anew && settling.p_value(z) >= level {
         // Walk and flicker may have been taken for it.
         let profile = Profile::new(axis, &settling.record, &settling.density);
@@ -85,7 +109,7 @@ pub fn warm_up(axis: &AxisState, level: f64, noise: Noise) -> Option<SlowChange>
             .into_iter()
             .max_by(|a, b| a.z.abs().total_cmp(&b.z.abs()))?;
         let density = profile.density(&joint);
-        z = joint.z;
+        (z, gain_nats) = (joint.z, joint.nats);
         settling.record.close(&density);
         settling.density = density;
     }
@@ -94,6 +118,7 @@ pub fn warm_up(axis: &AxisState, level: f64, noise: Noise) -> Option<SlowChange>
         let change = settling.change(factor);
         SlowChange {
             z,
+            gain_nats,
             p_value,
             ..change
         }
@@ -166,7 +191,7 @@ impl Settlings {
         let [shortest, longest] = self.ends();
         // The top between the steps.
         let mut step = 0.15;
-        while step > 1e-3 {
+        while step > FINEST {
             let moved = [f64::exp(step), f64::exp(-step)]
                 .map(|factor| (self.z_at(best.1 * factor), best.1 * factor));
             let moved = moved.into_iter().max_by(larger).unwrap_or(best);
@@ -197,6 +222,7 @@ impl Settlings {
                 samples: samples * factor as f64,
             },
             z,
+            gain_nats: 0.5 * z * z,
             size_sd: projection.size_sd().hypot(slope * time_log_sd),
             time_log_sd,
             p_value: self.p_value(z),
