@@ -3,8 +3,10 @@
 use rayon::prelude::*;
 
 use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::laws::Law;
 use crate::diagnosis::record::bridge::block_means;
 use crate::diagnosis::statistic::matched_filter::{Transform, Transformer};
+use crate::model::effect::Part;
 
 /// Points of the table of densities: over 20 octaves two of them differ by 0.007 in `ln f`, and the
 /// line between them is off by 6e-6 for each unit of curvature of `ln S` over `ln f`.
@@ -80,6 +82,18 @@ impl AxisState {
         let beyond = |ratio: f64| if ratio > FAR_MORE { ratio } else { 1.0 };
         tabulate(len, self.rate_hz, |f_hz| {
             self.density(f_hz) * beyond(self.ratio(f_hz))
+        })
+    }
+
+    /// Amplitude that the signal chain and the laws which filter let through at the ordinates of `whole`; `None` where
+    /// nothing filters.
+    pub fn passed(&self, whole: &Transform) -> Option<Vec<f64>> {
+        let filters = |law: &Law| matches!(law.effect.part(&law.values), Part::Distortion(_));
+        let any = self.chain.is_some() || self.laws.iter().any(filters);
+        any.then(|| {
+            tabulate(whole.len(), whole.rate_hz(), |f_hz| {
+                (self.bins.chain_power(f_hz) * self.filters(f_hz)).sqrt()
+            })
         })
     }
 

@@ -34,8 +34,19 @@ pub struct Match {
 /// The statistic of `waveform` at every moment, for noise of the two-sided densities `density`
 /// at the ordinates.
 pub fn matched(whole: &Transform, density: &[f64], waveform: &(impl Waveform + Sync)) -> Match {
+    matched_behind(whole, density, waveform, |_| 1.0)
+}
+
+/// The same of a `waveform` behind a filter whose amplitude at ordinate `k` is `passed(k)`: what the filter shuts out says
+/// nothing of the waveform, however little noise is there.
+pub fn matched_behind(
+    whole: &Transform,
+    density: &[f64],
+    waveform: &(impl Waveform + Sync),
+    passed: impl Fn(usize) -> f64 + Sync,
+) -> Match {
     let noise = |k: usize| density[k] * whole.rate_hz;
-    let response = |k: usize| waveform.at(whole.ring.turn(k)).conj() / noise(k);
+    let response = |k: usize| passed(k) * waveform.at(whole.ring.turn(k)).conj() / noise(k);
     let [information, curvature] = sums(1..whole.ordinates.len(), |k| {
         // A density without end leaves an ordinate out.
         if !noise(k).is_finite() {

@@ -11,7 +11,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::{Detector, steps};
-use crate::diagnosis::axis::NoFit;
+use crate::diagnosis::axis::{AxisState, NoFit};
 use crate::diagnosis::detect::burst;
 use crate::diagnosis::detect::look::{Lesson, Look, Proposal};
 use crate::diagnosis::detect::telegraph::short_dwells::is_of_switching;
@@ -175,10 +175,29 @@ fn sought(look: &Look<'_>, whole: &Transform, density: &[f64], powers: &Powers) 
         found = edges::with_edges(found, &with_outliers(look), usable, look.level());
     } else if !found.outliers.is_empty() {
         // A jump is larger as a jump than as a single sample.
-        let jumps = steps::statistic(whole, density);
+        let jumps = steps::statistic(look.axis, whole, density);
         found.outliers.retain(|one| !steps::is_jump(&jumps, one));
     }
+    found.outliers.retain(|one| !is_left_over(look.axis, one));
     found
+}
+
+/// Whether a sample is what is left next to a larger one that was replaced: what that should have been is not quite known.
+fn is_left_over(axis: &AxisState, outlier: &Outlier) -> bool {
+    /// Samples on either side: a choice, as far as a jump is misplaced.
+    const NEAR: usize = 4;
+    let near = outlier.index.saturating_sub(NEAR)..outlier.index + NEAR + 1;
+    let replaced = axis.residual.waves().iter().filter_map(|wave| match wave {
+        Wave::Replaced(samples) => {
+            let from = samples.partition_point(|one| one.index < near.start);
+            let to = samples.partition_point(|one| one.index < near.end);
+            Some(&samples[from..to])
+        }
+        _ => None,
+    });
+    replaced
+        .flatten()
+        .any(|one| one.size.abs() > outlier.size.abs())
 }
 
 /// What is left of the record, with its outliers.

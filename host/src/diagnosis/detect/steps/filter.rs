@@ -3,16 +3,19 @@
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::axis::profile::Profile;
 use crate::diagnosis::record::wave::{Jump, Outlier};
-use crate::diagnosis::statistic::matched_filter::{Match, Step, Transform, Transformer, matched};
+use crate::diagnosis::statistic::matched_filter::{
+    Match, Step, Transform, Transformer, matched_behind,
+};
 use crate::diagnosis::statistic::p_value;
 
 /// The largest jump, significant or not.
 pub fn largest_jump(
+    axis: &AxisState,
     whole: &Transform,
     density: &[f64],
     usable: impl Fn(usize) -> bool,
 ) -> Option<Jump> {
-    let (jump, _) = largest(whole, density, usable)?;
+    let (jump, _) = largest(axis, whole, density, usable)?;
     Some(jump)
 }
 
@@ -26,11 +29,12 @@ pub fn beside_walk(
     usable: impl Fn(usize) -> bool,
 ) -> Option<Jump> {
     let wave = Transformer::new(whole.len()).waveform_at(&Step, first.index, whole.rate_hz());
+    let wave = wave.behind(axis.passed(&whole).as_deref());
     let profile = Profile::new(axis, &whole, density);
     let joint = profile.fit(&wave);
     let density = profile.density(&joint);
     whole.close(&density);
-    let (jump, filter) = largest(&whole, &density, usable)?;
+    let (jump, filter) = largest(axis, &whole, &density, usable)?;
     Some(Jump {
         z: joint.z,
         p_value: p_value::highest(joint.z, whole.len(), filter.crossings),
@@ -40,11 +44,12 @@ pub fn beside_walk(
 
 /// The largest jump, and the statistic of all.
 fn largest(
+    axis: &AxisState,
     whole: &Transform,
     density: &[f64],
     usable: impl Fn(usize) -> bool,
 ) -> Option<(Jump, Match)> {
-    let filter = statistic(whole, density);
+    let filter = statistic(axis, whole, density);
     // On the ring, what happens at the ends is no event of the record.
     let margin = whole.len() / 200 + 16;
     let index = (margin..whole.len() - margin)
@@ -62,9 +67,11 @@ fn largest(
     Some((jump, filter))
 }
 
-/// The statistic of a jump at every moment.
-pub fn statistic(whole: &Transform, density: &[f64]) -> Match {
-    matched(whole, density, &Step)
+/// The statistic of a jump at every moment: one that came about ahead of what filters, and passed it without delay.
+pub fn statistic(axis: &AxisState, whole: &Transform, density: &[f64]) -> Match {
+    let passed = axis.passed(whole);
+    let passed = |k: usize| passed.as_ref().map_or(1.0, |passed| passed[k]);
+    matched_behind(whole, density, &Step, passed)
 }
 
 /// Whether what looks like an outlier is rather a jump, by the statistic of jumps.

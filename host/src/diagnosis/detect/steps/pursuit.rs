@@ -49,7 +49,7 @@ impl<'a> Pursuit<'a> {
         let factor = axis.slow_factor();
         let (whole, density) = axis.slow(&self.left, factor);
         let usable = |n: usize| self.usable(n * factor) && self.usable((n + 1) * factor - 1);
-        let mut jump = filter::largest_jump(&whole, &density, usable)?;
+        let mut jump = filter::largest_jump(axis, &whole, &density, usable)?;
         if noise == Noise::Anew && jump.p_value >= self.look.level() {
             jump = filter::beside_walk(axis, whole, &density, &jump, usable)?;
         }
@@ -117,7 +117,7 @@ impl<'a> Pursuit<'a> {
         let factor = self.axis().slow_factor();
         (factor > 1 && factor <= FINE).then(|| {
             let seen = self.axis().whitened();
-            filter::statistic(&seen.transform, &seen.density)
+            filter::statistic(self.axis(), &seen.transform, &seen.density)
         })
     }
 
@@ -135,7 +135,8 @@ impl<'a> Pursuit<'a> {
         }
         let (record, density) = axis.slow(&before, factor);
         let rate_hz = axis.rate_hz / factor as f64;
-        let mut wave = Transformer::new(means.len()).transform(&means, rate_hz);
+        let wave = Transformer::new(means.len()).transform(&means, rate_hz);
+        let mut wave = wave.behind(axis.passed(&record).as_deref());
         wave.close(&density);
         held_out_gain(&record, &density, &wave)
     }

@@ -215,6 +215,15 @@ impl Transform {
         ordinates.for_each(|(k, ordinate)| *ordinate -= sample + height * step(k));
     }
 
+    /// The same behind a filter of this amplitude at each ordinate, where there is one.
+    #[must_use]
+    pub fn behind(mut self, amplitude: Option<&[f64]>) -> Self {
+        for (ordinate, passed) in self.ordinates.iter_mut().zip(amplitude.unwrap_or_default()) {
+            *ordinate *= *passed;
+        }
+        self
+    }
+
     /// Adds Gaussian noise of the two-sided density `density(k)`, made of standard `normal`
     /// numbers.
     pub fn add_noise(&mut self, density: impl Fn(usize) -> f64, mut normal: impl FnMut() -> f64) {
