@@ -25,17 +25,26 @@ use std::f64::consts::PI;
 
 use survey::{Survey, TAPER};
 
+use super::slow_floor;
+
 pub use between::Line;
 pub use replay::Replay;
 
+/// Cycles a record of the slowest line that is searched.
+pub const LEAST_CYCLES: f64 = slow_floor::LOWEST as f64;
+
 /// What scalloping between the grid's points leaves of a line's power, at least.
 const SCALLOPING: f64 = 0.68;
+
+/// Samples of the shortest record that is searched: an eighth of it is a segment of a thousand, which has lines to either
+/// side to take the floor from.
+pub(super) const LEAST_SAMPLES: u64 = 1 << 13;
 
 /// Candidates that are evaluated between the grid's points; the strongest if there are more.
 const CANDIDATES: usize = 64;
 
 /// Lines of a record sampled at `rate_hz`, by frequency, at a family-wise `level`. None in a
-/// record of fewer than 16384 samples: it has no floor to compare with.
+/// record of fewer than [`LEAST_SAMPLES`]: it has no floor to compare with.
 ///
 /// # Errors
 /// What a replay fails with.

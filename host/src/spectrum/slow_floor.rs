@@ -20,7 +20,7 @@ use rustfft::{FftPlanner, num_complex::Complex64};
 use crate::numeric::order::median;
 
 /// Cycles a record of the slowest line that is searched: below, neighbours are few.
-const LOWEST: usize = 64;
+pub(super) const LOWEST: usize = 64;
 
 /// Neighbours to either side, as a share of the ordinate's number.
 const SPAN: f64 = 0.25;

@@ -19,6 +19,11 @@ const PARTS: usize = 8;
 /// Cycles that a part must have for what wanders below not to pass the window.
 const LEAST_CYCLES: f64 = 8.0;
 
+/// Share of a tone's energy that one steady line may miss: of a strong one the least imperfection shows, and is no
+/// wandering. A hundredth is a choice; the part of a line that gaps spread beside it is less, of noise that rings it is
+/// a half.
+pub const IMPERFECT: f64 = 0.01;
+
 /// Probability that a steady line of `cycles` a sample in the residual differs as much between
 /// parts; 1 where the record is too short for a test.
 pub fn p_steady(axis: &AxisState, cycles: f64) -> f64 {
@@ -27,7 +32,7 @@ pub fn p_steady(axis: &AxisState, cycles: f64) -> f64 {
         return 1.0;
     }
     let density = axis.density(cycles * axis.rate_hz) * axis.rate_hz;
-    let parts: Vec<Part> = (0..PARTS)
+    let mut parts: Vec<Part> = (0..PARTS)
         .filter_map(|number| {
             let (phasor, gain) = phasor(axis, cycles, number * length, length)?;
             Some(Part {
@@ -40,6 +45,7 @@ pub fn p_steady(axis: &AxisState, cycles: f64) -> f64 {
     if parts.len() < 3 {
         return 1.0;
     }
+    tolerate(&mut parts);
     let weight: f64 = parts.iter().map(|part| part.weight).sum();
     let mean = parts
         .iter()
@@ -71,6 +77,16 @@ struct Part {
     weight: f64,
     /// Number of the part, from 0.
     number: f64,
+}
+
+/// Adds what a line may miss of its own energy to the variance of each part.
+fn tolerate(parts: &mut [Part]) {
+    let of_parts = |of: &dyn Fn(&Part) -> f64| parts.iter().map(of).sum::<f64>();
+    let energy =
+        of_parts(&|part| part.weight * part.phasor.norm_sqr()) / of_parts(&|part| part.weight);
+    for part in parts {
+        part.weight = (part.weight.recip() + 0.5 * IMPERFECT * energy).recip();
+    }
 }
 
 /// Phasor of the line in a part of the record, and `sum w^2 / (sum w)^2`; `None` where hardly any
@@ -138,7 +154,8 @@ mod tests {
             });
             for axis in [stops, turns] {
                 let p = p_steady(&axis, CYCLES);
-                assert!(p < 1e-12, "seed {seed}: {p:e}");
+                // Of a turn by one a line that turns evenly leaves a quarter, beside a hundredth that it may.
+                assert!(p < 1e-5, "seed {seed}: {p:e}");
             }
         }
     }

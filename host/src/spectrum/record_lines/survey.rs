@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use rustfft::num_complex::Complex64;
 
+use super::LEAST_SAMPLES;
 use super::replay::Replay;
 use crate::fft::phasor::Phasor;
 use crate::numeric::bisect::bisect;
@@ -46,7 +47,7 @@ impl Survey {
         })?;
         let Some(first) = first else { return Ok(None) };
         let len = end - first;
-        if len < 1 << 14 {
+        if len < LEAST_SAMPLES {
             return Ok(None);
         }
         let mut segments = LongSegments::new(SEGMENT.min(1 << (len / 8).ilog2()));

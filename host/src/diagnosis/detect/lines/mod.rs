@@ -18,7 +18,7 @@ use crate::diagnosis::result::place::Place;
 use crate::diagnosis::result::value::Value;
 use crate::diagnosis::steady;
 use crate::model::{hum, resonance, sinusoid};
-use crate::spectrum::Line;
+use crate::spectrum::{Line, record_lines};
 pub use mains::{Group, mains_base, wandering, with_hum};
 pub use measure::{Measured, measure_near};
 
@@ -65,7 +65,10 @@ pub fn lines(axis: &AxisState, level: f64) -> Vec<Group> {
             .count();
         let (cluster, others) = rest.split_at(count);
         rest = others;
-        if count >= 3 {
+        if count >= 3 && holds_all(axis, cluster) {
+            // Gaps give a strong line others beside it.
+            singles.push(strongest(axis, cluster));
+        } else if count >= 3 {
             groups.push(Group::Cluster {
                 f_hz: 0.5 * (first.frequency_hz + cluster[count - 1].frequency_hz),
                 width_hz: cluster[count - 1].frequency_hz - first.frequency_hz,
@@ -99,16 +102,7 @@ pub fn proposals(
                 let base = Value::normal(base_hz, base_sd_hz);
                 proposals.push(hum(look, base, lines));
             }
-            Group::Cluster { lines, .. } => {
-                // Gaps give a line others beside it.
-                let strongest = strongest(look.axis, &lines);
-                let is_line = has_gaps(look.axis) && !wanders(look, &strongest);
-                proposals.extend(
-                    is_line
-                        .then(|| single(look, &mut known_hz, strongest))
-                        .flatten(),
-                );
-            }
+            Group::Cluster { .. } => {}
         }
     }
     proposals
@@ -121,15 +115,21 @@ fn strongest(axis: &AxisState, lines: &[Line]) -> Measured {
     measure_near(axis, f_hz, false_alarm)
 }
 
-/// Whether so much of the record is missing that a line has others beside it.
-fn has_gaps(axis: &AxisState) -> bool {
-    /// Share that counts: a line's neighbours then have a thousandth of its power.
-    const MOST: f64 = 0.97;
-    axis.measured_share() < MOST
+/// Whether the strongest of some lines that stand close holds all of their power but for what samples that are missing
+/// spread beside it.
+fn holds_all(axis: &AxisState, lines: &[Line]) -> bool {
+    let power = |line: &Line| line.amplitude.powi(2);
+    let all: f64 = lines.iter().map(power).sum();
+    let most = lines.iter().map(power).fold(0.0, f64::max);
+    most >= (1.0 - steady::line::IMPERFECT) * axis.measured_share() * all
 }
 
-/// A resonance too narrow for the record to resolve: a line.
+/// A resonance too narrow for the record to resolve: a line, if the record has cycles enough for one; a few of them are
+/// a course of the level like any other.
 pub fn unresolved(look: &Look<'_>, f_hz: f64, p_value: f64) -> Option<Proposal> {
+    if f_hz * look.duration_s() < record_lines::LEAST_CYCLES {
+        return None;
+    }
     let one = measure_near(look.axis, f_hz, p_value);
     single(look, &mut taken_out_hz(look.axis), one)
 }

@@ -6,11 +6,13 @@ use std::ops::Range;
 
 use realfft::num_complex::Complex64;
 
+use super::window;
 use crate::diagnosis::axis::{AxisState, Whitened};
 use crate::diagnosis::statistic::matched_filter::smooth_len;
 use crate::diagnosis::steady::tiles::counting;
 use crate::fft;
 use crate::numeric::order::median;
+use crate::numeric::top::golden_section;
 
 /// Ordinates on either side from which the floor is taken, at least: it is then known to 7 %.
 const SIDE: usize = 256;
@@ -23,6 +25,9 @@ const LEAST_WIDTH: usize = 512;
 
 /// Ordinates at most: a choice between time and place; a wider band has windows too short to be worth much.
 const MOST_WIDTH: usize = 1 << 18;
+
+/// Steps by which a line is placed between two ordinates: to a hundredth of one, where a thousandth of its power is missed.
+const FINEST: u32 = 12;
 
 /// The first ordinate that a band may have: what lies below is drift and the record's ends.
 const FIRST: usize = 4;
@@ -124,6 +129,24 @@ impl Band {
         let len = (axis.ring_len() as f64 / whole) as usize;
         let moments = counting(axis, len, 2 * windows);
         (0..windows).map(|window| moments[2 * window + 1]).collect()
+    }
+
+    /// Whether one steady line holds all of the power above noise in these of its `ordinates`, but for the share
+    /// `imperfect` and what the samples that are missing would hold.
+    pub fn is_line(&self, ordinates: &Range<usize>, imperfect: f64) -> bool {
+        let power = |k: usize| self.ordinates[k].norm_sqr();
+        let noise = self.share * ordinates.len() as f64;
+        let above = ordinates.clone().map(power).sum::<f64>() - noise;
+        let top = ordinates
+            .clone()
+            .max_by(|&a, &b| power(a).total_cmp(&power(b)));
+        let Some(top) = top else {
+            return false;
+        };
+        // Between two ordinates it is lower in both.
+        let at = |k: f64| window::power(&self.values, k / self.values.len() as f64);
+        let best = golden_section(top as f64 - 1.0, top as f64 + 1.0, FINEST, at);
+        at(best) >= (1.0 - imperfect) * self.share * above
     }
 
     /// Ordinates outwards from `inside` that have more power than noise, in groups.

@@ -10,7 +10,8 @@ use std::f64::consts::{PI, TAU};
 use realfft::num_complex::Complex64;
 
 use super::band::Band;
-use super::track::{Track, phasor};
+use super::track::Track;
+use super::window::phasor;
 use crate::diagnosis::result::value::Value;
 use crate::fft;
 

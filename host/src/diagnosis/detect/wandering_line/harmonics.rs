@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::Tone;
 use super::band::Band;
-use super::track::power;
+use super::window::power;
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::detect::lines::mains_base;
 use crate::diagnosis::result::value::Value;
@@ -26,6 +26,9 @@ const HIGHEST: f64 = 0.48;
 /// Power over the floor by which a multiple must stand out, besides its probability: several times the error of the
 /// floor.
 const STANDS_OUT: f64 = 1.25;
+
+/// Factor by which a band has to grow for another look with more room: a choice. Less comes to an end.
+const GROWS: f64 = 1.1;
 
 /// One line of a family.
 pub struct Line {
@@ -132,29 +135,37 @@ fn filled_hz(tone: &Tone<'_>, ratio: f64) -> Range<f64> {
     of(tone.own.start)..of(tone.own.end)
 }
 
+/// The ordinates with more power than noise about the frequencies `within_hz`, and a band about them that is wide enough
+/// for the tone's skirts not to be taken for the floor.
+fn filled(
+    axis: &AxisState,
+    tone: &Tone<'_>,
+    within_hz: Range<f64>,
+) -> Option<(Band, Range<usize>)> {
+    let mut within_hz = within_hz;
+    loop {
+        let band = Band::about(axis, tone.seen, &within_hz, super::ROOM)?;
+        let len = band.ordinates.len();
+        let place = |f_hz: f64| {
+            let place = f_hz / band.step_hz - band.first as f64;
+            (place.max(0.0) as usize).min(len)
+        };
+        let inside = band.grown(place(within_hz.start)..(place(within_hz.end) + 1).min(len));
+        let wider_hz = band.frequency_hz(inside.start as f64)..band.frequency_hz(inside.end as f64);
+        let grows = wider_hz.end - wider_hz.start > GROWS * (within_hz.end - within_hz.start);
+        if 2 * inside.len() <= len || !grows {
+            return Some((band, inside));
+        }
+        within_hz = wider_hz;
+    }
+}
+
 /// A line of the family with its size: the power of its band over the floor.
 fn line(axis: &AxisState, tone: &Tone<'_>, number: u32, own: u32) -> Option<Line> {
     /// Relative error of the floor's ends together, times the root of their ordinates: that of two medians.
     const FLOOR_ERROR: f64 = 1.02;
     let ratio = f64::from(number) / f64::from(own);
-    let within_hz = filled_hz(tone, ratio);
-    let other;
-    let band = if number == own {
-        tone.band
-    } else {
-        other = at_ratio(axis, tone, ratio)?;
-        &other
-    };
-    let place = |f_hz: f64| {
-        let place = f_hz / band.step_hz - band.first as f64;
-        (place.max(0.0) as usize).min(band.ordinates.len())
-    };
-    let inside = place(within_hz.start)..place(within_hz.end) + 1;
-    let inside = if number == own {
-        tone.own.clone()
-    } else {
-        band.grown(inside.start..inside.end.min(band.ordinates.len()))
-    };
+    let (band, inside) = filled(axis, tone, filled_hz(tone, ratio))?;
     let (mut sum, mut variance, mut floor) = (0.0, 0.0, 0.0);
     for k in inside.clone() {
         // Over the share of the record in which there is any of it.

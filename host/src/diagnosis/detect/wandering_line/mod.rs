@@ -15,6 +15,7 @@ mod harmonics;
 #[cfg(test)]
 mod tests;
 mod track;
+mod window;
 
 use std::ops::Range;
 
@@ -30,6 +31,7 @@ use crate::diagnosis::explanation::{Candidate, Change, Explanation};
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::finding::Rival;
 use crate::diagnosis::result::value::Value;
+use crate::diagnosis::steady::line::IMPERFECT;
 use crate::model::{hum, resonance, shock, sinusoid, wandering_line};
 
 /// Shortest windows, samples of the band; those of half the length show how its energy grows.
@@ -118,10 +120,6 @@ fn suspects(look: &Look<'_>) -> Vec<Suspect> {
         .collect()
 }
 
-/// Share of what a tone is worth that its wandering has to be: a tone that stands still is not quite what is followed,
-/// and a strong one shows that. A hundredth is a choice.
-const IMPERFECT: f64 = 0.01;
-
 /// A tone that wanders within or about a band, found there otherwise with the probability `p_value` by chance.
 pub fn named(look: &Look<'_>, within_hz: &Range<f64>, p_value: f64) -> Option<Proposal> {
     let axis = look.axis;
@@ -130,11 +128,10 @@ pub fn named(look: &Look<'_>, within_hz: &Range<f64>, p_value: f64) -> Option<Pr
     let (track, steadiness) = steadiest(axis, &band, look.level())?;
     let course = course(&band, &track)?;
     // A tone that stands still is no business of this one.
-    let nats = track.nats(steadiness.energy);
-    if course.nats < IMPERFECT * nats - look.level().ln() {
+    let own = filled(&band, &track);
+    if course.nats < -look.level().ln() || band.is_line(&own, IMPERFECT) {
         return None;
     }
-    let own = filled(&band, &track);
     let width_hz = (own.end - own.start) as f64 * band.step_hz;
     if width_hz > NARROW * 0.5 * axis.rate_hz {
         return None;
@@ -172,7 +169,7 @@ pub fn named(look: &Look<'_>, within_hz: &Range<f64>, p_value: f64) -> Option<Pr
             .filter(|kind| *kind == hum::KIND),
     );
     Some(Proposal::Explain(Box::new(Candidate {
-        held_out_nats: Some(nats),
+        held_out_nats: Some(track.nats(steadiness.energy)),
         supersedes,
         rivals: vec![Rival {
             effect: resonance::KIND,

@@ -12,6 +12,7 @@ use std::f64::consts::TAU;
 use realfft::num_complex::Complex64;
 
 use super::band::Band;
+use super::window::power;
 use crate::diagnosis::statistic::p_value;
 use crate::fft;
 
@@ -155,24 +156,6 @@ impl Track {
         let gain = |power: f64| log_bessel(2.0 * (power * energy).sqrt()) - energy;
         self.counted().map(gain).sum()
     }
-}
-
-/// Power of a window at `cycles` a sample.
-pub fn power(window: &[Complex64], cycles: f64) -> f64 {
-    phasor(window, cycles).norm_sqr()
-}
-
-/// Sum of a window at `cycles` a sample, its phase that in its middle, over the root of its length.
-pub fn phasor(window: &[Complex64], cycles: f64) -> Complex64 {
-    let length = window.len() as f64;
-    let turn = Complex64::cis(-TAU * cycles);
-    let mut now = Complex64::cis(TAU * cycles * 0.5 * (length - 1.0));
-    let mut sum = Complex64::ZERO;
-    for value in window {
-        sum += value * now;
-        now *= turn;
-    }
-    sum / length.sqrt()
 }
 
 /// The likeliest cells of windows with these periodograms, one after another.
