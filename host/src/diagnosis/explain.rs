@@ -110,25 +110,38 @@ pub fn explain(
         || ValueFindings::new(declared, level, &measured, own_mean),
         || begin_with(signal.chain.as_ref()),
     );
+    let found = |kind| progress(&signal.name, Step::Found(kind));
+    let explained_behind = |first: AxisState, chain: Option<&Chain>| {
+        let begin = || begin_with(chain);
+        without_losers(&signal.name, first, begin, |axis, refused| {
+            let context = Context {
+                level,
+                covariate: options.covariate.as_deref(),
+                values: &values,
+                refused,
+                found: &found,
+            };
+            attempt(axis, &context)
+        })
+    };
+    let seen = |axis: &AxisState| recognised::chain(axis, |chain| begin_with(Some(chain)).ok());
     let mut first = first?;
-    let recognised = recognised::chain(&first, |chain| begin_with(Some(chain)).ok());
+    let mut recognised = seen(&first);
     if let Some(chain) = &recognised {
         first = begin_with(Some(chain))?;
     }
-    let begin = || begin_with(recognised.as_ref().or(signal.chain.as_ref()));
-    let base = Bare::of(&first, level, options);
-    let found = |kind| progress(&signal.name, Step::Found(kind));
-    let explained = without_losers(&signal.name, first, begin, |axis, refused| {
-        let context = Context {
-            level,
-            covariate: options.covariate.as_deref(),
-            values: &values,
-            refused,
-            found: &found,
-        };
-        attempt(axis, &context)
-    });
-    let (mut axis, unexplained, mut held_out_nats) = explained?;
+    let mut base = Bare::of(&first, level, options);
+    let mut explained = explained_behind(first, recognised.as_ref().or(signal.chain.as_ref()))?;
+    if recognised.is_none()
+        && let Some(chain) = seen(&explained.0)
+    {
+        // What stood ahead of it had a name.
+        let first = begin_with(Some(&chain))?;
+        base = Bare::of(&first, level, options);
+        explained = explained_behind(first, Some(&chain))?;
+        recognised = Some(chain);
+    }
+    let (mut axis, unexplained, mut held_out_nats) = explained;
     let completed = unnamed::complete(&mut axis, level);
     for number in completed.withdrawn {
         held_out_nats.remove(number);

@@ -58,7 +58,8 @@ pub fn chain(axis: &AxisState, behind: impl Fn(&Chain) -> Option<AxisState>) -> 
             let behind = behind(&chain)?;
             (behind.data, behind.bins)
         } else {
-            let bins = SpectralBins::new(axis.residual.measured(), axis.rate_hz, Some(&chain))?;
+            let mut bins = SpectralBins::new(&axis.residual.values(), axis.rate_hz, Some(&chain))?;
+            bins.leave_out(&axis.excluded_hz());
             (axis.data.clone(), bins)
         };
         if !falls(&data, axis.rate_hz) {
