@@ -5,7 +5,7 @@
 
 mod pty;
 
-use std::fs::OpenOptions;
+use std::fs::{File, OpenOptions};
 use std::io::Write;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -116,15 +116,15 @@ fn a_board_that_stays_silent_ends_the_recording_and_keeps_it() {
 }
 
 /// A terminal that is stopped (Ctrl-S, or a window that hangs): no byte more goes in. The first half
-/// has to stay open, the second is what a program writes to.
-fn stopped_terminal() -> (TTYPort, Stdio) {
+/// has to stay open, the second is what a program reads from and writes to.
+fn stopped_terminal() -> (TTYPort, File) {
     let (near, mut far) = TTYPort::pair().expect("a pseudo terminal");
     far.set_timeout(Duration::from_millis(50)).expect("set");
     while far.write(&[b'.'; 1024]).is_ok() {}
     while far.write(b".").is_ok() {}
     let path = far.name().expect("it has a path");
-    let terminal = OpenOptions::new().write(true).open(path).expect("opens");
-    (near, terminal.into())
+    let terminal = OpenOptions::new().read(true).write(true).open(path);
+    (near, terminal.expect("opens"))
 }
 
 /// Records three seconds at 4000/s with a terminal that is stopped from the beginning.
@@ -137,6 +137,7 @@ fn record_without_terminal(command: &str) {
         .args([command, "--source", &board.port, "--rate", "4000"])
         .args(["--duration", "3", "-o"])
         .arg(&capture)
+        .stdin(terminal.try_clone().expect("a copy"))
         .stderr(terminal)
         .stdout(Stdio::null())
         .spawn()

@@ -33,6 +33,7 @@ BATCH_LEN = 32
 MAX_PAYLOAD = 708
 MAX_FRAME = 712
 UNPROVEN_PERIODS = 128
+MAX_MARK = 120
 FLAGS = {"NONE": 0, "OVER_RANGE": 1, "TORN": 2, "MISSED": 4, "SLIPPED": 8, "STUCK": 16}
 TYPES = {
     "ToBoard": ("enum", [
@@ -140,6 +141,7 @@ TYPES = {
         ("BoardStopped", [("unix_ms", "i64")]),
         ("Overrun", [("unix_ms", "i64"), ("until_ms", "i64"), ("bytes", "u64")]),
         ("StreamBack", [("unix_ms", "i64")]),
+        ("Mark", [("unix_ms", "i64"), ("text", "text")]),
     ]),
 }
 CODES = ("list", ("array", 3, "Code"))

@@ -34,7 +34,7 @@ pub use decoder::{Counts, Decoder, Fault};
 pub use frame::{EncodeError, FRAME_END, MAX_FRAME, MAX_PAYLOAD, encode};
 pub use health::{AxisCounters, BinsMark, Health, LinkCounters};
 pub use hello::{HELLO, Hello};
-pub use message::{Event, Note, ToBoard, ToHost, Trouble, UNPROVEN_PERIODS};
+pub use message::{Event, MAX_MARK, Note, ToBoard, ToHost, Trouble, UNPROVEN_PERIODS};
 pub use sample::{Batch, Code, Flag, Flags};
 pub use settings::{Filter, Phase, Rate, SensorRange, Settings};
 

@@ -1,5 +1,6 @@
 //! The two message types, one for each direction.
 
+use heapless::String;
 use serde::{Deserialize, Serialize};
 
 use crate::{Batch, Command, Health, Reply};
@@ -110,8 +111,11 @@ impl Trouble {
 /// conversions without an edge until that is a stall, and short gaps.
 pub const UNPROVEN_PERIODS: u64 = 128;
 
-/// What the host saw of the link while recording.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+/// Longest text of a mark, bytes: a sentence, and the frame is still shorter than a batch.
+pub const MAX_MARK: usize = 120;
+
+/// What the host saw of the link while recording, and what a person there marked.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Note {
     /// The port went away.
@@ -154,5 +158,12 @@ pub enum Note {
     StreamBack {
         /// Wall clock, milliseconds since 1970-01-01 UTC.
         unix_ms: i64,
+    },
+    /// A person at the bench marked this place of the stream.
+    Mark {
+        /// Wall clock, milliseconds since 1970-01-01 UTC.
+        unix_ms: i64,
+        /// What happened, in the person's words; may be empty.
+        text: String<MAX_MARK>,
     },
 }

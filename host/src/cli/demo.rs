@@ -74,7 +74,7 @@ impl DemoCommand {
         let mut source = BoardSource::start(connect, plan, Some(&capture), stop)?;
         let signal = source.signal().clone();
         let mut record = Record::new(signal.axes.len(), Overlap::Strided);
-        watch(&mut source, Some(&mut record), Screen::stderr())?;
+        watch(&mut source, Some(&mut record), Screen::lines())?;
 
         say("\n")?;
         let results = self.results("demo");

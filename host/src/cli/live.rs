@@ -1,7 +1,8 @@
-//! `inm live`: record a board, and watch its Allan table grow.
+//! `inm live`: record a board, and watch its Allan deviation grow.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use clap::Args;
 
@@ -11,7 +12,7 @@ use super::recording::BoardOptions;
 use super::results::ResultOptions;
 use crate::analyse::{AnalysisOptions, summarise};
 use crate::bins::record::{Overlap, Record};
-use crate::live::{Screen, watch};
+use crate::live::{Controls, Screen, watch};
 use crate::source::Source;
 use crate::source::board::BoardSource;
 
@@ -23,6 +24,9 @@ pub struct LiveCommand {
     /// Capture to write; it must not exist yet. Without one, only the statistics are kept.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Lines instead of a view of the whole terminal, for screen readers and logs.
+    #[arg(long)]
+    plain: bool,
     #[command(flatten)]
     results: ResultOptions,
 }
@@ -38,11 +42,19 @@ impl LiveCommand {
         output::check(&[capture, json, report, png], &[])?;
         let stop = interrupt::stop_on_signal()?;
         let connect = self.board.connect(1.0);
-        let mut source =
-            BoardSource::start(connect, self.board.plan(), self.output.as_deref(), stop)?;
+        let capture = self.output.as_deref();
+        let mut source = BoardSource::start(connect, self.board.plan(), capture, stop.clone())?;
         let signal = source.signal().clone();
         let mut record = Record::new(signal.axes.len(), Overlap::Strided);
-        let ended = watch(&mut source, Some(&mut record), Screen::stderr());
+        let screen = if self.plain {
+            Screen::lines()
+        } else {
+            Screen::terminal(Controls {
+                interrupt: Arc::new(move || interrupt::interrupted(&stop)),
+                marks: Some(source.marks()),
+            })
+        };
+        let ended = watch(&mut source, Some(&mut record), screen);
         let analysis = summarise(&signal, &record, &AnalysisOptions::default());
         self.results.write(&analysis)?;
         ended?;

@@ -45,7 +45,7 @@ enum Command {
     Demo(demo::DemoCommand),
     /// Record a board into a capture file.
     Record(record::RecordCommand),
-    /// Record a board and watch its Allan table grow.
+    /// Record a board and watch its Allan deviation grow.
     Live(live::LiveCommand),
     /// Allan deviation and noise coefficients of a record.
     Analyze(analyze::Analyze),

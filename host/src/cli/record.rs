@@ -31,7 +31,7 @@ impl RecordCommand {
         let stop = interrupt::stop_on_signal()?;
         let connect = self.board.connect(0.0);
         let mut source = BoardSource::start(connect, self.board.plan(), Some(&self.output), stop)?;
-        let ended = watch(&mut source, None, Screen::stderr());
+        let ended = watch(&mut source, None, Screen::lines());
         // Said in either case: a recording that broke off is still a recording.
         say(&self.told(&source))?;
         ended?;

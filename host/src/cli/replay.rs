@@ -44,7 +44,7 @@ impl ReplayCommand {
         let mut source = source.at_speed(self.speed);
         let signal = source.signal().clone();
         let mut record = Record::new(signal.axes.len(), Overlap::Strided);
-        let ended = watch(&mut source, Some(&mut record), Screen::stderr());
+        let ended = watch(&mut source, Some(&mut record), Screen::lines());
         self.results
             .write(&summarise(&signal, &record, &AnalysisOptions::default()))?;
         Ok(ended?)

@@ -39,8 +39,14 @@ impl Noises {
             .zip(record.axes())
             .map(|(axis, record)| fit(signal.rate_hz, axis, record))
             .collect();
-        let cell = |one: Coefficient, fit: &Option<LikelihoodFit>| {
-            fit.as_ref().and_then(|fit| cell(fit.coefficients.get(one)))
+        let durations_s = record
+            .axes()
+            .iter()
+            .map(|axis| axis.cascade().samples() as f64 / signal.rate_hz);
+        let fits: Vec<(f64, Option<LikelihoodFit>)> = durations_s.zip(fits).collect();
+        let cell = |one: Coefficient, (duration_s, fit): &(f64, Option<LikelihoodFit>)| {
+            let value = fit.as_ref()?.coefficients.get(one);
+            cell(value, *duration_s)
         };
         self.rows = Coefficient::ALL
             .into_iter()
@@ -61,9 +67,14 @@ fn fit(rate_hz: f64, axis: &Axis, record: &AxisRecord) -> Option<LikelihoodFit> 
     terms::fit(cascade, &estimate, axis.scale, &design)
 }
 
-fn cell(value: &LikelihoodValue) -> Option<Noise> {
+fn cell(value: &LikelihoodValue, duration_s: f64) -> Option<Noise> {
     match (value.value, value.hi) {
         (Some(best), Some(hi)) => Some(Noise::Value(best, 0.5 * (hi - value.lo) / best)),
-        _ => value.upper.map(Noise::Below),
+        _ => value.upper.map(|bound| Noise::Below {
+            bound,
+            more_s: value
+                .record_longer_by
+                .map(|factor| (factor - 1.0) * duration_s),
+        }),
     }
 }

@@ -1,52 +1,63 @@
-//! Text that stays in one place of the terminal.
+//! Where the state of a recording is shown.
 
-use std::io;
+use std::time::Duration;
 
-use console::Term;
+use super::lines::Lines;
+use super::terminal::{self, TerminalView};
+use super::{Controls, Snapshot};
 
-use crate::plain::shown;
+/// Between two pictures on a terminal: often enough to see it move.
+const PERIOD: Duration = Duration::from_millis(500);
 
-/// A block of lines that is drawn over itself; where the output is not a terminal, one line
-/// now and then.
-#[derive(Debug)]
-pub struct Screen {
-    term: Term,
-    drawn: usize,
+/// Between two lines in a log: a night is some thousand of them.
+const LOG_PERIOD: Duration = Duration::from_secs(10);
+
+/// On standard error in any case, so that results can be piped.
+pub struct Screen(Kind);
+
+enum Kind {
+    Lines(Lines),
+    Terminal(TerminalView),
 }
 
 impl Screen {
-    /// A screen on standard error, so that results can be piped.
-    pub fn stderr() -> Self {
-        Self {
-            term: Term::stderr(),
-            drawn: 0,
+    /// A few lines drawn over themselves; where standard error is not a terminal, a line now and then.
+    pub fn lines() -> Self {
+        Self(Kind::Lines(Lines::stderr()))
+    }
+
+    /// The whole terminal, with keys for what `controls` allow; [`Screen::lines`] where there is none to
+    /// take, or it is another program's at the moment.
+    pub fn terminal(controls: Controls) -> Self {
+        let taken = terminal::is_ours().then(|| TerminalView::take(controls));
+        match taken {
+            Some(Ok(view)) => Self(Kind::Terminal(view)),
+            _ => Self::lines(),
         }
     }
 
-    /// Whether it is a terminal; else it is a log.
-    pub fn is_term(&self) -> bool {
-        self.term.is_term()
+    /// Between two pictures.
+    pub fn period(&self) -> Duration {
+        match &self.0 {
+            Kind::Lines(lines) if !lines.is_term() => LOG_PERIOD,
+            _ => PERIOD,
+        }
     }
 
-    /// Shows `text` in the place of what was shown before. In a log only its second line
-    /// (the progress) appears.
-    ///
-    /// # Errors
-    /// What the terminal says.
-    pub fn show(&mut self, text: &str) -> io::Result<()> {
-        let text = &*shown(text);
-        if !self.term.is_term() {
-            return self.term.write_line(text.lines().nth(1).unwrap_or(text));
+    /// Shows the state of a moment. Lines wait for a terminal that stands still.
+    pub fn show(&mut self, snapshot: Snapshot) {
+        match &mut self.0 {
+            // A terminal that went away is no reason to stop a recording.
+            Kind::Lines(lines) => drop(lines.show(&snapshot.render())),
+            Kind::Terminal(view) => view.show(snapshot),
         }
-        let (rows, columns) = self.term.size();
-        // A block taller than the terminal cannot be drawn over; its end matters least.
-        let lines: Vec<String> = text
-            .lines()
-            .take(usize::from(rows).saturating_sub(1))
-            .map(|line| line.chars().take(usize::from(columns)).collect())
-            .collect();
-        self.term.clear_last_lines(self.drawn)?;
-        self.drawn = lines.len();
-        self.term.write_line(&lines.join("\n"))
+    }
+
+    /// Leaves the last state on the terminal, as lines.
+    pub fn close(self) {
+        if let Kind::Terminal(view) = self.0 {
+            let last = view.close();
+            drop(Lines::stderr().show(&last.render()));
+        }
     }
 }

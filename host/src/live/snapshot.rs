@@ -1,6 +1,4 @@
-//! The state of a recording at one moment, and its text.
-
-use std::fmt::Write;
+//! The state of a recording at one moment, and what is said of it in lines.
 
 use inm_protocol::{AxisCounters, Health};
 
@@ -63,8 +61,14 @@ pub struct NoiseRow {
 pub enum Noise {
     /// Its value, and half the width of its 95 % interval as a fraction of it.
     Value(f64, f64),
-    /// Not resolved from zero; its 95 % bound.
-    Below(f64),
+    /// Not resolved from zero.
+    Below {
+        /// Its 95 % bound.
+        bound: f64,
+        /// How much longer the record has to be to show it half of the time, seconds, if it is what the
+        /// best estimate says; `None` where no length would.
+        more_s: Option<f64>,
+    },
 }
 
 /// One Allan deviation.
@@ -76,137 +80,88 @@ pub struct Cell {
     pub relative: f64,
 }
 
-/// Characters of the progress bar.
-const BAR: usize = 30;
+/// Characters of the progress bar: with its figures it fits 80 columns.
+const BAR: usize = 12;
+
+/// News among the lines: what happened last.
+const LINES_OF_NEWS: usize = 4;
 
 impl Snapshot {
-    /// The view as lines of text.
+    /// The state as lines of text: what is recorded, how far, what was lost, what is proven, and the
+    /// last of the news.
     pub fn render(&self) -> String {
-        let mut text = String::new();
-        // Writing to a String cannot fail.
-        let _ = self.write(&mut text);
-        text
+        let mut lines = vec![self.headline(), self.progress()];
+        lines.extend(self.state());
+        let first = self.news.len().saturating_sub(LINES_OF_NEWS);
+        lines.extend(self.news[first..].iter().map(|line| format!("! {line}")));
+        lines.join("\n") + "\n"
     }
 
-    fn write(&self, out: &mut String) -> std::fmt::Result {
-        write!(out, "{}", self.source)?;
-        if let Some(capture) = &self.capture {
-            write!(out, " -> {capture}")?;
-        }
-        writeln!(out, "   {} samples/s", self.rate_hz)?;
-        self.progress(out)?;
-        self.state(out)?;
-        if let Some(proof) = &self.proof {
-            writeln!(out, "{proof}")?;
-        }
-        self.allan(out)?;
-        self.coefficients(out)?;
-        for line in &self.news {
-            writeln!(out, "! {line}")?;
-        }
-        Ok(())
+    /// Where the samples come from and go to, in a line.
+    pub fn headline(&self) -> String {
+        let capture = self.capture.as_ref();
+        let capture = capture.map_or(String::new(), |path| format!(" -> {path}"));
+        format!("{}{capture}   {} samples/s", self.source, self.rate_hz)
     }
 
     /// How far the recording is, in a line.
-    fn progress(&self, out: &mut String) -> std::fmt::Result {
+    pub fn progress(&self) -> String {
         let elapsed_s = self.samples as f64 / self.rate_hz;
-        match self.expected {
-            Some(expected) if expected > 0 => {
-                let done = (self.samples as f64 / expected as f64).min(1.0);
-                let filled = (done * BAR as f64) as usize;
-                write!(
-                    out,
-                    "{} of {}  [{:#<filled$}{:->rest$}] {:3.0} %",
-                    clock(elapsed_s),
-                    clock(expected as f64 / self.rate_hz),
-                    "",
-                    "",
-                    100.0 * done,
-                    rest = BAR - filled,
-                )?;
-            }
-            _ => write!(out, "{}", clock(elapsed_s))?,
+        let mut line = clock(elapsed_s);
+        if let Some(expected) = self.expected.filter(|expected| *expected > 0) {
+            let done = (self.samples as f64 / expected as f64).min(1.0);
+            let filled = (done * BAR as f64) as usize;
+            line += &format!(
+                " of {}  [{:#<filled$}{:->rest$}] {:3.0} %",
+                clock(expected as f64 / self.rate_hz),
+                "",
+                "",
+                100.0 * done,
+                rest = BAR - filled,
+            );
         }
-        write!(out, "  {} samples an axis", self.samples)?;
+        line += &format!("  {} samples an axis", self.samples);
         if self.bytes > 0 {
-            write!(out, "  {:.1} MB", self.bytes as f64 / 1e6)?;
+            line += &format!("  {:.1} MB", self.bytes as f64 / 1e6);
         }
-        writeln!(out)
+        line
     }
 
-    /// What was lost and how the board is, in a line.
-    fn state(&self, out: &mut String) -> std::fmt::Result {
+    /// What was lost, how the board is, and what is proven: a line each, as far as it is known.
+    pub fn state(&self) -> Vec<String> {
+        let mut lines = vec![self.losses()];
+        lines.extend(self.board());
+        lines.extend(self.proof.map(|proof| proof.to_string()));
+        lines
+    }
+
+    fn losses(&self) -> String {
         let Losses {
             lost_samples,
             gaps,
             flagged: [x, y, z],
             ..
         } = self.losses;
-        write!(
-            out,
+        format!(
             "lost {lost_samples} samples in {gaps} gaps, {} damaged frames; flagged X {x} Y {y} Z {z}",
             self.damaged
-        )?;
-        if let Some(health) = &self.health {
-            if let Some(t) = health.mcu_centi_celsius {
-                write!(out, "; board {:.1} degC", f64::from(t) / 100.0)?;
-            }
-            if let Some(mv) = health.supply_mv {
-                write!(out, ", sensor supply {:.3} V", f64::from(mv) / 1000.0)?;
-            }
-            let trouble: u32 = health.axes.iter().map(trouble).sum();
-            if trouble > 0 {
-                write!(out, ", converter trouble {trouble} times")?;
-            }
-        }
-        writeln!(out)
+        )
     }
 
-    /// The Allan table.
-    fn allan(&self, out: &mut String) -> std::fmt::Result {
-        if !self.table.is_empty() {
-            writeln!(out)?;
-            write!(out, "{:>11}", "tau, s")?;
-            for axis in &self.axes {
-                write!(out, "{axis:>22}")?;
-            }
-            writeln!(out)?;
+    fn board(&self) -> Option<String> {
+        let health = self.health.as_ref()?;
+        let mut said = Vec::new();
+        if let Some(t) = health.mcu_centi_celsius {
+            said.push(format!("board {:.1} degC", f64::from(t) / 100.0));
         }
-        for row in &self.table {
-            write!(out, "{:>11}", short(row.tau_s))?;
-            for cell in &row.cells {
-                match cell {
-                    Some(Cell { adev, relative }) => {
-                        let percent = format!("{:.2} %", 100.0 * relative);
-                        write!(out, "{adev:>12.3e} ±{percent:>8}")?;
-                    }
-                    None => write!(out, "{:>22}", "-")?,
-                }
-            }
-            writeln!(out)?;
+        if let Some(mv) = health.supply_mv {
+            said.push(format!("sensor supply {:.3} V", f64::from(mv) / 1000.0));
         }
-        Ok(())
-    }
-
-    /// The coefficients, in the columns of the table.
-    fn coefficients(&self, out: &mut String) -> std::fmt::Result {
-        for row in &self.noise {
-            write!(out, "{:>11}", row.symbol)?;
-            for cell in &row.cells {
-                match cell {
-                    Some(Noise::Value(value, relative)) => {
-                        let percent = format!("{:.2} %", 100.0 * relative);
-                        write!(out, "{value:>12.3e} ±{percent:>8}")?;
-                    }
-                    Some(Noise::Below(bound)) => {
-                        write!(out, "{:>22}", format!("below {bound:.2e}"))?;
-                    }
-                    None => write!(out, "{:>22}", "-")?,
-                }
-            }
-            writeln!(out)?;
+        let trouble: u32 = health.axes.iter().map(trouble).sum();
+        if trouble > 0 {
+            said.push(format!("converter trouble {trouble} times"));
         }
-        Ok(())
+        (!said.is_empty()).then(|| said.join(", "))
     }
 }
 
@@ -221,31 +176,12 @@ fn clock(seconds: f64) -> String {
     format!("{:02}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60)
 }
 
-/// A time to four digits without trailing zeros.
-fn short(seconds: f64) -> String {
-    if (0.001..1e5).contains(&seconds) {
-        let digits = (3 - seconds.log10().floor() as i32).max(0) as usize;
-        let text = format!("{seconds:.digits$}");
-        if text.contains('.') {
-            return text.trim_end_matches('0').trim_end_matches('.').to_owned();
-        }
-        return text;
-    }
-    format!("{seconds:.3e}")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn times_are_short() {
-        let shown = [0.0005, 0.001, 0.0125, 1.0, 32.768, 1234.5].map(short);
-        assert_eq!(shown, ["5.000e-4", "0.001", "0.0125", "1", "32.77", "1234"]);
-    }
-
-    #[test]
-    fn the_view_tells_progress_loss_and_table() {
+    fn the_lines_tell_progress_loss_and_what_happened_last() {
         let snapshot = Snapshot {
             source: "virtual".into(),
             capture: Some("run.inmcap".into()),
@@ -257,27 +193,16 @@ mod tests {
                 gaps: 1,
                 ..Losses::default()
             },
-            axes: vec!["X, m/s^2".into()],
-            table: vec![Row {
-                tau_s: 1.0,
-                cells: vec![Some(Cell {
-                    adev: 3.9e-4,
-                    relative: 0.02,
-                })],
-            }],
-            noise: vec![NoiseRow {
-                symbol: "N",
-                cells: vec![Some(Noise::Below(1.25e-4))],
-            }],
-            news: vec!["sample 7: X: the converter clips".into()],
+            news: (0..9)
+                .map(|k| format!("sample {k}: X: the converter clips"))
+                .collect(),
             ..Snapshot::default()
         };
         let text = snapshot.render();
         assert!(text.contains("00:45:00 of 01:30:00"), "{text}");
         assert!(text.contains(" 50 %"), "{text}");
         assert!(text.contains("lost 32 samples in 1 gaps"), "{text}");
-        assert!(text.contains("3.900e-4 ±  2.00 %"), "{text}");
-        assert!(text.contains("N         below 1.25e-4"), "{text}");
-        assert!(text.contains("! sample 7"), "{text}");
+        assert!(text.contains("! sample 5"), "{text}");
+        assert!(!text.contains("! sample 4"), "{text}");
     }
 }

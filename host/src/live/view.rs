@@ -1,4 +1,5 @@
-//! The thread that draws: a slow fit or a stopped terminal costs views, never samples.
+//! The thread that fits, and hands what came of it to the screen: a slow fit or a stopped terminal costs
+//! views, never samples.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -8,15 +9,9 @@ use std::time::{Duration, Instant};
 
 use super::noise::Noises;
 use super::table::table;
-use super::{Screen, Snapshot};
+use super::{Screen, Snapshot, give_terminal_back};
 use crate::bins::record::Record;
 use crate::signal::Signal;
-
-/// Between two pictures on a terminal.
-const PERIOD: Duration = Duration::from_millis(500);
-
-/// Between two lines in a log.
-const LOG_PERIOD: Duration = Duration::from_secs(10);
 
 /// How long the end of a recording waits for its last picture, which takes a fit or two of an axis;
 /// a terminal that is stopped for longer does without.
@@ -45,7 +40,7 @@ pub struct View {
 impl View {
     /// Draws on `screen` what comes of a record described by `signal`.
     pub fn new(screen: Screen, signal: Signal) -> Self {
-        let period = if screen.is_term() { PERIOD } else { LOG_PERIOD };
+        let period = screen.period();
         let (scenes, wanted) = mpsc::channel();
         let busy = Arc::new(AtomicBool::new(false));
         let drawing = Arc::clone(&busy);
@@ -88,6 +83,8 @@ impl View {
         while !artist.is_finished() && Instant::now() < deadline {
             thread::sleep(Duration::from_millis(5));
         }
+        // What follows is printed where the terminal was before.
+        give_terminal_back();
     }
 }
 
@@ -107,8 +104,8 @@ fn draw(mut screen: Screen, signal: &Signal, scenes: &Receiver<Scene>, busy: &At
             snapshot.table = table(signal, record);
             snapshot.noise.clone_from(&noise.rows);
         }
-        // A terminal that went away is no reason to stop a recording.
-        let _ = screen.show(&snapshot.render());
+        screen.show(snapshot);
         busy.store(false, Ordering::Release);
     }
+    screen.close();
 }

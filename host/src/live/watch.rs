@@ -7,8 +7,8 @@ use super::{Observed, Screen};
 use crate::bins::record::Record;
 use crate::source::{Chunk, SourceError};
 
-/// News that stay on the screen.
-const NEWS: usize = 4;
+/// News that can be looked back at: some screens full, and 20 kB.
+const NEWS: usize = 200;
 
 /// Runs `source` to its end: every chunk goes to `record`, if there is one, and `screen` shows
 /// the state now and then. What is slow about that, a thread of its own does.

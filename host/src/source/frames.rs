@@ -144,6 +144,11 @@ impl Frames {
         self.audit.wants_new_beginning()
     }
 
+    /// Whether a frame has begun and not ended.
+    pub fn is_within_a_frame(&self) -> bool {
+        self.decoder.pending() > 0
+    }
+
     /// Frames that arrived damaged, and their bytes.
     pub fn damaged(&self) -> (u64, u64) {
         let counts = self.decoder.counts();

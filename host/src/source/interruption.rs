@@ -110,9 +110,11 @@ impl Interruption {
         if let Some(lasted_ms) = lasted_ms.filter(|ms| *ms >= 0) {
             words += &format!(", for {:.1} s", lasted_ms as f64 / 1000.0);
         }
-        if let Ok(time) = Timestamp::from_millisecond(self.from_ms) {
-            words += &format!(", at {time:.0}");
-        }
-        words
+        words + &at(self.from_ms)
     }
+}
+
+/// `, at` a moment of the wall clock, milliseconds since 1970-01-01 UTC; nothing where it is no time.
+pub fn at(unix_ms: i64) -> String {
+    Timestamp::from_millisecond(unix_ms).map_or(String::new(), |time| format!(", at {time:.0}"))
 }

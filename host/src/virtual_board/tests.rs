@@ -70,3 +70,40 @@ fn a_board_that_gets_no_time_records_what_a_fast_one_does() {
     holding.join().expect("no panic");
     assert!(slow == record(Duration::ZERO), "seed {SEED}");
 }
+
+/// A mark within a frame cut it, and the frame's samples were lost.
+#[test]
+fn marks_cost_no_sample_and_stand_in_their_order() {
+    let plan = Plan {
+        samples: Some(50_000),
+        ..Plan::default()
+    };
+    let connect = Box::new(VirtualConnect::published(SEED, 0.0));
+    let mut source =
+        BoardSource::start(connect, plan, None, Stop::default()).expect("a virtual board");
+    let marks = source.marks();
+    let (mut set, mut told) = (Vec::new(), Vec::new());
+    while let Some(chunk) = source.next_chunk().expect("no loss") {
+        match chunk {
+            Chunk::Samples(_) => {
+                let text = set.len().to_string();
+                // More than may wait are not taken, and that is said.
+                if marks.set(&text).is_ok() {
+                    set.push(text);
+                }
+            }
+            Chunk::News(news) => told.extend(news.strip_prefix("mark ").map(str::to_owned)),
+            Chunk::Gap(gap) => panic!("seed {SEED}: {gap:?}"),
+        }
+    }
+    assert!(set.len() > 10, "seed {SEED}: {} marks", set.len());
+    let texts = told.iter().filter_map(|news| news.rsplit(": ").next());
+    let texts: Vec<&str> = texts.collect();
+    // The one set behind the last samples has no place.
+    set.truncate(set.len() - 1);
+    assert!(
+        texts == set || texts[..texts.len() - 1] == set[..],
+        "seed {SEED}: {texts:?}"
+    );
+    assert_eq!(source.damaged(), (0, 0), "seed {SEED}");
+}

@@ -4,14 +4,14 @@
 use std::collections::BTreeMap;
 
 use inm_protocol::{
-    AXES, BATCH_LEN, Flags, MAX_FRAME, MAX_PAYLOAD, REGISTERS, UNPROVEN_PERIODS, VERSION,
+    AXES, BATCH_LEN, Flags, MAX_FRAME, MAX_MARK, MAX_PAYLOAD, REGISTERS, UNPROVEN_PERIODS, VERSION,
 };
 use syn::{
     Attribute, Expr, Fields, GenericArgument, ImplItem, Item, Lit, Meta, PathArguments, Type,
 };
 
 /// Constants that who speaks the protocol needs, with their values.
-const CONSTANTS: [(&str, u64); 7] = [
+const CONSTANTS: [(&str, u64); 8] = [
     ("VERSION", VERSION as u64),
     ("AXES", AXES as u64),
     ("REGISTERS", REGISTERS as u64),
@@ -19,6 +19,7 @@ const CONSTANTS: [(&str, u64); 7] = [
     ("MAX_PAYLOAD", MAX_PAYLOAD as u64),
     ("MAX_FRAME", MAX_FRAME as u64),
     ("UNPROVEN_PERIODS", UNPROVEN_PERIODS),
+    ("MAX_MARK", MAX_MARK as u64),
 ];
 
 /// Bits of a flag byte; that none is missing is checked against the source.

@@ -1,6 +1,7 @@
 //! A board as a source: on a serial port, or virtual.
 
 mod begin;
+mod marks;
 mod plan;
 mod resume;
 mod same;
@@ -22,6 +23,7 @@ use crate::capture::{CaptureError, Header, Writer, note_frame};
 use crate::link::{Client, Connect, open_to_record};
 use crate::signal::Signal;
 
+pub use self::marks::Marks;
 pub use self::plan::{Plan, Stop};
 
 /// A board that streams, and the capture that its bytes go to.
@@ -35,6 +37,7 @@ pub struct BoardSource {
     capture: Option<Writer>,
     plan: Plan,
     stop: Stop,
+    marks: Marks,
     ended: bool,
     /// The stream broke off, and the board is being looked for.
     search: Option<Search>,
@@ -109,6 +112,7 @@ impl BoardSource {
             capture,
             plan,
             stop,
+            marks: Marks::default(),
             ended: false,
             search: None,
             heard: (0, heard_at),
@@ -161,14 +165,14 @@ impl BoardSource {
         if let Some(capture) = &mut self.capture {
             capture.sync_if_due(Instant::now())?;
         }
+        self.keep_marks_between_frames()?;
         if let Some(search) = self.search.take() {
             return self.look(search);
         }
         let mut buf = [0; 1 << 14];
         match self.client.read(&mut buf) {
             Ok(len) => {
-                let mut talk = self.talk();
-                talk.arrived(&buf[..len])?;
+                self.arrived(&buf[..len])?;
                 self.frames.flush();
                 match self.trouble() {
                     Some(broken) => self.begin_search(broken),
@@ -197,6 +201,7 @@ impl BoardSource {
         self.ended = true;
         // The board may be gone for good; what was recorded stands either way.
         let stopped: Result<(), Failed> = self.talk().ask(Request::Stop);
+        self.keep_marks()?;
         self.note(Note::End { unix_ms: now_ms() })?;
         self.bring_to_disk()?;
         self.frames.finish();

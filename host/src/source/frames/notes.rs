@@ -1,8 +1,9 @@
-//! What the recording host wrote between the frames: ports that went away, boards that fell silent, the end.
+//! What the recording host wrote between the frames: ports that went away, boards that fell silent, marks,
+//! the end.
 
 use inm_protocol::Note;
 
-use super::super::interruption::Interruption;
+use super::super::interruption::{Interruption, at};
 use super::Frames;
 
 impl Frames {
@@ -25,6 +26,13 @@ impl Frames {
             Note::PortBack { unix_ms } => self.back("the port came back", unix_ms),
             Note::StreamBack { unix_ms } => self.back("the stream is back", unix_ms),
             Note::End { .. } => self.status.ended = true,
+            Note::Mark { unix_ms, text } => {
+                let index = self.assembler.next_index();
+                let words = if text.is_empty() { "" } else { ": " };
+                let time = at(unix_ms);
+                self.assembler
+                    .news(format!("mark ahead of sample {index}{time}{words}{text}"));
+            }
             _ => {}
         }
     }
