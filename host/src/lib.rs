@@ -35,6 +35,7 @@ mod live;
 mod model;
 mod navigate;
 mod numeric;
+mod page;
 mod plain;
 mod report;
 mod signal;

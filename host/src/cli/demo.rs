@@ -14,7 +14,7 @@ use crate::analyse::{AnalysisOptions, summarise};
 use crate::bins::record::{Overlap, Record};
 use crate::diagnosis::result::finding::Diagnosis;
 use crate::face::diagnose::{DiagnosisError, DiagnosisOptions, diagnose};
-use crate::live::{Screen, watch};
+use crate::live::{ScreenArtist, watch};
 use crate::report::{self, Report, reveal};
 use crate::source::Source;
 use crate::source::board::{BoardSource, Plan};
@@ -74,7 +74,8 @@ impl DemoCommand {
         let mut source = BoardSource::start(connect, plan, Some(&capture), stop)?;
         let signal = source.signal().clone();
         let mut record = Record::new(signal.axes.len(), Overlap::Strided);
-        watch(&mut source, Some(&mut record), Screen::lines())?;
+        let screen = ScreenArtist::lines(&signal);
+        watch(&mut source, Some(&mut record), vec![screen])?;
 
         say("\n")?;
         let results = self.results("demo");

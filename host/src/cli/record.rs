@@ -8,7 +8,7 @@ use clap::Args;
 use super::interrupt;
 use super::output::say;
 use super::recording::BoardOptions;
-use crate::live::{Screen, watch};
+use crate::live::{ScreenArtist, watch};
 use crate::source::Source;
 use crate::source::board::BoardSource;
 
@@ -31,7 +31,8 @@ impl RecordCommand {
         let stop = interrupt::stop_on_signal()?;
         let connect = self.board.connect(0.0);
         let mut source = BoardSource::start(connect, self.board.plan(), Some(&self.output), stop)?;
-        let ended = watch(&mut source, None, Screen::lines());
+        let screen = ScreenArtist::lines(source.signal());
+        let ended = watch(&mut source, None, vec![screen]);
         // Said in either case: a recording that broke off is still a recording.
         say(&self.told(&source))?;
         ended?;

@@ -9,7 +9,7 @@ use super::recording::parse_speed;
 use super::results::ResultOptions;
 use crate::analyse::{AnalysisOptions, summarise};
 use crate::bins::record::{Overlap, Record};
-use crate::live::{Screen, watch};
+use crate::live::{ScreenArtist, watch};
 use crate::source::capture::CaptureSource;
 use crate::source::{Source, SourceError};
 
@@ -44,7 +44,8 @@ impl ReplayCommand {
         let mut source = source.at_speed(self.speed);
         let signal = source.signal().clone();
         let mut record = Record::new(signal.axes.len(), Overlap::Strided);
-        let ended = watch(&mut source, Some(&mut record), Screen::lines());
+        let screen = ScreenArtist::lines(&signal);
+        let ended = watch(&mut source, Some(&mut record), vec![screen]);
         self.results
             .write(&summarise(&signal, &record, &AnalysisOptions::default()))?;
         Ok(ended?)

@@ -5,35 +5,42 @@
 //!   source -> watch -> record
 //!               |
 //!               v
-//!             View: fits, on a thread of its own -> Screen: lines, or the whole terminal
+//!             View: a thread of its own -> Artist: fits, and a Screen (lines, or the whole terminal)
+//!                                                  or, in `page`, a page for browsers
 //! ```
 //!
-//! [`Snapshot`] is the plain state of a moment, and [`Screen`] shows it. The recording waits for
-//! neither.
+//! [`Snapshot`] is the plain state of a moment, and an [`Artist`] shows it. The recording
+//! waits for neither.
 
 mod lines;
 mod noise;
 mod observe;
 mod screen;
 mod snapshot;
+mod strip;
 mod table;
 mod terminal;
 mod view;
 mod watch;
+pub mod words;
 
 use std::sync::Arc;
 
-use crate::source::board::Marks;
+use crate::source::board::{Marks, Stop};
 
 pub use observe::Observed;
-pub use screen::Screen;
+pub use screen::{Screen, ScreenArtist};
 pub use snapshot::{Cell, Noise, NoiseRow, Row, Snapshot};
+pub use strip::Strip;
 pub use terminal::give_back as give_terminal_back;
+pub use view::{Artist, Scene};
 pub use watch::watch;
 
 /// What a viewer may do to a recording.
 #[derive(Clone)]
 pub struct Controls {
+    /// Ends the recording in good order.
+    pub stop: Stop,
     /// What Ctrl-C does: the first ends the recording in good order, the second the program.
     pub interrupt: Arc<dyn Fn() + Send + Sync>,
     /// Where marks go; `None` where they have no place.

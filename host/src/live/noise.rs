@@ -46,7 +46,7 @@ impl Noises {
         let fits: Vec<(f64, Option<LikelihoodFit>)> = durations_s.zip(fits).collect();
         let cell = |one: Coefficient, (duration_s, fit): &(f64, Option<LikelihoodFit>)| {
             let value = fit.as_ref()?.coefficients.get(one);
-            cell(value, *duration_s)
+            Noise::of(value, *duration_s)
         };
         self.rows = Coefficient::ALL
             .into_iter()
@@ -67,14 +67,18 @@ fn fit(rate_hz: f64, axis: &Axis, record: &AxisRecord) -> Option<LikelihoodFit> 
     terms::fit(cascade, &estimate, axis.scale, &design)
 }
 
-fn cell(value: &LikelihoodValue, duration_s: f64) -> Option<Noise> {
-    match (value.value, value.hi) {
-        (Some(best), Some(hi)) => Some(Noise::Value(best, 0.5 * (hi - value.lo) / best)),
-        _ => value.upper.map(|bound| Noise::Below {
-            bound,
-            more_s: value
-                .record_longer_by
-                .map(|factor| (factor - 1.0) * duration_s),
-        }),
+impl Noise {
+    /// What a fit to a record of `duration_s` seconds says of a coefficient; `None` where it sets not even a
+    /// bound.
+    pub fn of(value: &LikelihoodValue, duration_s: f64) -> Option<Self> {
+        match (value.value, value.hi) {
+            (Some(best), Some(hi)) => Some(Self::Value(best, 0.5 * (hi - value.lo) / best)),
+            _ => value.upper.map(|bound| Self::Below {
+                bound,
+                more_s: value
+                    .record_longer_by
+                    .map(|factor| (factor - 1.0) * duration_s),
+            }),
+        }
     }
 }

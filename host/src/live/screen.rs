@@ -3,8 +3,12 @@
 use std::time::Duration;
 
 use super::lines::Lines;
+use super::noise::Noises;
+use super::table::table;
 use super::terminal::{self, TerminalView};
+use super::view::{Artist, Scene};
 use super::{Controls, Snapshot};
+use crate::signal::Signal;
 
 /// Between two pictures on a terminal: often enough to see it move.
 const PERIOD: Duration = Duration::from_millis(500);
@@ -59,5 +63,53 @@ impl Screen {
             let last = view.close();
             drop(Lines::stderr().show(&last.render()));
         }
+    }
+}
+
+/// Fits a record while it grows, and shows it on a screen.
+pub struct ScreenArtist {
+    screen: Screen,
+    signal: Signal,
+    page: Option<String>,
+    noise: Noises,
+}
+
+impl ScreenArtist {
+    /// Lines about a record described by `signal`.
+    pub fn lines(signal: &Signal) -> Box<Self> {
+        Self::on(Screen::lines(), signal, None)
+    }
+
+    /// Shows what comes of a record described by `signal` on `screen`, and where its `page` is.
+    pub fn on(screen: Screen, signal: &Signal, page: Option<String>) -> Box<Self> {
+        Box::new(Self {
+            screen,
+            signal: signal.clone(),
+            page,
+            noise: Noises::default(),
+        })
+    }
+}
+
+impl Artist for ScreenArtist {
+    fn period(&self) -> Duration {
+        self.screen.period()
+    }
+
+    fn draw(&mut self, scene: Scene) {
+        let mut snapshot = scene.snapshot;
+        snapshot.page.clone_from(&self.page);
+        if let Some(record) = &scene.record {
+            if scene.last || self.noise.is_due() {
+                self.noise.fit(&self.signal, record);
+            }
+            snapshot.table = table(&self.signal, record);
+            snapshot.noise.clone_from(&self.noise.rows);
+        }
+        self.screen.show(snapshot);
+    }
+
+    fn close(self: Box<Self>) {
+        self.screen.close();
     }
 }

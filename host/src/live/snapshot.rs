@@ -12,6 +12,8 @@ pub struct Snapshot {
     pub source: String,
     /// Capture that they go to.
     pub capture: Option<String>,
+    /// Address of the page, where one is served.
+    pub page: Option<String>,
     /// Samples a second.
     pub rate_hz: f64,
     /// Samples an axis so far, lost ones included.

@@ -1,5 +1,4 @@
-//! The thread that fits, and hands what came of it to the screen: a slow fit or a stopped terminal costs
-//! views, never samples.
+//! The thread of an artist: a slow fit or a stopped terminal costs views, never samples.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -7,11 +6,8 @@ use std::sync::mpsc::{self, Receiver, Sender};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-use super::noise::Noises;
-use super::table::table;
-use super::{Screen, Snapshot, give_terminal_back};
+use super::{Snapshot, Strip};
 use crate::bins::record::Record;
-use crate::signal::Signal;
 
 /// How long the end of a recording waits for its last picture, which takes a fit or two of an axis;
 /// a terminal that is stopped for longer does without.
@@ -23,8 +19,22 @@ pub struct Scene {
     pub snapshot: Snapshot,
     /// What has been recorded, where that is shown.
     pub record: Option<Record>,
-    /// Whether the coefficients are fitted anew in any case.
+    /// The last seconds.
+    pub strip: Strip,
+    /// Nothing comes after it.
     pub last: bool,
+}
+
+/// Who shows a recording while it goes on, on a thread of its own.
+pub trait Artist: Send {
+    /// Between two scenes.
+    fn period(&self) -> Duration;
+
+    /// Shows a scene; what comes meanwhile is not shown.
+    fn draw(&mut self, scene: Scene);
+
+    /// Nothing more will come.
+    fn close(self: Box<Self>) {}
 }
 
 /// The near end of the thread.
@@ -38,17 +48,16 @@ pub struct View {
 }
 
 impl View {
-    /// Draws on `screen` what comes of a record described by `signal`.
-    pub fn new(screen: Screen, signal: Signal) -> Self {
-        let period = screen.period();
+    /// Has `artist` draw.
+    pub fn new(artist: Box<dyn Artist>) -> Self {
+        let period = artist.period();
         let (scenes, wanted) = mpsc::channel();
         let busy = Arc::new(AtomicBool::new(false));
         let drawing = Arc::clone(&busy);
-        let artist = thread::spawn(move || draw(screen, &signal, &wanted, &drawing));
         Self {
             scenes: Some(scenes),
             busy,
-            artist: Some(artist),
+            artist: Some(thread::spawn(move || draw(artist, &wanted, &drawing))),
             period,
             begun: None,
         }
@@ -83,29 +92,14 @@ impl View {
         while !artist.is_finished() && Instant::now() < deadline {
             thread::sleep(Duration::from_millis(5));
         }
-        // What follows is printed where the terminal was before.
-        give_terminal_back();
     }
 }
 
 /// Draws each scene, until no more will come.
-fn draw(mut screen: Screen, signal: &Signal, scenes: &Receiver<Scene>, busy: &AtomicBool) {
-    let mut noise = Noises::default();
+fn draw(mut artist: Box<dyn Artist>, scenes: &Receiver<Scene>, busy: &AtomicBool) {
     while let Ok(scene) = scenes.recv() {
-        let Scene {
-            mut snapshot,
-            record,
-            last,
-        } = scene;
-        if let Some(record) = &record {
-            if last || noise.is_due() {
-                noise.fit(signal, record);
-            }
-            snapshot.table = table(signal, record);
-            snapshot.noise.clone_from(&noise.rows);
-        }
-        screen.show(snapshot);
+        artist.draw(scene);
         busy.store(false, Ordering::Release);
     }
-    screen.close();
+    artist.close();
 }

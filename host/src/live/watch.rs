@@ -2,26 +2,27 @@
 
 use std::collections::VecDeque;
 
-use super::view::{Scene, View};
-use super::{Observed, Screen};
+use super::view::{Artist, Scene, View};
+use super::{Observed, Strip, give_terminal_back};
 use crate::bins::record::Record;
 use crate::source::{Chunk, SourceError};
 
 /// News that can be looked back at: some screens full, and 20 kB.
 const NEWS: usize = 200;
 
-/// Runs `source` to its end: every chunk goes to `record`, if there is one, and `screen` shows
-/// the state now and then. What is slow about that, a thread of its own does.
+/// Runs `source` to its end: every chunk goes to `record`, if there is one, and each of `artists` shows
+/// the state now and then. What is slow about that, threads of their own do.
 ///
 /// # Errors
 /// What ends the source early; `record` holds everything up to there.
 pub fn watch(
     source: &mut dyn Observed,
     mut record: Option<&mut Record>,
-    screen: Screen,
+    artists: Vec<Box<dyn Artist>>,
 ) -> Result<(), SourceError> {
     let mut news = VecDeque::new();
-    let mut view = View::new(screen, source.signal().clone());
+    let mut strip = Strip::new(source.signal());
+    let mut views: Vec<View> = artists.into_iter().map(View::new).collect();
     let result = loop {
         let chunk = match source.next_chunk() {
             Ok(Some(chunk)) => chunk,
@@ -29,7 +30,7 @@ pub fn watch(
             Err(error) => break Err(error),
         };
         match &chunk {
-            Chunk::Samples(_) => {}
+            Chunk::Samples(block) => strip.push(block),
             Chunk::Gap(gap) => note(
                 &mut news,
                 format!("gap after sample {}: {}", gap.from, gap.cause),
@@ -39,14 +40,18 @@ pub fn watch(
         if let Some(record) = &mut record {
             record.push(chunk);
         }
-        if view.is_due() {
-            view.show(scene(source, record.as_deref(), &news, false));
+        for view in views.iter_mut().filter(|view| view.is_due()) {
+            view.show(scene(source, record.as_deref(), &strip, &news, false));
         }
     };
     if let Some(record) = &mut record {
         record.enter_rate(source.measured_rate_hz());
     }
-    view.finish(scene(source, record.as_deref(), &news, true));
+    for view in views {
+        view.finish(scene(source, record.as_deref(), &strip, &news, true));
+    }
+    // What follows is printed where the terminal was before.
+    give_terminal_back();
     result
 }
 
@@ -61,6 +66,7 @@ fn note(news: &mut VecDeque<String>, text: String) {
 fn scene(
     source: &dyn Observed,
     record: Option<&Record>,
+    strip: &Strip,
     news: &VecDeque<String>,
     last: bool,
 ) -> Scene {
@@ -74,6 +80,7 @@ fn scene(
     Scene {
         snapshot,
         record: record.cloned(),
+        strip: strip.clone(),
         last,
     }
 }

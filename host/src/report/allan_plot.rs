@@ -14,7 +14,7 @@ use crate::model::Coefficient;
 /// Height of the picture, pixels.
 pub const HEIGHT: f64 = 560.0;
 
-const LAYOUT: Layout = Layout {
+pub(super) const LAYOUT: Layout = Layout {
     height: HEIGHT,
     strip: true,
 };

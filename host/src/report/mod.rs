@@ -15,6 +15,7 @@ pub mod spectrum_plot;
 pub mod svg;
 pub mod text;
 pub mod verdict;
+pub mod watched;
 
 use serde::Serialize;
 

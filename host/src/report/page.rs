@@ -8,7 +8,8 @@ use super::svg::escape;
 use super::text::{rate_words, unusable_words};
 use crate::analyse::{GapSummary, SourceSummary};
 
-const STYLE: &str = include_str!("page.css");
+/// Colours, light and dark, and tables.
+pub const STYLE: &str = include_str!("page.css");
 
 /// Gaps, and notes, listed at most.
 const MOST_GAPS: usize = 100;

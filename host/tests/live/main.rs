@@ -2,6 +2,7 @@
 
 #![cfg(unix)]
 
+mod page;
 mod terminal;
 
 use std::process::Command;

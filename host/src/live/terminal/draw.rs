@@ -8,8 +8,7 @@ use ratatui::widgets::Paragraph;
 
 use super::curve;
 use super::pad::{Mode, Pad, Pane};
-use super::words;
-use crate::live::Snapshot;
+use crate::live::{Snapshot, words};
 use crate::plain::shown;
 
 /// Columns of the averaging time, or of a coefficient's letter, ahead of the axes.
@@ -65,6 +64,8 @@ fn head(snapshot: &Snapshot, pad: &Pad) -> Vec<Line<'static>> {
         line(&progress)
     });
     head.extend(snapshot.state().iter().map(|text| line(text)));
+    let page = snapshot.page.iter();
+    head.extend(page.map(|address| line(&format!("page: {address}"))));
     head
 }
 

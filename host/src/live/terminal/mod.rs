@@ -16,7 +16,6 @@ mod pad;
 mod shared;
 #[cfg(test)]
 mod tests;
-mod words;
 
 use std::io::{BufWriter, stderr};
 use std::sync::Arc;

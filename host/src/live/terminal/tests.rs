@@ -42,6 +42,7 @@ fn snapshot() -> Snapshot {
     Snapshot {
         source: "/dev/ttyUSB0".into(),
         capture: Some("run1.inmcap".into()),
+        page: None,
         rate_hz: 2000.0,
         samples: 5_400_000,
         expected: Some(10_800_000),
@@ -115,6 +116,15 @@ fn a_list_is_scrolled_under_its_heading() {
     insta::assert_snapshot!(picture((80, 24), &snapshot(), &mut pad));
     assert_eq!(pad.above, pad.most_above);
     assert!(pad.most_above > 0 && pad.most_above < snapshot().table.len());
+}
+
+#[test]
+fn the_page_has_its_address_in_the_view() {
+    let address = "http://127.0.0.1:4000/0123456789abcdef0123456789abcdef/";
+    let mut with = snapshot();
+    with.page = Some(address.into());
+    let shown = picture((80, 24), &with, &mut pad(Pane::Curve));
+    assert!(shown.contains(address), "{shown}");
 }
 
 #[test]

@@ -1,6 +1,6 @@
-//! Numbers of the view as words that fit a column.
+//! Numbers of a view as words that fit a column.
 
-use crate::live::{Cell, Noise};
+use super::{Cell, Noise};
 
 /// Seconds in a minute, an hour and a day, with what follows their number. Longer waits than
 /// [`LONGEST_S`] are not told.

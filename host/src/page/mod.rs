@@ -1,0 +1,20 @@
+//! The page of `inm live`: a recording in the browser, on this machine alone unless asked otherwise.
+//!
+//! ```text
+//!   live::View -> PageArtist: an analysis, the reports' own pictures -> Hub -> Server -> tabs
+//!                     ^                                                            |
+//!   the capture -> Looker: a diagnosis now and then         stop, marks <----------+
+//! ```
+//!
+//! The page is what [`Hub`](hub::Hub) holds, part by part; a tab gets what has changed since it last asked. Who may
+//! ask is in [`guard`].
+
+mod artist;
+mod files;
+mod guard;
+mod hub;
+mod look;
+mod parts;
+mod server;
+
+pub use artist::PageArtist;

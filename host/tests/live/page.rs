@@ -1,0 +1,258 @@
+//! The page: who is let in, what tabs get, and that no tab costs a sample.
+
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// Longest wait for anything: a busy machine takes its time, and a defect for ever.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A recording with a page.
+struct Served {
+    child: Child,
+    /// Address and port.
+    host: String,
+    /// Path of the page, with its token.
+    path: String,
+}
+
+impl Served {
+    /// Records a virtual board at ten times its speed.
+    fn start(capture: &Path, board_s: u32) -> Self {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_inm"))
+            .args([
+                "live",
+                "--source",
+                "virtual",
+                "--speed",
+                "10",
+                "--plain",
+                "--page",
+                "--duration",
+            ])
+            .arg(board_s.to_string())
+            .arg("-o")
+            .arg(capture)
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("inm runs");
+        let mut said = BufReader::new(child.stderr.take().expect("it was asked for"));
+        let mut line = String::new();
+        said.read_line(&mut line)
+            .expect("it says where the page is");
+        // A pipe that nobody reads holds what is written to it.
+        thread::spawn(move || std::io::copy(&mut said, &mut std::io::sink()));
+        let url = line.trim().strip_prefix("page: http://");
+        let (host, path) = url.and_then(|url| url.split_once('/')).expect("an address");
+        Self {
+            child,
+            host: host.to_owned(),
+            path: format!("/{path}"),
+        }
+    }
+
+    /// A tab: the stream of what changes.
+    fn tab(&self) -> BufReader<TcpStream> {
+        let mut tab = TcpStream::connect(&self.host).expect("it listens");
+        tab.set_read_timeout(Some(PATIENCE)).expect("set");
+        let request = self.request("GET", "events", &[], "");
+        tab.write_all(request.as_bytes()).expect("it hears");
+        BufReader::new(tab)
+    }
+
+    fn request(&self, method: &str, what: &str, headers: &[&str], body: &str) -> String {
+        let headers: String = headers.iter().map(|one| format!("{one}\r\n")).collect();
+        format!(
+            "{method} {}{what} HTTP/1.1\r\nHost: {}\r\nContent-Length: {}\r\n{headers}\r\n{body}",
+            self.path,
+            self.host,
+            body.len()
+        )
+    }
+
+    /// The status of the answer to a request.
+    #[track_caller]
+    fn status(&self, request: &str) -> u16 {
+        let mut stream = TcpStream::connect(&self.host).expect("it listens");
+        stream.set_read_timeout(Some(PATIENCE)).expect("set");
+        // An answer may come before all was sent.
+        let _ = stream.write_all(request.as_bytes());
+        let mut line = String::new();
+        BufReader::new(stream)
+            .read_line(&mut line)
+            .expect("an answer");
+        let status = line
+            .split(' ')
+            .nth(1)
+            .and_then(|status| status.parse().ok());
+        status.unwrap_or_else(|| panic!("no status: {line}"))
+    }
+
+    /// Ends it, and waits for it.
+    fn stop(mut self) {
+        assert_eq!(self.status(&self.request("POST", "stop", &[], "")), 204);
+        self.end();
+    }
+
+    /// Waits for its end, in good order.
+    fn end(&mut self) {
+        let deadline = Instant::now() + 2 * PATIENCE;
+        let status = loop {
+            if let Some(status) = self.child.try_wait().expect("our child") {
+                break status;
+            }
+            assert!(Instant::now() < deadline, "it does not end");
+            thread::sleep(Duration::from_millis(20));
+        };
+        assert_eq!(status.code(), Some(0));
+    }
+}
+
+/// Reads from a tab until `text` comes.
+#[track_caller]
+fn wait_for(tab: &mut BufReader<TcpStream>, text: &str) -> String {
+    loop {
+        let mut line = String::new();
+        let len = tab.read_line(&mut line).expect("a tab that goes on");
+        assert!(len > 0, "the tab ends without `{text}`");
+        if line.contains(text) {
+            return line;
+        }
+    }
+}
+
+/// What `analyze` reads from a capture, of its source.
+fn source(capture: &Path) -> serde_json::Value {
+    let output = Command::new(env!("CARGO_BIN_EXE_inm"))
+        .arg("analyze")
+        .arg(capture)
+        .args(["--json", "-"])
+        .output()
+        .expect("inm runs");
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    json["source"].clone()
+}
+
+#[test]
+fn who_has_no_business_here_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let served = Served::start(&folder.path().join("run.inmcap"), 600);
+    let ask = |method: &str, what: &str, headers: &[&str], body: &str| {
+        served.status(&served.request(method, what, headers, body))
+    };
+    assert_eq!(ask("GET", "", &[], ""), 200);
+    let host = &served.host;
+    let raw = |path: &str| served.status(&format!("GET {path} HTTP/1.1\r\nHost: {host}\r\n\r\n"));
+    // Another token, or none.
+    for path in [
+        "/",
+        "/events",
+        "/00000000000000000000000000000000/",
+        "//",
+        "/live.js",
+    ] {
+        assert_eq!(raw(path), 403, "{path}");
+    }
+    // Another name, another page.
+    let named = |host: &str| {
+        served.status(&format!(
+            "GET {} HTTP/1.1\r\nHost: {host}\r\n\r\n",
+            served.path
+        ))
+    };
+    assert_eq!(named("evil.example"), 403);
+    let evil = "Origin: http://evil.example";
+    assert_eq!(ask("POST", "stop", &[evil], ""), 403);
+    assert_eq!(
+        ask("POST", "mark", &["Sec-Fetch-Site: cross-site"], "x"),
+        403
+    );
+    // Paths that lead elsewhere lead nowhere.
+    for what in [
+        "../",
+        "..%2f..%2fetc/passwd",
+        "live.js/",
+        "//live.js",
+        "stop/../live.js",
+    ] {
+        assert_eq!(ask("GET", what, &[], ""), 404, "{what}");
+    }
+    assert_eq!(ask("GET", "stop", &[], ""), 405);
+    assert_eq!(ask("POST", "", &[], ""), 405);
+    // Too much of anything.
+    assert_eq!(ask("POST", "mark", &[], &"x".repeat(10_000)), 413);
+    assert_eq!(ask("POST", "mark", &[], &"x".repeat(200)), 422);
+    assert_eq!(ask("GET", &"x".repeat(100_000), &[], ""), 414);
+    let header = format!("X: {}", "x".repeat(1_000_000));
+    assert_eq!(ask("GET", "", &[&header], ""), 431);
+    // None of it ended or marked anything.
+    let mut tab = served.tab();
+    let parts = wait_for(&mut tab, "nothing has happened so far");
+    assert!(!parts.contains("mark ahead"), "{parts}");
+    served.stop();
+}
+
+#[test]
+fn tabs_cost_no_sample_whatever_they_do() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let capture = folder.path().join("run.inmcap");
+    let mut served = Served::start(&capture, 300);
+    let (mut tab, mut other) = (served.tab(), served.tab());
+    // Never read again: its buffers fill, and it is skipped.
+    let mut slow = served.tab();
+    slow.read_exact(&mut [0; 512]).expect("its beginning");
+    wait_for(&mut tab, "<svg");
+    wait_for(&mut other, "<svg");
+    drop(other);
+    assert_eq!(
+        served.status(&served.request("POST", "mark", &[], "door")),
+        204
+    );
+    wait_for(&mut tab, "mark ahead of sample");
+    // Opened again it has all of it.
+    let mut again = served.tab();
+    let parts = wait_for(&mut again, "mark ahead of sample");
+    assert!(parts.contains("Allan deviation"), "{parts}");
+    drop(again);
+    // Who reads hears of the end.
+    wait_for(&mut tab, "event: end");
+    served.end();
+    let source = source(&capture);
+    assert_eq!(source["gaps"], serde_json::json!([]));
+    assert!(source["samples"].as_u64() >= Some(600_000), "{source}");
+    assert!(source["news"].to_string().contains(": door"), "{source}");
+}
+
+#[test]
+fn an_address_that_cannot_be_is_said_before_anything_is_recorded() {
+    let taken = std::net::TcpListener::bind("127.0.0.1:0").expect("an address");
+    let taken = taken.local_addr().expect("an address").to_string();
+    let folder = tempfile::tempdir().expect("a folder");
+    let capture = folder.path().join("run.inmcap");
+    for (address, why) in [
+        (taken.as_str(), "another port"),
+        ("0.0.0.0:0", "the one by which browsers reach it"),
+        ("localhost", "invalid socket address"),
+    ] {
+        let output = Command::new(env!("CARGO_BIN_EXE_inm"))
+            .args([
+                "live",
+                "--source",
+                "virtual",
+                &format!("--page={address}"),
+                "-o",
+            ])
+            .arg(&capture)
+            .output()
+            .expect("inm runs");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.contains(address) && said.contains(why), "{said}");
+        assert!(!capture.exists(), "{address}");
+    }
+}
