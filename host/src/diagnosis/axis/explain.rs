@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::OnceLock;
 
-use crate::diagnosis::axis::{AxisState, NoFit};
+use crate::diagnosis::axis::{AxisState, NoFit, fill};
 use crate::diagnosis::explanation::{Candidate, Change, Explanation, Snapshot};
 use crate::diagnosis::laws::{Law, search};
 use crate::diagnosis::record::bins::SpectralBins;
@@ -266,7 +266,7 @@ impl AxisState {
         let fit = search::polish(&self.bins, &self.data, &mut self.laws, 0, 0.05);
         self.fit = fit.ok_or(NoFit)?;
         self.settle(values);
-        self.fill()?;
+        self.fill(fill::AGAIN)?;
         let mut polished = self.laws.iter();
         for one in &mut self.explanations {
             if let Change::Law(law) = &mut one.change

@@ -9,8 +9,12 @@ use crate::diagnosis::record::short_gaps::ShortGaps;
 /// Nats by which a law may still move from one fill to the next when it is taken for the record's own: a choice.
 const AGREED: f64 = 0.1;
 
-/// Fills at most: a choice. A third of a record of quantisation noise missing takes half as many.
-const MOST: usize = 20;
+/// Fills of a record at most: a choice. A third of a record of quantisation noise missing takes half as many.
+pub(super) const AT_FIRST: usize = 20;
+
+/// Fills at most where the record was filled before, and little has changed: a choice. A law that has a floor near zero
+/// tends there ever more slowly, and each fill of a million samples takes a second.
+pub(super) const AGAIN: usize = 4;
 
 /// The part of what a law is off by that one fill leaves at most, as far as it is trusted to go on so: a choice.
 const SLOWEST: f64 = 0.75;
@@ -26,17 +30,17 @@ impl AxisState {
         self.short_gaps().map_or(0, |gaps| gaps.places().len())
     }
 
-    /// Fills the short gaps by the law as it is fitted and fits it anew, until the two agree. Leaves an axis that
-    /// has none as it is.
+    /// Fills the short gaps by the law as it is fitted and fits it anew, until the two agree, `most` times at most. Leaves
+    /// an axis that has none as it is.
     ///
     /// # Errors
     /// [`NoFit`] where what is filled cannot be fitted.
-    pub(super) fn fill(&mut self) -> Result<(), NoFit> {
+    pub(super) fn fill(&mut self, most: usize) -> Result<(), NoFit> {
         let Some(gaps) = self.short_gaps.clone() else {
             return Ok(());
         };
         let mut course: Vec<Vec<f64>> = Vec::new();
-        for _ in 0..MOST {
+        for _ in 0..most {
             let expected = self.fit.expected.clone();
             self.fill_once(&gaps, &mut course)?;
             if self.nats_from(&expected) < AGREED {

@@ -113,7 +113,7 @@ impl AxisState {
             lines: OnceLock::new(),
         };
         state.settle(whole);
-        state.fill().ok()?;
+        state.fill(fill::AT_FIRST).ok()?;
         Some(state)
     }
 

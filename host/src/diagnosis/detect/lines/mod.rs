@@ -34,7 +34,8 @@ pub static WANDERING: Detector = Detector {
 
 fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     let mut groups = lines(look.axis, look.level());
-    let known = look.axis.excluded_hz();
+    let mut known = look.axis.excluded_hz();
+    known.extend(skirts_hz(look.axis));
     let is_known = |f_hz: f64| known.iter().any(|band| band.contains(&f_hz));
     groups.retain_mut(|group| match group {
         Group::Single(one) => !is_known(one.line.frequency_hz),
@@ -131,7 +132,18 @@ pub fn unresolved(look: &Look<'_>, f_hz: f64, p_value: f64) -> Option<Proposal> 
         return None;
     }
     let one = measure_near(look.axis, f_hz, p_value);
+    if wanders(look, &one) {
+        return None;
+    }
     single(look, &mut taken_out_hz(look.axis), one)
+}
+
+/// Bands of tones that have a name with as much again on either side: what is seen there is left of them.
+fn skirts_hz(axis: &AxisState) -> impl Iterator<Item = Range<f64>> {
+    axis.tones_hz().into_iter().map(|band| {
+        let width_hz = band.end - band.start;
+        band.start - width_hz..band.end + width_hz
+    })
 }
 
 /// Bands about the resonances that are there: lines in them are their tops.
