@@ -52,13 +52,16 @@ fn trials(
 
 #[test]
 fn whole_record_search_keeps_level_and_reach() {
-    let (len, count) = (40_000, 200);
-    let amplitude = 1.05 * ideal_amplitude(len, 0.05);
-    let (found, alarms) = trials(count, len, amplitude, 1.0 / len as f64, |record| {
-        search(record, 1.0, 0.05).unwrap()
-    });
-    assert!(found >= 79, "seeds 0..200: {found} found");
-    assert!(alarms <= 19, "seeds 0..200: {alarms} false alarms");
+    // The shortest that is searched, and one of no round number.
+    for len in [1 << 13, 40_000] {
+        let count = 200;
+        let amplitude = 1.05 * ideal_amplitude(len, 0.05);
+        let (found, alarms) = trials(count, len, amplitude, 1.0 / len as f64, |record| {
+            search(record, 1.0, 0.05).unwrap()
+        });
+        assert!(found >= 79, "seeds 0..200, {len}: {found} found");
+        assert!(alarms <= 19, "seeds 0..200, {len}: {alarms} false alarms");
+    }
 }
 
 #[test]

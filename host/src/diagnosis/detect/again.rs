@@ -55,3 +55,57 @@ fn put_back(axis: &AxisState, wave: &Wave) -> Vec<f64> {
     let pairs = axis.filled.iter().zip(less);
     pairs.map(|(left, less)| left - less).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::detect::trial::{self, Trial, noise};
+    use crate::model::warmup::KIND;
+
+    const AMPLITUDE: f64 = 200.0;
+    const TIME_S: f64 = 30.0;
+
+    /// A settling that is known with these numbers.
+    fn known(seed: u64, amplitude: f64, time_s: f64) -> Trial {
+        let mut values = noise(seed);
+        trial::add(&mut values, &trial::settling(AMPLITUDE, TIME_S));
+        let mut trial = Trial::new(values);
+        let change =
+            crate::diagnosis::explanation::Change::Waves(vec![trial::settling(amplitude, time_s)]);
+        trial.know(KIND, [amplitude, time_s], change);
+        trial
+    }
+
+    #[test]
+    fn a_settling_that_is_known_badly_is_measured_again_until_it_is_known_well() {
+        let seed = 20;
+        let mut trial = known(seed, 1.01 * AMPLITUDE, 0.99 * TIME_S);
+        let again = |trial: &Trial| trial.look(proposal);
+        let mut rounds = 0;
+        while let Some(better) = again(&trial) {
+            let better = trial::candidate(vec![better]).expect("a settling");
+            assert_eq!(better.amends, Some(0), "seed {seed}");
+            trial.accept(better);
+            rounds += 1;
+            assert!(rounds < 5, "seed {seed}: it does not settle");
+        }
+        assert!(rounds > 0, "seed {seed}: not measured again");
+        let [amplitude, time_s] = trial.axis.explanations()[0].effect.plain()[..] else {
+            panic!("seed {seed}: two numbers");
+        };
+        // Of the root of 3000 samples within the first time constant the time is known to a ten-thousandth.
+        assert!(
+            (amplitude / AMPLITUDE).ln().abs() < 1e-3,
+            "seed {seed}: {amplitude}"
+        );
+        assert!(
+            (time_s / TIME_S).ln().abs() < 1e-3,
+            "seed {seed}: {time_s} s"
+        );
+    }
+
+    #[test]
+    fn where_none_is_known_there_is_nothing_to_measure() {
+        assert!(Trial::new(noise(21)).look(proposal).is_none(), "seed 21");
+    }
+}

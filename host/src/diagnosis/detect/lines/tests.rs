@@ -8,6 +8,7 @@ use super::*;
 use crate::diagnosis::detect::trial::{self, Trial, noise};
 use crate::diagnosis::laws::Law;
 use crate::model::kind::Kind;
+use crate::model::wandering_line;
 
 /// A line as it is measured.
 fn measured(f_hz: f64) -> Measured {
@@ -237,4 +238,31 @@ fn where_much_is_missing_the_strongest_of_a_cluster_is_a_line() {
     // It is known to far less than a hundredth of what is between it and its neighbours.
     let f_hz = line.effect.plain()[0];
     assert!((f_hz - 3.7).abs() < 1e-3, "seed 5: {f_hz} Hz");
+}
+
+#[test]
+fn a_few_cycles_are_no_line() {
+    let trial = Trial::new(noise(7));
+    let is_line = |cycles: f64| {
+        trial.look(|look| unresolved(look, cycles / look.duration_s(), 1e-9).is_some())
+    };
+    assert!(is_line(70.0), "seed 7");
+    assert!(!is_line(60.0), "seed 7");
+}
+
+#[test]
+fn what_is_beside_a_tone_by_less_than_its_width_is_left_of_it() {
+    let named = |from_hz: f64, to_hz: f64| {
+        let mut trial = with_line(8, false);
+        let band = from_hz..to_hz;
+        trial.know(
+            wandering_line::KIND,
+            [0.5 * (from_hz + to_hz), 0.1, 1.0, 1.0],
+            Change::Tone(vec![band]),
+        );
+        trial::candidate(trial.ask(&DETECTOR)).is_some()
+    };
+    // The line is at 3.7 Hz.
+    assert!(!named(3.8, 4.0), "seed 8");
+    assert!(named(4.0, 4.2), "seed 8");
 }
