@@ -25,7 +25,11 @@ function place([id, html]) {
     element("axes").append(target);
   }
   const focused = document.activeElement?.id;
+  // What is wider than the screen stays where it was scrolled to.
+  const wide = () => target.querySelectorAll(".scroll, figure");
+  const left = [...wide()].map((one) => one.scrollLeft);
   target.innerHTML = html;
+  wide().forEach((one, number) => (one.scrollLeft = left[number] ?? 0));
   target.querySelectorAll("figure[data-x]").forEach(picture);
   // A picture that is drawn anew keeps the focus.
   if (focused && document.activeElement === document.body) element(focused)?.focus({ preventScroll: true });
