@@ -24,7 +24,7 @@ fn dropped_samples_are_gone() {
         // The hum by itself, whole: what is behind the gap comes that much earlier.
         let hum = alone
             .effect
-            .waveform(&alone.scene, 0, &mut Draw::new(0, ""));
+            .tones(&alone.scene, &mut Draw::new(0, ""), &|_| 1.0);
         let hum = hum.expect("a dropped sample shows in a hum");
         near(alone.samples[at - 1], hum[at - 1], 1e-6, seed);
         near(alone.samples[at], hum[at + missing], 1e-6, seed);
