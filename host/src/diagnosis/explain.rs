@@ -111,9 +111,10 @@ pub fn explain(
         || begin_with(signal.chain.as_ref()),
     );
     let found = |kind| progress(&signal.name, Step::Found(kind));
-    let explained_behind = |first: AxisState, chain: Option<&Chain>| {
+    let from = |first: AxisState, chain: Option<&Chain>| {
+        let base = Bare::of(&first, level, options);
         let begin = || begin_with(chain);
-        without_losers(&signal.name, first, begin, |axis, refused| {
+        let explained = without_losers(&signal.name, first, begin, |axis, refused| {
             let context = Context {
                 level,
                 covariate: options.covariate.as_deref(),
@@ -122,7 +123,8 @@ pub fn explain(
                 found: &found,
             };
             attempt(axis, &context)
-        })
+        });
+        explained.map(|explained| (base, explained))
     };
     let seen = |axis: &AxisState| recognised::chain(axis, |chain| begin_with(Some(chain)).ok());
     let mut first = first?;
@@ -130,15 +132,12 @@ pub fn explain(
     if let Some(chain) = &recognised {
         first = begin_with(Some(chain))?;
     }
-    let mut base = Bare::of(&first, level, options);
-    let mut explained = explained_behind(first, recognised.as_ref().or(signal.chain.as_ref()))?;
+    let (mut base, mut explained) = from(first, recognised.as_ref().or(signal.chain.as_ref()))?;
     if recognised.is_none()
         && let Some(chain) = seen(&explained.0)
     {
         // What stood ahead of it had a name.
-        let first = begin_with(Some(&chain))?;
-        base = Bare::of(&first, level, options);
-        explained = explained_behind(first, Some(&chain))?;
+        (base, explained) = from(begin_with(Some(&chain))?, Some(&chain))?;
         recognised = Some(chain);
     }
     let (mut axis, unexplained, mut held_out_nats) = explained;

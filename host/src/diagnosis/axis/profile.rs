@@ -128,11 +128,11 @@ impl<'a> Profile<'a> {
     /// A waveform of any size, whose transform is `wave`.
     pub fn fit(&self, wave: &Transform) -> Joint {
         let best = self.best(&[wave, &self.seam[0], &self.seam[1]]);
-        let twice = 2.0 * (best.nats - self.null).max(0.0);
+        let nats = (best.nats - self.null).max(0.0);
         let size = best.sizes[0];
         Joint {
-            nats: 0.5 * twice,
-            z: size.signum() * as_normal(twice, 2.0 * self.deciding(wave, best.squares)),
+            nats,
+            z: size.signum() * as_normal(2.0 * nats, 2.0 * self.deciding(wave, best.squares)),
             squares: best.squares,
         }
     }

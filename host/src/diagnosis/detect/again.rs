@@ -10,7 +10,7 @@ use crate::diagnosis::detect::slow_change::MeasuredAgain;
 use crate::diagnosis::detect::{thermal, warmup};
 use crate::diagnosis::explanation::Explanation;
 use crate::diagnosis::record::wave::Wave;
-use crate::model::kind::Kind;
+use crate::model::{self, kind::Kind};
 
 /// Gain in log-likelihood from which a change is measured anew, nats: a choice. Its size and its time gain one by what
 /// they follow of the noise.
@@ -18,11 +18,8 @@ const LEAST_GAIN: f64 = 3.0;
 
 /// What is to be done about a slow change that is known, where it is known better now.
 pub fn proposal(look: &Look<'_>) -> Option<Proposal> {
-    let amended = [
-        again(look, crate::model::warmup::KIND, warmup::measured_again),
-        again(look, crate::model::thermal::KIND, thermal::measured_again),
-    ];
-    amended.into_iter().flatten().next()
+    let settling = again(look, model::warmup::KIND, warmup::measured_again);
+    settling.or_else(|| again(look, model::thermal::KIND, thermal::measured_again))
 }
 
 fn again(
@@ -60,6 +57,7 @@ fn put_back(axis: &AxisState, wave: &Wave) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::diagnosis::detect::trial::{self, Trial, noise};
+    use crate::diagnosis::explanation::Change;
     use crate::model::warmup::KIND;
 
     const AMPLITUDE: f64 = 200.0;
@@ -70,8 +68,7 @@ mod tests {
         let mut values = noise(seed);
         trial::add(&mut values, &trial::settling(AMPLITUDE, TIME_S));
         let mut trial = Trial::new(values);
-        let change =
-            crate::diagnosis::explanation::Change::Waves(vec![trial::settling(amplitude, time_s)]);
+        let change = Change::Waves(vec![trial::settling(amplitude, time_s)]);
         trial.know(KIND, [amplitude, time_s], change);
         trial
     }

@@ -29,7 +29,10 @@ pub static IN_NOISE_ANEW: Detector = Detector {
 const PART: f64 = 0.5;
 
 fn strongest(look: &Look<'_>, noise: Noise) -> Result<Vec<Proposal>, NoFit> {
-    if let Some(better) = again::proposal(look) {
+    // Nothing has changed when a round comes to its second look.
+    if noise == Noise::Fitted
+        && let Some(better) = again::proposal(look)
+    {
         return Ok(vec![better]);
     }
     let thermal = thermal::find(look, noise);

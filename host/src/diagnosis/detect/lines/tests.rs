@@ -251,6 +251,13 @@ fn a_few_cycles_are_no_line() {
 }
 
 #[test]
+fn what_is_too_narrow_for_a_resonance_and_does_not_keep_its_size_is_no_line() {
+    let is_line = |fades| with_line(9, fades).look(|look| unresolved(look, 3.7, 1e-9).is_some());
+    assert!(is_line(false), "seed 9");
+    assert!(!is_line(true), "seed 9: fades");
+}
+
+#[test]
 fn what_is_beside_a_tone_by_less_than_its_width_is_left_of_it() {
     let named = |from_hz: f64, to_hz: f64| {
         let mut trial = with_line(8, false);
