@@ -58,6 +58,8 @@ pub struct AxisState {
     pub fit: Fit,
     /// The residual, bridged.
     pub filled: Arc<Vec<f64>>,
+    /// What is missing of the residual and was filled, ascending.
+    bridged: Vec<Range<usize>>,
     /// Ranges excluded from tests of single moments, ascending and disjoint.
     unusable: Vec<Range<usize>>,
     /// What the bins are made for: ranges that are excluded from the record.
@@ -104,6 +106,7 @@ impl AxisState {
             data,
             fit,
             filled: Arc::default(),
+            bridged: Vec::new(),
             unusable: Vec::new(),
             left_out: Vec::new(),
             fast: Arc::new(fast),

@@ -5,6 +5,8 @@ use std::sync::{Arc, OnceLock};
 
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::record::bridge::bridge;
+use crate::diagnosis::record::drawn::Drawn;
+use crate::diagnosis::record::long_gaps;
 
 /// Samples on either side of a bridge or a mask that tests of single moments leave out, at least
 /// and at most: choices. Between them what [`MEMORY`] asks.
@@ -22,14 +24,19 @@ const FILTERED_GUARD: usize = 2048;
 /// four times what the line through the ends rests on.
 const SEAM: usize = 1024;
 
+/// Samples of the longest record of which long gaps are filled by the law: a choice, 17 min at 2000/s. What is drawn
+/// costs some twenty transforms of the record each time that something is found; in longer ones straight lines stand.
+const LONGEST_FILLED: usize = 1 << 21;
+
 impl AxisState {
     /// Takes over what is left of the record, bridged where it is missing.
     pub(super) fn settle(&mut self, mut values: Arc<Vec<f64>>) {
         let mut gaps = if values.iter().all(|value| value.is_finite()) {
             Vec::new()
         } else {
-            bridge(Arc::make_mut(&mut values).as_mut_slice())
+            self.fill_long(Arc::make_mut(&mut values).as_mut_slice())
         };
+        self.bridged.clone_from(&gaps);
         gaps.extend(self.residual.about_jumps(0));
         let guard = self.guard();
         let widened = |gap: &Range<usize>| {
@@ -52,6 +59,29 @@ impl AxisState {
             self.filled = values;
             self.lines = OnceLock::new();
         }
+    }
+
+    /// Fills what is missing of `values`, and says where: as it was filled if they are the same otherwise, or else as the
+    /// law that is fitted has it.
+    fn fill_long(&self, values: &mut [f64]) -> Vec<Range<usize>> {
+        let gaps = bridge(values);
+        if values.len() > LONGEST_FILLED {
+            return gaps;
+        }
+        let is_same = |n: &usize| self.filled.get(*n) == values.get(*n);
+        let starts = [0].into_iter().chain(gaps.iter().map(|gap| gap.end));
+        let ends = gaps.iter().map(|gap| gap.start).chain([values.len()]);
+        let mut there = starts.zip(ends);
+        if self.bridged == gaps && there.all(|(start, end)| (start..end).all(|n| is_same(&n))) {
+            for gap in &gaps {
+                values[gap.clone()].copy_from_slice(&self.filled[gap.clone()]);
+            }
+            return gaps;
+        }
+        let drawn = Drawn::new(values.len());
+        let density = self.law_densities(drawn.ring_len());
+        long_gaps::fill(&drawn, values, &gaps, self.rate_hz, &density);
+        gaps
     }
 
     /// Samples that what whitens the record remembers a cut for. Noise whose density rises with the

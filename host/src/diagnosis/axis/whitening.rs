@@ -76,13 +76,25 @@ impl AxisState {
         densities
     }
 
-    /// Densities of the fitted law at the ordinates of a ring of `len` samples; where far more was measured, a line that
-    /// has no name yet, that.
+    /// Densities of the fitted law at the ordinates of a ring of `len` samples, of the tones that have a name too; where
+    /// far more was measured, a line that has no name yet, that.
     pub(super) fn law_densities(&self, len: usize) -> Vec<f64> {
         let beyond = |ratio: f64| if ratio > FAR_MORE { ratio } else { 1.0 };
-        tabulate(len, self.rate_hz, |f_hz| {
-            self.density(f_hz) * beyond(self.ratio(f_hz))
-        })
+        let law = |f_hz| self.density(f_hz) * beyond(self.ratio(f_hz));
+        let mut densities = tabulate(len, self.rate_hz, law);
+        for tone in self.explanations().iter().filter(|one| one.is_tone()) {
+            let Part::Term(term) = tone.kind().part(&tone.effect.plain()) else {
+                continue;
+            };
+            // Narrow: each ordinate by itself.
+            for (k, density) in densities.iter_mut().enumerate().skip(1) {
+                let f_hz = k as f64 * self.rate_hz / len as f64;
+                if tone.bands_hz().iter().any(|band| band.contains(&f_hz)) {
+                    *density += self.bins.term_density(&*term, f_hz) * self.filters(f_hz);
+                }
+            }
+        }
+        densities
     }
 
     /// Amplitude that the signal chain and the laws which filter let through at the ordinates of `whole`; `None` where
@@ -122,7 +134,16 @@ impl AxisState {
         let means = block_means(values, factor);
         let rate_hz = self.rate_hz / factor as f64;
         let mut whole = Transformer::new(means.len()).transform(&means, rate_hz);
-        let mut density = tabulate(whole.len(), rate_hz, |f_hz| {
+        let mut density = self.slow_densities(&whole, factor);
+        self.leave_out(&whole, &mut density);
+        whole.close(&density);
+        (whole, density)
+    }
+
+    /// Densities of the noise at the ordinates of `whole`, a copy in means over `factor` samples, in all bands.
+    pub fn slow_densities(&self, whole: &Transform, factor: usize) -> Vec<f64> {
+        let rate_hz = whole.rate_hz();
+        tabulate(whole.len(), rate_hz, |f_hz| {
             // What folds back, through the mean's own response.
             (0..factor.div_ceil(2).min(8))
                 .flat_map(|fold| {
@@ -142,10 +163,7 @@ impl AxisState {
                     response * self.density(at) * self.ratio(at)
                 })
                 .sum()
-        });
-        self.leave_out(&whole, &mut density);
-        whole.close(&density);
-        (whole, density)
+        })
     }
 }
 

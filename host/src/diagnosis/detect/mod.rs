@@ -25,7 +25,7 @@ pub mod telegraph;
 pub mod thermal;
 pub mod timebase;
 #[cfg(test)]
-mod trial;
+pub(in crate::diagnosis) mod trial;
 pub mod unsteady_band;
 pub mod wandering_line;
 pub mod warmup;

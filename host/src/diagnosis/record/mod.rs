@@ -3,7 +3,9 @@
 
 pub mod bins;
 pub mod bridge;
+pub mod drawn;
 pub mod envelope;
+pub mod long_gaps;
 pub mod powers;
 pub mod residual;
 pub mod runs;

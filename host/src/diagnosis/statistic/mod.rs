@@ -1,6 +1,7 @@
 //! Statistics: arrays in, numbers out.
 
 pub mod allan_curve;
+pub mod kriging;
 pub mod matched_filter;
 pub mod p_value;
 pub mod spread;

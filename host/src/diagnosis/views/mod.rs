@@ -7,6 +7,7 @@
 pub mod allan;
 pub mod amplitudes;
 pub mod course;
+mod edges;
 pub mod growth;
 mod passing;
 pub mod spectrum;
@@ -113,6 +114,7 @@ fn deterministic(axis: &AxisState) -> Vec<f64> {
         return Vec::new();
     }
     let mut wave = axis.residual.waveform();
+    edges::soften(axis, &mut wave);
     for (value, measured) in wave.iter_mut().zip(axis.residual.whole()) {
         *value += 0.0 * measured;
     }

@@ -1,6 +1,7 @@
 //! Steps: the level jumps and stays. Jumps to and fro by as much are two levels (`telegraph`).
 
 mod filter;
+mod heights;
 mod pursuit;
 #[cfg(test)]
 mod tests;

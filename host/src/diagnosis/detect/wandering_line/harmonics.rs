@@ -56,11 +56,14 @@ pub fn family(axis: &AxisState, tone: &Tone<'_>, level: f64) -> Family {
     let f_hz = tone.band.frequency_hz(middle);
     let level = level / f64::from(MOST + OWN);
     let is_there = |ratio: f64| stands_out(axis, tone, ratio, level);
+    // What a converter's filter shuts out is no multiple, but what folds or leaks.
+    let passes_hz = tone.seen.transform.frequency(tone.seen.top);
+    let highest_hz = passes_hz.min(HIGHEST * axis.rate_hz);
     let members = |number: u32| -> Vec<u32> {
         let base_hz = f_hz / f64::from(number);
         let is_member = |k: u32| {
             let f_hz = f64::from(k) * base_hz;
-            f_hz < HIGHEST * axis.rate_hz && is_there(f64::from(k) / f64::from(number))
+            f_hz < highest_hz && is_there(f64::from(k) / f64::from(number))
         };
         (1..=MOST)
             .filter(|&k| k == number || is_member(k))
@@ -166,6 +169,11 @@ fn line(axis: &AxisState, tone: &Tone<'_>, number: u32, own: u32) -> Option<Line
     const FLOOR_ERROR: f64 = 1.02;
     let ratio = f64::from(number) / f64::from(own);
     let (band, inside) = filled(axis, tone, filled_hz(tone, ratio))?;
+    // As far as the next multiple it is noise.
+    let apart_hz = filled_hz(tone, f64::from(own).recip()).start;
+    if inside.len() as f64 * band.step_hz > apart_hz {
+        return None;
+    }
     let (mut sum, mut variance, mut floor) = (0.0, 0.0, 0.0);
     for k in inside.clone() {
         // Over the share of the record in which there is any of it.

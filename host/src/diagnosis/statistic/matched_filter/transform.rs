@@ -56,6 +56,7 @@ fn is_smooth(len: usize) -> bool {
 }
 
 /// Makes transforms of records of one length.
+#[derive(Clone)]
 pub struct Transformer {
     len: usize,
     ring: Arc<Ring>,
@@ -213,6 +214,13 @@ impl Transform {
         let ordinates = self.ordinates.par_iter_mut().with_min_len(SHARED);
         let ordinates = ordinates.enumerate().skip(1);
         ordinates.for_each(|(k, ordinate)| *ordinate -= sample + height * step(k));
+    }
+
+    /// Adds another record of the same ring.
+    pub fn add(&mut self, other: &Self) {
+        for (ordinate, other) in self.ordinates.iter_mut().zip(&other.ordinates) {
+            *ordinate += other;
+        }
     }
 
     /// The same behind a filter of this amplitude at each ordinate, where there is one.
