@@ -60,6 +60,7 @@ pub use face::covariate::covariate;
 pub use face::diagnose::{DiagnosisError, DiagnosisOptions, Progress, Refused, Step, diagnose};
 pub use face::simulate::simulate;
 pub use model::axis::{ModelAxis, ModelEffect};
+pub use model::catalogue::find as find_kind;
 pub use model::file::ModelError;
 pub use model::kind::Kind;
 pub use model::whole::Model;

@@ -20,9 +20,12 @@
 //!   tools     the target and QEMU        run    running a command
 //!   layers    which module may import which, a test
 //!   names     what an effect is called is said once, a test
+//!   bring_up  the page on a first board says what the sources say, a test
 //! ```
 
 mod bench;
+#[cfg(test)]
+mod bring_up;
 mod deny;
 mod docs;
 mod elf;

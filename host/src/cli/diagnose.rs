@@ -5,6 +5,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::column;
@@ -13,6 +14,9 @@ use super::output::{self, write_to};
 use super::results::ResultOptions;
 use crate::diagnosis::result::finding::AxisDiagnosis;
 use crate::face::diagnose::{DiagnosisError, DiagnosisOptions, FAMILY_LEVEL, Step, diagnose};
+use crate::model::catalogue::{self, CATALOGUE};
+use crate::model::kind::Kind;
+use crate::model::unnamed;
 use crate::report;
 use crate::source::open::open;
 use crate::source::options::Selector;
@@ -45,6 +49,10 @@ pub struct DiagnoseCommand {
     /// Another record of the same axes: shows whether this one was taken at the rate that it says.
     #[arg(long, value_name = "FILE")]
     reference: Option<String>,
+    /// A kind of effect that is suspected: where it is not found, how near it comes to a name and how large it may be
+    /// is told; repeated for more.
+    #[arg(long, value_name = "KIND", value_parser = kinds())]
+    suspect: Vec<Kind>,
     /// Probability of any finding where nothing is hidden.
     #[arg(long, value_name = "P", default_value_t = FAMILY_LEVEL)]
     level: f64,
@@ -93,11 +101,11 @@ impl DiagnoseCommand {
             family_level: self.level,
             temperature,
             reference: reference.as_mut().map(|source| &mut **source as _),
+            suspects: self.suspect,
             // Text alone does not show it.
             views: self.results.any(),
         };
         let bar = progress(source.signal().axes.len());
-        bar.set_message("reading");
         let diagnosis = diagnose(&mut *source, options, &|axis, step| match step {
             Step::Begun => bar.set_message(format!("axis {axis}")),
             Step::Found(effect) => bar.set_message(format!("axis {axis}: {effect}")),
@@ -122,11 +130,19 @@ impl DiagnoseCommand {
     }
 }
 
+/// Reads the kinds of the catalogue by their names; what has no name is none.
+fn kinds() -> impl TypedValueParser<Value = Kind> {
+    let named = CATALOGUE.iter().filter(|kind| **kind != unnamed::KIND);
+    let names = PossibleValuesParser::new(named.map(|kind| kind.name()));
+    names.try_map(|name| catalogue::find(&name).ok_or("no such kind"))
+}
+
 /// Shown on a terminal only, and gone when the text comes.
 fn progress(axes: usize) -> ProgressBar {
     let style = ProgressStyle::with_template("{spinner} {bar:24} {pos} of {len} axes  {msg}");
     let style = style.unwrap_or_else(|_| ProgressStyle::default_bar());
     let bar = ProgressBar::new(axes as u64).with_style(style);
     bar.enable_steady_tick(TICK);
+    bar.set_message("reading");
     bar
 }

@@ -28,6 +28,7 @@ mod tests {
         let options = Options {
             family_level: 0.005,
             covariate: None,
+            suspects: Vec::new(),
             views: false,
         };
         let all = level_of_one_test(&options) * f64::from(tests());

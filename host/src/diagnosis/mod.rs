@@ -20,6 +20,7 @@ pub mod run;
 pub mod search;
 pub mod statistic;
 pub mod steady;
+pub mod suspect;
 #[cfg(test)]
 mod trial;
 pub mod unnamed;

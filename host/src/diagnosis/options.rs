@@ -1,5 +1,7 @@
 //! What a diagnosis is asked for.
 
+use crate::model::kind::Kind;
+
 /// What a diagnosis is asked for.
 #[derive(Debug, Clone)]
 pub struct Options {
@@ -7,6 +9,9 @@ pub struct Options {
     pub family_level: f64,
     /// A covariate, such as the temperature, one value a sample.
     pub covariate: Option<Vec<f64>>,
+    /// Kinds that are suspected: of those that are not found it is told how near they come to a name, and how large
+    /// they may be.
+    pub suspects: Vec<Kind>,
     /// Whether views are wanted, with a simulated record of the last model next to the measured one: text
     /// needs none.
     pub views: bool,

@@ -6,6 +6,7 @@ use crate::diagnosis::options::Options;
 use crate::diagnosis::record::samples::Samples;
 use crate::diagnosis::result::finding::{Diagnosis, Finding};
 use crate::diagnosis::run as axes;
+use crate::model::kind::Kind;
 use crate::source::{Source, SourceError};
 
 use crate::diagnosis::family::level_of_one_test;
@@ -24,6 +25,9 @@ pub struct DiagnosisOptions<'a> {
     pub temperature: Option<Vec<f64>>,
     /// Another record of the same axes: shows whether this one was taken at the rate that it says.
     pub reference: Option<&'a mut dyn Source>,
+    /// Kinds that are suspected, as [`find_kind`](crate::find_kind) gives them: of each that is not found it is told
+    /// how near it comes to a name, and how large it may be. Nothing else depends on them.
+    pub suspects: Vec<Kind>,
     /// Whether pictures are wanted, with a simulated record of the last model next to the measured
     /// one: text needs none.
     pub views: bool,
@@ -36,6 +40,7 @@ impl Default for DiagnosisOptions<'_> {
             family_level: FAMILY_LEVEL,
             temperature: None,
             reference: None,
+            suspects: Vec::new(),
             views: true,
         }
     }
@@ -93,6 +98,7 @@ pub fn diagnose(
     let options = Options {
         family_level,
         covariate: options.temperature,
+        suspects: options.suspects,
         views: options.views,
     };
     let clock = reference.map_or_else(Vec::new, |reference| {
@@ -103,6 +109,10 @@ pub fn diagnose(
     let mut diagnosed = axes::diagnose(samples, &options, progress)?;
     for (number, finding) in clock {
         diagnosed.axes[number].findings.push(finding);
+    }
+    for axis in &mut diagnosed.axes {
+        let found = |kind| axis.findings.iter().any(|one| one.effect == kind);
+        axis.suspicions.retain(|one| !found(one.effect));
     }
     Ok(Diagnosis {
         schema: SCHEMA,

@@ -11,6 +11,7 @@ use crate::diagnosis::describe::effects::{all_effects, finding, law_effects};
 use crate::diagnosis::describe::unnamed::without_name;
 use crate::diagnosis::explain::{Explained, slope};
 use crate::diagnosis::explanation::{Explanation, Snapshot};
+use crate::diagnosis::family::level_of_one_test;
 use crate::diagnosis::held_out;
 use crate::diagnosis::held_out::allan::HeldCurve;
 use crate::diagnosis::held_out::size::Sizes;
@@ -20,6 +21,7 @@ use crate::diagnosis::refused::Refused;
 use crate::diagnosis::result::finding::{AxisDiagnosis, Base, Final, Finding, Gain, Remark};
 use crate::diagnosis::result::verdict::Verdict;
 use crate::diagnosis::result::views::Views;
+use crate::diagnosis::suspect::suspicions;
 use crate::diagnosis::views::{self, Models};
 use crate::fft::ring::Series;
 use crate::fit::likelihood::Fit;
@@ -72,6 +74,7 @@ pub(crate) fn describe(
         ..Views::new(&axis, before, (models, allan), &findings, covariate)
     });
     let filled_samples = axis.filled_samples();
+    let suspicions = suspicions(&axis, &options.suspects, level_of_one_test(options));
     let passed = passed(&axis);
     let residual = residual(&axis.into_residual(), passed);
     let diagnosis = AxisDiagnosis {
@@ -83,6 +86,7 @@ pub(crate) fn describe(
         filled_samples,
         unexplained,
         unnamed,
+        suspicions,
         last,
         verdict,
         findings,
@@ -133,6 +137,7 @@ pub(crate) fn undiagnosed(signal: &Axis, refused: &Refused) -> AxisDiagnosis {
         findings: Vec::new(),
         unexplained: Vec::new(),
         unnamed: None,
+        suspicions: Vec::new(),
         last: Final {
             model,
             coefficients: PerCoefficient::default(),

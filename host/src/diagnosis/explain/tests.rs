@@ -182,6 +182,7 @@ fn only_what_is_significant_is_said_of_the_five_terms() {
     let options = Options {
         family_level: 0.01,
         covariate: None,
+        suspects: Vec::new(),
         views: false,
     };
     let said = |axis: &AxisState| Bare::of(axis, LEVEL, &options).discrepancies.len();

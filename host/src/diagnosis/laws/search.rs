@@ -114,12 +114,24 @@ pub struct Found {
     pub fit: Fit,
     /// Gain in log-likelihood over the fit without it.
     pub nats: f64,
+    /// Length of the path of shapes that were searched, as the data see them, radians.
+    pub path: f64,
     /// Probability of as large a gain where it is absent.
     pub p_value: f64,
 }
 
-/// The best values of a kind of law beside those that are there.
+/// The best values of a kind of law beside those that are there; `None` where it is nowhere near significant.
 pub fn search(present: Fitted<'_>, starts: &Starts, kind: Kind) -> Option<Found> {
+    gaining(present, starts, kind, PROMISING)
+}
+
+/// The same however little it gains.
+pub fn best(present: Fitted<'_>, starts: &Starts, kind: Kind) -> Option<Found> {
+    gaining(present, starts, kind, f64::NEG_INFINITY)
+}
+
+/// The best values of a kind of law, if its best start gains `least` nats.
+fn gaining(present: Fitted<'_>, starts: &Starts, kind: Kind, least: f64) -> Option<Found> {
     let Fitted {
         bins,
         data,
@@ -129,7 +141,7 @@ pub fn search(present: Fitted<'_>, starts: &Starts, kind: Kind) -> Option<Found>
     let components = components(bins, laws);
     let (value, law) = best_start(present, &components, starts, kind)?;
     // What is nowhere near significant need not be polished.
-    if value - base.log_likelihood < PROMISING {
+    if value - base.log_likelihood < least {
         return None;
     }
     let directions = starts.directions(bins, laws, base, kind);
@@ -149,6 +161,7 @@ pub fn search(present: Fitted<'_>, starts: &Starts, kind: Kind) -> Option<Found>
         law,
         fit,
         nats,
+        path,
         p_value: p_value::highest_on_path(nats, path),
     })
 }

@@ -70,6 +70,12 @@ impl Starts {
         Some(Self { starts })
     }
 
+    /// The laws that searches for an effect begin with, size 1.
+    pub fn laws(&self, effect: Kind) -> impl Iterator<Item = &Law> {
+        let laws = self.starts.iter().map(|start| &start.law);
+        laws.filter(move |law| law.effect == effect)
+    }
+
     /// The least of each value of an effect.
     pub(super) fn lowest(&self, effect: Kind) -> Vec<f64> {
         let own = self.starts.iter();

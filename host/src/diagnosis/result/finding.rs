@@ -8,6 +8,8 @@ use crate::analyse::SourceSummary;
 use crate::chain::Chain;
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::place::Place;
+pub use crate::diagnosis::result::rival::Rival;
+use crate::diagnosis::result::suspicion::Suspicion;
 use crate::diagnosis::result::value::Value;
 use crate::diagnosis::result::verdict::Verdict;
 use crate::diagnosis::result::views::Views;
@@ -82,6 +84,9 @@ pub struct AxisDiagnosis {
     pub unexplained: Vec<Remark>,
     /// What is in the last model without a name.
     pub unnamed: Option<Unnamed>,
+    /// Kinds that were suspected and not found; empty unless some were.
+    #[serde(rename = "suspects", skip_serializing_if = "Vec::is_empty")]
+    pub suspicions: Vec<Suspicion>,
     /// The model with all findings.
     #[serde(rename = "final")]
     pub last: Final,
@@ -221,15 +226,6 @@ impl Finding {
         let change = self.gain.allan_change_percent;
         change.is_some_and(|change| change < SMALL_PERCENT)
     }
-}
-
-/// Another effect that explains the same.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Rival {
-    /// Which effect of the catalogue it is.
-    pub effect: Kind,
-    /// Natural logarithm of the odds for the finding against it.
-    pub log_odds: f64,
 }
 
 /// What a finding is worth on held-out data.

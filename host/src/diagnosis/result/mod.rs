@@ -3,6 +3,8 @@
 pub mod estimate;
 pub mod finding;
 pub mod place;
+pub mod rival;
+pub mod suspicion;
 pub mod value;
 pub mod verdict;
 pub mod views;

@@ -87,6 +87,13 @@ pub fn highest_on_path(nats: f64, length: f64) -> f64 {
     (at_one_end + length / std::f64::consts::TAU * (-nats).exp()).min(1.0)
 }
 
+/// Gain that [`highest_on_path`] reaches with probability `level`, nats.
+pub fn nats_on_path(level: f64, length: f64) -> f64 {
+    bisect(0.0, 1000.0, 60, |nats| {
+        highest_on_path(nats, length) > level
+    })
+}
+
 /// Size that [`highest`] reaches with probability `level`.
 pub fn threshold(level: f64, len: usize, crossings: f64) -> f64 {
     bisect(0.0, 40.0, 60, |z| highest(z, len, crossings) > level)
@@ -109,6 +116,14 @@ mod tests {
     fn the_threshold_has_its_level() {
         let z = threshold(1e-3, 1 << 20, 0.29);
         assert!((highest(z, 1 << 20, 0.29) / 1e-3 - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn the_gain_that_a_name_needs_has_its_level() {
+        for (level, length) in [(1e-4, 0.0), (1e-4, 12.0), (1e-9, 3.0)] {
+            let found = highest_on_path(nats_on_path(level, length), length);
+            assert!((found / level - 1.0).abs() < 1e-6, "{level} {length}");
+        }
     }
 
     #[test]

@@ -12,6 +12,7 @@ mod places;
 pub mod sheet;
 mod spectrum;
 mod summary;
+mod suspects;
 pub mod text;
 
 use super::plot::Stroke;

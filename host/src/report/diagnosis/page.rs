@@ -7,6 +7,7 @@ use super::super::page;
 use super::super::plot::frame::WIDTH;
 use super::super::svg::{PAGE, escape, typeset};
 use super::summary::summary;
+use super::suspects::suspicion;
 use super::text::MOST_TOLD;
 use super::{HEIGHT, cards, pictures};
 use crate::diagnosis::result::finding::{AxisDiagnosis, Diagnosis};
@@ -79,6 +80,7 @@ fn axis(page: &mut String, diagnosis: &Diagnosis, index: usize, axis: &AxisDiagn
         }
         write!(page, "</div></details>")?;
     }
+    suspects(page, axis)?;
     coefficients(page, axis)?;
     velocity(page, axis)?;
     write!(page, "</section>")
@@ -100,6 +102,20 @@ fn lead(axis: &AxisDiagnosis, level: f64) -> String {
         count => format!("{count} things are left unexplained."),
     };
     format!("{} {found}. {left}", summary(axis).join(" "))
+}
+
+/// What was suspected and not found.
+fn suspects(page: &mut String, axis: &AxisDiagnosis) -> Result {
+    for one in &axis.suspicions {
+        let sentences = suspicion(one, axis.unit).join(". ");
+        write!(
+            page,
+            "<p><b>Suspected, not found: {}.</b> {}.</p>",
+            escape(one.effect.name()),
+            escape(&sentences)
+        )?;
+    }
+    Ok(())
 }
 
 fn coefficients(page: &mut String, axis: &AxisDiagnosis) -> Result {

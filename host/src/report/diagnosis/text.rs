@@ -5,6 +5,7 @@ use std::fmt::Write;
 use super::super::number::{estimated, probability, significant};
 use super::super::text::head;
 use super::summary::summary;
+use super::suspects::suspicion;
 use crate::diagnosis::result::finding::{AxisDiagnosis, Diagnosis, Finding, Remark, SMALL_PERCENT};
 use crate::diagnosis::result::value::Value;
 use crate::model::Coefficient;
@@ -61,6 +62,12 @@ fn axis(text: &mut String, axis: &AxisDiagnosis, level: f64) -> std::fmt::Result
     }
     for one in &axis.unexplained {
         remark(text, one)?;
+    }
+    for one in &axis.suspicions {
+        writeln!(text, "  Suspected, not found: {}", one.effect)?;
+        for sentence in suspicion(one, axis.unit) {
+            writeln!(text, "     {sentence}")?;
+        }
     }
     coefficients(text, axis)?;
     errors(text, axis)
