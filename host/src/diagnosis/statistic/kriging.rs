@@ -140,7 +140,7 @@ impl Runs {
         for n in 0..places.len() {
             match runs.last_mut() {
                 Some(run) if places[n] == places[n - 1] + 1 && run.len() < LONGEST_RUN => {
-                    run.end += 1
+                    run.end += 1;
                 }
                 _ => runs.push(n..n + 1),
             }
