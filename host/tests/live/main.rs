@@ -2,7 +2,10 @@
 
 #![cfg(unix)]
 
+mod bench;
+mod files;
 mod page;
+mod served;
 mod terminal;
 
 use std::process::Command;
