@@ -3,6 +3,9 @@
 use std::fs;
 use std::path::Path;
 
+use inm_host::internals::virtual_board::VirtualConnect;
+
+use crate::pty::PtyBoard;
 use crate::served::{Served, source, wait_for};
 
 /// Settings as the form of the page sends them.
@@ -110,4 +113,29 @@ fn what_cannot_be_is_refused_and_costs_nothing() {
     assert!(said.contains("creating the capture"), "{said}");
     assert_eq!(served.command("end", ""), 204);
     served.end();
+}
+
+/// A port is locked by who has it open: the recording that ends gives it back to the one that begins.
+#[test]
+fn a_board_behind_a_port_is_started_again_and_again() {
+    let board = PtyBoard::start(VirtualConnect::published(1, 1.0));
+    let folder = tempfile::tempdir().expect("a folder");
+    let capture = folder.path().join("run.inmcap");
+    let mut served = Served::on(&[&board.port], &capture, 3600);
+    let mut tab = served.tab();
+    wait_for(&mut tab, "run.inmcap   2000 samples/s");
+    for (number, rate) in [(2, "500"), (3, "1000")] {
+        assert_eq!(served.command("record", &settings(rate)), 204);
+        wait_for(&mut tab, &format!("run-{number}.inmcap   {rate} samples/s"));
+    }
+    assert_eq!(served.command("end", ""), 204);
+    // Behind a terminal a busy machine loses samples, as it does behind a UART: 1 is as good as 0 here.
+    let (status, said) = served.ended();
+    assert!(matches!(status, Some(0 | 1)), "{status:?}: {said}");
+    for (name, rate_hz) in [("run", 2000.0), ("run-2", 500.0), ("run-3", 1000.0)] {
+        let capture = folder.path().join(name).with_extension("inmcap");
+        assert_eq!(header(&capture)["rate_hz"], rate_hz, "{name}");
+        let news = source(&capture)["news"].to_string();
+        assert!(!news.contains("cut"), "{name}: {news}");
+    }
 }

@@ -3,8 +3,12 @@
 #![cfg(unix)]
 
 mod bench;
+mod browser;
 mod files;
 mod page;
+mod pictures;
+#[path = "../pty/mod.rs"]
+mod pty;
 mod served;
 mod terminal;
 

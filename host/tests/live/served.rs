@@ -24,19 +24,17 @@ pub struct Served {
 impl Served {
     /// Records a virtual board at ten times its speed.
     pub fn start(capture: &Path, board_s: u32) -> Self {
+        Self::on(&["virtual", "--speed", "10"], capture, board_s)
+    }
+
+    /// Records the board of a source.
+    pub fn on(source: &[&str], capture: &Path, board_s: u32) -> Self {
         let mut child = Command::new(env!("CARGO_BIN_EXE_inm"))
             // So that its name is short, and the same in every run.
             .current_dir(capture.parent().expect("a folder"))
-            .args([
-                "live",
-                "--source",
-                "virtual",
-                "--speed",
-                "10",
-                "--plain",
-                "--page",
-                "--duration",
-            ])
+            .args(["live", "--plain", "--page", "--source"])
+            .args(source)
+            .arg("--duration")
             .arg(board_s.to_string())
             .arg("-o")
             .arg(capture.file_name().expect("a name"))
@@ -113,8 +111,15 @@ impl Served {
         self.end();
     }
 
-    /// Waits for its end, in good order; what it has said.
+    /// Waits for its end, in good order and without a gap; what it has said.
     pub fn end(&mut self) -> String {
+        let (status, said) = self.ended();
+        assert_eq!(status, Some(0), "{said}");
+        said
+    }
+
+    /// Waits for its end: exit status, and what it has said.
+    pub fn ended(&mut self) -> (Option<i32>, String) {
         let deadline = Instant::now() + 2 * PATIENCE;
         let status = loop {
             if let Some(status) = self.child.try_wait().expect("our child") {
@@ -123,9 +128,8 @@ impl Served {
             assert!(Instant::now() < deadline, "it does not end");
             thread::sleep(Duration::from_millis(20));
         };
-        assert_eq!(status.code(), Some(0));
         let said = self.said.take().expect("it ends once");
-        said.join().expect("text")
+        (status.code(), said.join().expect("text"))
     }
 
     /// The status of the answer to a command of the page.

@@ -125,7 +125,15 @@ impl Bench {
         assert!(status.success(), "{status:?}: {}", self.drawn);
         let modes = tcgetattr(&self.terminal).expect("modes").local_modes;
         assert!(modes.contains(SHELL), "{modes:?}");
-        self.drawn
+        std::mem::take(&mut self.drawn)
+    }
+}
+
+impl Drop for Bench {
+    fn drop(&mut self) {
+        // A test that has failed leaves nothing behind.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
     }
 }
 
