@@ -37,8 +37,12 @@ const MOST_BODY: usize = 1024;
 /// How long a command may take to arrive.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// How long the last state may take to reach the tabs.
-const LAST: Duration = Duration::from_millis(500);
+/// How long the last state may take to reach the tabs: those of a busy machine take their time, and one that takes
+/// nothing any more holds up the end for no longer.
+const LAST: Duration = Duration::from_secs(3);
+
+/// How often it is looked whether they have it.
+const AGAIN: Duration = Duration::from_millis(50);
 
 /// What the page may load: what is its own, and nothing from elsewhere.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; \
@@ -115,8 +119,14 @@ async fn serve(listener: TcpListener, site: Arc<Site>, ended: oneshot::Receiver<
     tokio::select! {
         _ = server => {}
         _ = ended => {
-            hub.end();
-            tokio::time::sleep(LAST).await;
+            let told = async {
+                // A tab that has been told leaves when it is told again.
+                while hub.tabs() > 0 {
+                    hub.end();
+                    tokio::time::sleep(AGAIN).await;
+                }
+            };
+            let _ = timeout(LAST, told).await;
         }
     }
 }
@@ -179,7 +189,9 @@ fn events(hub: &Hub) -> Response {
         return said(StatusCode::SERVICE_UNAVAILABLE, words);
     }
     let mut seen = 0;
+    let mut told = false;
     let states = WatchStream::new(hub.follow());
+    let states = states.take_while(move |shown| !std::mem::replace(&mut told, shown.ended));
     let events = states.map(move |shown| Ok::<_, Infallible>(event(&shown, &mut seen)));
     Sse::new(events)
         .keep_alive(KeepAlive::default())
