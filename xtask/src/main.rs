@@ -10,6 +10,7 @@
 //!   faults    random fault runs, by `study`
 //!   bench     the estimators beside other programs, the simulator
 //!   docs      what the README shows of `inm demo`, by `excerpt`
+//!   pictures  `inm live` as the documentation shows it, page and terminal
 //!   study     simulations too long for every test run
 //!   image_test
 //!             the board's image on a model of its chip, where the tools are there
@@ -42,6 +43,7 @@ mod mark;
 #[cfg(test)]
 mod names;
 mod packages;
+mod pictures;
 mod run;
 mod size;
 mod study;
@@ -70,6 +72,7 @@ usage: cargo xtask <command>
   bench simulator
              samples a second of the simulator alone
   docs       the README's figures and picture of `inm demo`, from the program; a minute
+  pictures   `inm live` as the documentation shows it, page and terminal; needs Chromium, minutes
   fuzz [TARGET] [--seconds N]
              looks for bytes that a reader does not bear, a minute a target; needs nightly and cargo-fuzz
   deny       licences of all dependencies, sources, and known defects where their list is at hand
@@ -106,6 +109,7 @@ fn main() -> ExitCode {
         ["bench"] => bench::run(),
         ["bench", "simulator"] => bench::simulator(),
         ["docs"] => docs::run(),
+        ["pictures"] => pictures::pictures(),
         ["fuzz", ref options @ ..] => fuzz::run(options),
         ["deny"] => deny::run(),
         ["night", ref options @ ..] => study::night(options),

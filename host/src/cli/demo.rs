@@ -74,8 +74,8 @@ impl DemoCommand {
         let mut source = BoardSource::start(connect, plan, Some(&capture), stop)?;
         let signal = source.signal().clone();
         let mut record = Record::new(signal.axes.len(), Overlap::Strided);
-        let screen = ScreenArtist::lines(&signal);
-        watch(&mut source, Some(&mut record), vec![screen])?;
+        let screen = ScreenArtist::lines();
+        watch(&mut source, Some(&mut record), screen)?;
 
         say("\n")?;
         let results = self.results("demo");

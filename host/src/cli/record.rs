@@ -30,13 +30,14 @@ impl RecordCommand {
     pub fn run(self) -> anyhow::Result<ExitCode> {
         let stop = interrupt::stop_on_signal()?;
         let connect = self.board.connect(0.0);
-        let mut source = BoardSource::start(connect, self.board.plan(), Some(&self.output), stop)?;
-        let screen = ScreenArtist::lines(source.signal());
-        let ended = watch(&mut source, None, vec![screen]);
+        let plan = self.board.plan(self.board.settings());
+        let mut source = BoardSource::start(connect, plan, Some(&self.output), stop)?;
+        let screen = ScreenArtist::lines();
+        let ended = watch(&mut source, None, screen);
         // Said in either case: a recording that broke off is still a recording.
         say(&self.told(&source))?;
         ended?;
-        Ok(super::recording::recorded(&source))
+        Ok(super::recording::recorded(source.losses().gaps == 0))
     }
 
     /// What there is to say of a recording that came to its end.

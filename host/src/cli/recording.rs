@@ -8,7 +8,7 @@ use clap::Args;
 use inm_protocol::{Filter, Phase, Rate, Settings};
 
 use crate::link::{Connect, Patience, SerialConnect};
-use crate::source::board::{BoardSource, Plan};
+use crate::source::board::{Plan, parse_rate, parse_word};
 use crate::virtual_board::VirtualConnect;
 
 /// Which board, and how it is to record.
@@ -71,8 +71,8 @@ impl BoardOptions {
         Box::new(SerialConnect::new(self.source.as_str(), self.baud))
     }
 
-    /// What to ask of the board.
-    pub fn plan(&self) -> Plan {
+    /// The settings that the board is to have.
+    pub fn settings(&self) -> Settings {
         let rate = self.rate.unwrap_or_default();
         let phase = match self.phase {
             PhaseArg::Linear => Phase::Linear,
@@ -82,11 +82,15 @@ impl BoardOptions {
             phase,
             high_pass: self.high_pass,
         };
+        Settings { rate, filter }
+    }
+
+    /// What to ask of the board, with these settings.
+    pub fn plan(&self, settings: Settings) -> Plan {
+        let rate_hz = f64::from(settings.rate.hz());
         Plan {
-            settings: Some(Settings { rate, filter }),
-            samples: self
-                .duration
-                .map(|s| (s * f64::from(rate.hz())).round() as u64),
+            settings: Some(settings),
+            samples: self.duration.map(|s| (s * rate_hz).round() as u64),
             patience: Patience::default(),
             reconnect: (self.reconnect > 0.0).then(|| Duration::from_secs_f64(self.reconnect)),
         }
@@ -96,19 +100,13 @@ impl BoardOptions {
 /// Exit status of a recording that came to its end, but with samples missing.
 const INCOMPLETE: u8 = 1;
 
-/// Status of the process for a recording that came to its end.
-pub fn recorded(source: &BoardSource) -> ExitCode {
-    if source.losses().gaps > 0 {
-        ExitCode::from(INCOMPLETE)
-    } else {
+/// Status of the process for recordings that came to their end, all of them `complete` or not.
+pub fn recorded(complete: bool) -> ExitCode {
+    if complete {
         ExitCode::SUCCESS
+    } else {
+        ExitCode::from(INCOMPLETE)
     }
-}
-
-fn parse_rate(text: &str) -> Result<Rate, String> {
-    let known = || Rate::ALL.map(|rate| rate.hz().to_string()).join(", ");
-    let hz = text.parse().ok().and_then(Rate::from_hz);
-    hz.ok_or_else(|| format!("the converter has {} samples a second", known()))
 }
 
 /// Longest wait for a board, seconds: a century, which is for ever and still a time.
@@ -133,14 +131,6 @@ pub fn parse_speed(text: &str) -> Result<f64, String> {
         Ok(speed) if speed == 0.0 || SPEED.contains(&speed) => Ok(speed),
         _ => Err("a factor from 1e-6 to 1e6 is expected, or 0 for as fast as it goes".to_owned()),
     }
-}
-
-fn parse_word(text: &str) -> Result<u16, String> {
-    let parsed = match text.strip_prefix("0x") {
-        Some(hex) => u16::from_str_radix(hex, 16),
-        None => text.parse(),
-    };
-    parsed.map_err(|_| "a number from 0 to 65535 or 0x0 to 0xffff is expected".to_owned())
 }
 
 /// A length of time, seconds.

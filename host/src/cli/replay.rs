@@ -44,8 +44,8 @@ impl ReplayCommand {
         let mut source = source.at_speed(self.speed);
         let signal = source.signal().clone();
         let mut record = Record::new(signal.axes.len(), Overlap::Strided);
-        let screen = ScreenArtist::lines(&signal);
-        let ended = watch(&mut source, Some(&mut record), vec![screen]);
+        let screen = ScreenArtist::lines();
+        let ended = watch(&mut source, Some(&mut record), screen);
         self.results
             .write(&summarise(&signal, &record, &AnalysisOptions::default()))?;
         Ok(ended?)

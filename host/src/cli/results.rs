@@ -47,8 +47,16 @@ impl ResultOptions {
             let bitmap = result.bitmap()?;
             write_to(path, |output| output.write_all(&bitmap))?;
         }
+        self.say(&result.text())
+    }
+
+    /// Shows text on standard output, unless the result itself goes there.
+    ///
+    /// # Errors
+    /// If standard output cannot be written.
+    pub fn say(&self, text: &str) -> anyhow::Result<()> {
         if self.json.as_deref() != Some("-") {
-            say(&result.text())?;
+            say(text)?;
         }
         Ok(())
     }
@@ -58,9 +66,6 @@ impl ResultOptions {
     /// # Errors
     /// If standard output cannot be written.
     pub fn write_proof(&self, proof: Option<Proof>) -> anyhow::Result<()> {
-        if let Some(proof) = proof.filter(|_| self.json.as_deref() != Some("-")) {
-            say(&format!("{proof}\n"))?;
-        }
-        Ok(())
+        proof.map_or(Ok(()), |proof| self.say(&format!("{proof}\n")))
     }
 }

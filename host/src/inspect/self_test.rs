@@ -18,10 +18,11 @@ use inm_protocol::{AXES, Identity, Refusal, Request, SelfTestStep};
 use serde::Serialize;
 
 use self::clock::clock;
-pub use self::noise::noise;
+use self::noise::noise;
 use super::{AXIS_NAMES, Session, serial};
 use crate::data_sheet;
-use crate::link::LinkError;
+use crate::link::{Connect, LinkError};
+use crate::source::SourceError;
 
 /// What a self-test found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -118,7 +119,7 @@ impl SelfTest {
     ///
     /// # Errors
     /// What the link says. A converter that does not do as it is told is no error but a failed check.
-    pub fn run(
+    fn run(
         port: String,
         session: &mut Session,
         identity: &Identity,
@@ -150,24 +151,46 @@ impl SelfTest {
         .judged())
     }
 
+    /// All checks of the board at the far end of `session`. That of the noise records, and opens the
+    /// port `again` for it.
+    ///
+    /// # Errors
+    /// What the link says.
+    pub fn whole(
+        mut session: Session,
+        identity: &Identity,
+        watch: Duration,
+        again: Box<dyn Connect>,
+    ) -> Result<Self, SourceError> {
+        let mut tested = Self::run(again.name(), &mut session, identity, watch)?;
+        // The port is closed before it is opened to record.
+        drop(session);
+        if tested.measures() {
+            tested.checks.extend(noise(again, identity)?);
+        }
+        Ok(tested.judged())
+    }
+
     /// Whether the converters did what they were told, so that more can be asked of them.
-    pub fn measures(&self) -> bool {
+    fn measures(&self) -> bool {
         self.checks
             .iter()
             .all(|check| check.name != "step" || check.value.is_some())
-    }
-
-    /// With more checks.
-    #[must_use]
-    pub fn and(mut self, checks: impl IntoIterator<Item = Check>) -> Self {
-        self.checks.extend(checks);
-        self.judged()
     }
 
     fn judged(mut self) -> Self {
         let failed = |check: &Check| check.verdict == Verdict::Failed;
         self.passed = !self.checks.iter().any(failed);
         self
+    }
+}
+
+/// A value as a table has it: three figures behind the point, or behind the first digit of a small number.
+pub fn number(value: f64) -> String {
+    if value == 0.0 || (1e-2..1e6).contains(&value.abs()) {
+        format!("{value:.3}")
+    } else {
+        format!("{value:.3e}")
     }
 }
 

@@ -12,6 +12,8 @@ use crate::plain::shown;
 pub struct Lines {
     term: Term,
     drawn: usize,
+    /// What a log was told last: where it is recorded, and how far.
+    told: [String; 2],
 }
 
 impl Lines {
@@ -20,6 +22,7 @@ impl Lines {
         Self {
             term: Term::stderr(),
             drawn: 0,
+            told: Default::default(),
         }
     }
 
@@ -28,15 +31,21 @@ impl Lines {
         self.term.is_term()
     }
 
-    /// Shows `text` in the place of what was shown before. In a log only its second line
-    /// (the progress) appears.
+    /// Shows `text` in the place of what was shown before. In a log only its first two lines appear, each as
+    /// it changes: where it is recorded, and how far.
     ///
     /// # Errors
     /// What the terminal says.
     pub fn show(&mut self, text: &str) -> io::Result<()> {
         let text = &*shown(text);
         if !self.term.is_term() {
-            return self.term.write_line(text.lines().nth(1).unwrap_or(text));
+            for (told, line) in self.told.iter_mut().zip(text.lines()) {
+                if told != line {
+                    line.clone_into(told);
+                    self.term.write_line(line)?;
+                }
+            }
+            return Ok(());
         }
         let (rows, columns) = self.term.size();
         // A block taller than the terminal cannot be drawn over; its end matters least.

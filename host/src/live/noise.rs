@@ -22,16 +22,22 @@ pub struct Noises {
     /// A row for each coefficient.
     pub rows: Vec<NoiseRow>,
     due: Option<Instant>,
+    /// The fits are those of the whole recording.
+    done: bool,
 }
 
 impl Noises {
-    /// Whether it is time for another fit.
-    pub fn is_due(&self) -> bool {
-        self.due.is_none_or(|due| Instant::now() >= due)
+    /// Fits every axis anew, if it is time for that, or once more when the recording has come to its `last`
+    /// sample.
+    pub fn keep_up(&mut self, signal: &Signal, record: &Record, last: bool) {
+        let due = last || self.due.is_none_or(|due| Instant::now() >= due);
+        if due && !self.done {
+            self.fit(signal, record);
+            self.done = last;
+        }
     }
 
-    /// Fits every axis anew.
-    pub fn fit(&mut self, signal: &Signal, record: &Record) {
+    fn fit(&mut self, signal: &Signal, record: &Record) {
         let begin = Instant::now();
         let fits: Vec<Option<LikelihoodFit>> = signal
             .axes

@@ -1,5 +1,7 @@
 //! Sources that can say how a recording is going.
 
+use std::path::Path;
+
 use super::Snapshot;
 use crate::source::Source;
 use crate::source::board::BoardSource;
@@ -16,7 +18,8 @@ impl Observed for BoardSource {
         let signal = self.signal();
         Snapshot {
             source: signal.name.clone(),
-            capture: self.capture_path().map(|path| path.display().to_string()),
+            capture: self.capture_path().map(Path::to_owned),
+            settings: Some(self.header().settings),
             rate_hz: signal.rate_hz,
             samples: self.next_index(),
             expected: self.expected_len(),

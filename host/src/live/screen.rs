@@ -8,7 +8,6 @@ use super::table::table;
 use super::terminal::{self, TerminalView};
 use super::view::{Artist, Scene};
 use super::{Controls, Snapshot};
-use crate::signal::Signal;
 
 /// Between two pictures on a terminal: often enough to see it move.
 const PERIOD: Duration = Duration::from_millis(500);
@@ -69,23 +68,24 @@ impl Screen {
 /// Fits a record while it grows, and shows it on a screen.
 pub struct ScreenArtist {
     screen: Screen,
-    signal: Signal,
     page: Option<String>,
+    /// Of which recording the coefficients are.
+    recording: usize,
     noise: Noises,
 }
 
 impl ScreenArtist {
-    /// Lines about a record described by `signal`.
-    pub fn lines(signal: &Signal) -> Box<Self> {
-        Self::on(Screen::lines(), signal, None)
+    /// Lines.
+    pub fn lines() -> Box<Self> {
+        Self::on(Screen::lines(), None)
     }
 
-    /// Shows what comes of a record described by `signal` on `screen`, and where its `page` is.
-    pub fn on(screen: Screen, signal: &Signal, page: Option<String>) -> Box<Self> {
+    /// Shows what comes on `screen`, and where its `page` is.
+    pub fn on(screen: Screen, page: Option<String>) -> Box<Self> {
         Box::new(Self {
             screen,
-            signal: signal.clone(),
             page,
+            recording: 0,
             noise: Noises::default(),
         })
     }
@@ -99,11 +99,12 @@ impl Artist for ScreenArtist {
     fn draw(&mut self, scene: Scene) {
         let mut snapshot = scene.snapshot;
         snapshot.page.clone_from(&self.page);
+        if self.recording != scene.recording {
+            (self.recording, self.noise) = (scene.recording, Noises::default());
+        }
         if let Some(record) = &scene.record {
-            if scene.last || self.noise.is_due() {
-                self.noise.fit(&self.signal, record);
-            }
-            snapshot.table = table(&self.signal, record);
+            self.noise.keep_up(&scene.signal, record, scene.last);
+            snapshot.table = table(&scene.signal, record);
             snapshot.noise.clone_from(&self.noise.rows);
         }
         self.screen.show(snapshot);

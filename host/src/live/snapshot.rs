@@ -1,7 +1,10 @@
 //! The state of a recording at one moment, and what is said of it in lines.
 
-use inm_protocol::{AxisCounters, Health};
+use std::path::PathBuf;
 
+use inm_protocol::{AxisCounters, Health, Settings};
+
+use super::Phase;
 use crate::source::assemble::Losses;
 use crate::source::audit::Proof;
 
@@ -10,8 +13,12 @@ use crate::source::audit::Proof;
 pub struct Snapshot {
     /// Port or file that the samples come from.
     pub source: String,
+    /// What the bench does.
+    pub phase: Phase,
     /// Capture that they go to.
-    pub capture: Option<String>,
+    pub capture: Option<PathBuf>,
+    /// The board's settings, where a board is asked.
+    pub settings: Option<Settings>,
     /// Address of the page, where one is served.
     pub page: Option<String>,
     /// Samples a second.
@@ -92,7 +99,11 @@ impl Snapshot {
     /// The state as lines of text: what is recorded, how far, what was lost, what is proven, and the
     /// last of the news.
     pub fn render(&self) -> String {
-        let mut lines = vec![self.headline(), self.progress()];
+        let mut progress = self.progress();
+        if self.phase != Phase::Recording {
+            progress = format!("{}  {progress}", self.phase.word());
+        }
+        let mut lines = vec![self.headline(), progress];
         lines.extend(self.state());
         let first = self.news.len().saturating_sub(LINES_OF_NEWS);
         lines.extend(self.news[first..].iter().map(|line| format!("! {line}")));
@@ -102,7 +113,7 @@ impl Snapshot {
     /// Where the samples come from and go to, in a line.
     pub fn headline(&self) -> String {
         let capture = self.capture.as_ref();
-        let capture = capture.map_or(String::new(), |path| format!(" -> {path}"));
+        let capture = capture.map_or(String::new(), |path| format!(" -> {}", path.display()));
         format!("{}{capture}   {} samples/s", self.source, self.rate_hz)
     }
 

@@ -8,21 +8,32 @@ use std::time::{Duration, Instant};
 
 use super::{Snapshot, Strip};
 use crate::bins::record::Record;
+use crate::inspect::self_test::SelfTest;
+use crate::signal::Signal;
 
 /// How long the end of a recording waits for its last picture, which takes a fit or two of an axis;
 /// a terminal that is stopped for longer does without.
 const LAST: Duration = Duration::from_secs(5);
 
 /// What a picture is made of.
+#[derive(Clone)]
 pub struct Scene {
+    /// Counts the recordings: what was learned of one is not true of another.
+    pub recording: usize,
+    /// What the recording is of.
+    pub signal: Signal,
     /// The state of the stream.
     pub snapshot: Snapshot,
     /// What has been recorded, where that is shown.
-    pub record: Option<Record>,
+    pub record: Option<Arc<Record>>,
     /// The last seconds.
     pub strip: Strip,
-    /// Nothing comes after it.
+    /// The recording has ended.
     pub last: bool,
+    /// What there is to say of what the bench does now; may be empty.
+    pub said: String,
+    /// The last self-test of the board.
+    pub tested: Option<Arc<SelfTest>>,
 }
 
 /// Who shows a recording while it goes on, on a thread of its own.
@@ -30,7 +41,7 @@ pub trait Artist: Send {
     /// Between two scenes.
     fn period(&self) -> Duration;
 
-    /// Shows a scene; what comes meanwhile is not shown.
+    /// Shows a scene; of what comes meanwhile only the end of a recording is shown.
     fn draw(&mut self, scene: Scene);
 
     /// Nothing more will come.
@@ -81,9 +92,8 @@ impl View {
         }
     }
 
-    /// Has the last scene drawn and waits for it, but not for ever.
-    pub fn finish(mut self, scene: Scene) {
-        self.show(scene);
+    /// Waits until the last scene is drawn, but not for ever.
+    pub fn close(mut self) {
         self.scenes = None;
         let Some(artist) = self.artist.take() else {
             return;

@@ -1,28 +1,45 @@
 //! Runs a recording to its end while showing how it goes.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 
-use super::view::{Artist, Scene, View};
-use super::{Observed, Strip, give_terminal_back};
+use super::view::{Artist, Scene};
+use super::{Observed, Stage, Strip};
 use crate::bins::record::Record;
 use crate::source::{Chunk, SourceError};
 
 /// News that can be looked back at: some screens full, and 20 kB.
 const NEWS: usize = 200;
 
-/// Runs `source` to its end: every chunk goes to `record`, if there is one, and each of `artists` shows
-/// the state now and then. What is slow about that, threads of their own do.
+/// Runs `source` to its end: every chunk goes to `record`, if there is one, and `artist` shows the state now
+/// and then.
 ///
 /// # Errors
 /// What ends the source early; `record` holds everything up to there.
 pub fn watch(
     source: &mut dyn Observed,
+    record: Option<&mut Record>,
+    artist: Box<dyn Artist>,
+) -> Result<(), SourceError> {
+    let mut stage = Stage::new(vec![artist]);
+    let result = watch_on(&mut stage, source, record);
+    stage.close();
+    result
+}
+
+/// The same on a `stage` that has shown others before, and is to show more. What is slow about that,
+/// threads of their own do.
+///
+/// # Errors
+/// As [`watch`].
+pub fn watch_on(
+    stage: &mut Stage,
+    source: &mut dyn Observed,
     mut record: Option<&mut Record>,
-    artists: Vec<Box<dyn Artist>>,
 ) -> Result<(), SourceError> {
     let mut news = VecDeque::new();
     let mut strip = Strip::new(source.signal());
-    let mut views: Vec<View> = artists.into_iter().map(View::new).collect();
+    stage.begin();
     let result = loop {
         let chunk = match source.next_chunk() {
             Ok(Some(chunk)) => chunk,
@@ -40,18 +57,12 @@ pub fn watch(
         if let Some(record) = &mut record {
             record.push(chunk);
         }
-        for view in views.iter_mut().filter(|view| view.is_due()) {
-            view.show(scene(source, record.as_deref(), &strip, &news, false));
-        }
+        stage.show(|| scene(source, record.as_deref(), &strip, &news, false));
     };
     if let Some(record) = &mut record {
         record.enter_rate(source.measured_rate_hz());
     }
-    for view in views {
-        view.finish(scene(source, record.as_deref(), &strip, &news, true));
-    }
-    // What follows is printed where the terminal was before.
-    give_terminal_back();
+    stage.end(scene(source, record.as_deref(), &strip, &news, true));
     result
 }
 
@@ -78,9 +89,13 @@ fn scene(
         .map(|axis| format!("{}, {}", axis.name, axis.unit))
         .collect();
     Scene {
+        recording: 0,
+        signal: source.signal().clone(),
         snapshot,
-        record: record.cloned(),
+        record: record.cloned().map(Arc::new),
         strip: strip.clone(),
         last,
+        said: String::new(),
+        tested: None,
     }
 }

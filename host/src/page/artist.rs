@@ -1,14 +1,14 @@
-//! Draws the page of a recording, as long as someone looks.
+//! Draws the page of a bench, as long as someone looks.
 
 use std::io;
 use std::net::TcpListener;
-use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use super::bench;
 use super::hub::Hub;
 use super::look::{Looker, Seen};
-use super::parts;
+use super::parts::{self, Part};
 use super::server::Server;
 use crate::analyse::{AnalysisOptions, summarise};
 use crate::bins::record::Record;
@@ -29,34 +29,39 @@ pub struct PageArtist {
     // Ahead of the hub: it ends first.
     server: Server,
     hub: Arc<Hub>,
-    signal: Signal,
+    recorded: Recorded,
+}
+
+/// What is shown of a recording.
+struct Recorded {
+    /// Its number.
+    recording: usize,
+    /// When it is time for another analysis.
     due: Option<Instant>,
-    looker: Option<Looker>,
+    /// The analysis is that of the whole recording.
+    done: bool,
+    /// Who diagnoses it, or why nobody does.
+    looker: Result<Looker, String>,
     seen: Option<Seen>,
 }
 
 impl PageArtist {
-    /// Serves, at `listener`, a page about a record described by `signal`, and looks into its capture, if
-    /// there is one.
+    /// Serves a page at `listener`, whose tabs may do what `controls` allow.
     ///
     /// # Errors
     /// If the system gives no thread, or no randomness.
-    pub fn start(
-        listener: TcpListener,
-        controls: Controls,
-        signal: &Signal,
-        capture: Option<&Path>,
-    ) -> io::Result<Self> {
-        let hub = Arc::new(Hub::new());
-        // The places of the pictures, in their order.
-        hub.put((0..signal.axes.len()).flat_map(parts::places));
+    pub fn start(listener: TcpListener, controls: Controls) -> io::Result<Self> {
+        let hub = Arc::new(Hub::default());
         Ok(Self {
             server: Server::start(listener, Arc::clone(&hub), controls)?,
             hub,
-            signal: signal.clone(),
-            due: None,
-            looker: capture.map(Looker::new).transpose()?,
-            seen: None,
+            recorded: Recorded {
+                recording: 0,
+                due: None,
+                done: false,
+                looker: Err("no recording has begun".to_owned()),
+                seen: None,
+            },
         })
     }
 
@@ -64,29 +69,53 @@ impl PageArtist {
     pub fn url(&self) -> &str {
         self.server.url()
     }
+}
+
+impl Recorded {
+    /// Of the recording of `scene`, of which nothing is known yet.
+    fn of(scene: &Scene) -> Self {
+        let looker = match &scene.snapshot.capture {
+            Some(path) => Looker::new(path).map_err(|error| format!("not possible: {error}")),
+            None => Err(
+                "nothing is recorded in a file (--no-record), so there is nothing to diagnose"
+                    .to_owned(),
+            ),
+        };
+        Self {
+            recording: scene.recording,
+            due: None,
+            done: false,
+            looker,
+            seen: None,
+        }
+    }
 
     /// The pictures and the coefficients, where it is time for them.
-    fn analysis(&mut self, record: &Record, last: bool) {
-        if !last && self.due.is_some_and(|due| Instant::now() < due) {
-            return;
+    fn analysis(&mut self, signal: &Signal, record: &Record, last: bool) -> Vec<Part> {
+        let due = last || self.due.is_none_or(|due| Instant::now() >= due);
+        if !due || self.done {
+            return Vec::new();
         }
         let begin = Instant::now();
-        let analysis = summarise(&self.signal, record, &AnalysisOptions::default());
+        let analysis = summarise(signal, record, &AnalysisOptions::default());
         let axes = analysis.axes.iter().enumerate();
         let pictures = axes.filter_map(|(number, axis)| parts::axis(number, axis));
-        self.hub
-            .put(pictures.flatten().chain([parts::coefficients(&analysis)]));
+        let mut new: Vec<Part> = pictures.flatten().collect();
+        new.push(parts::coefficients(&analysis));
         self.due = Some(begin + ANALYSIS_PERIOD.max(PAUSE * begin.elapsed()));
+        self.done = last;
+        new
     }
 
     /// What the diagnosis sees, with its age.
-    fn diagnosis(&mut self, samples: u64) {
-        let Some(looker) = &mut self.looker else {
-            let words = "nothing is recorded in a file (-o), so there is nothing to diagnose";
-            return self.hub.put([parts::diagnosis_age(words)]);
+    fn diagnosis(&mut self, samples: u64) -> Vec<Part> {
+        let looker = match &mut self.looker {
+            Ok(looker) => looker,
+            Err(words) => return vec![parts::diagnosis_age(words)],
         };
+        let mut new = Vec::new();
         if let Some(seen) = looker.go_on(samples) {
-            self.hub.put([parts::diagnosis(&seen.text)]);
+            new.push(parts::diagnosis(&seen.text));
             self.seen = Some(seen);
         }
         let age = self.seen.as_ref().map_or_else(
@@ -100,7 +129,8 @@ impl PageArtist {
                 )
             },
         );
-        self.hub.put([parts::diagnosis_age(&age)]);
+        new.push(parts::diagnosis_age(&age));
+        new
     }
 }
 
@@ -114,11 +144,18 @@ impl Artist for PageArtist {
         if self.hub.tabs() == 0 {
             return;
         }
-        self.diagnosis(scene.snapshot.samples);
+        if self.recorded.recording != scene.recording {
+            self.recorded = Recorded::of(&scene);
+            self.hub.put(parts::empty(&scene.signal));
+        }
+        self.hub.put(bench::parts(&scene));
         self.hub.put(parts::state(&scene.snapshot));
+        self.hub
+            .put(self.recorded.diagnosis(scene.snapshot.samples));
         self.hub.put(parts::strips(&scene.strip));
         if let Some(record) = &scene.record {
-            self.analysis(record, scene.last);
+            let new = self.recorded.analysis(&scene.signal, record, scene.last);
+            self.hub.put(new);
         }
     }
 }

@@ -13,3 +13,21 @@ pub fn find(path: &str) -> Option<(&'static str, &'static str)> {
         _ => None,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use inm_protocol::Rate;
+
+    use super::*;
+
+    #[test]
+    fn the_form_has_every_data_rate_of_the_board_and_no_other() {
+        let (_, page) = find("/").expect("the page");
+        let (_, form) = page.split_once("id=\"rate\"").expect("a choice");
+        let (form, _) = form.split_once("</select>").expect("its end");
+        let values = form.split("value=\"").skip(1);
+        let values = values.map(|value| value.split('"').next().unwrap_or_default());
+        let rates = Rate::ALL.map(|rate| rate.hz().to_string());
+        assert_eq!(values.collect::<Vec<_>>(), rates);
+    }
+}

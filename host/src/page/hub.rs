@@ -27,14 +27,10 @@ pub struct Shown {
 }
 
 /// Where the page is put together.
+#[derive(Default)]
 pub struct Hub(watch::Sender<Shown>);
 
 impl Hub {
-    /// An empty page.
-    pub fn new() -> Self {
-        Self(watch::Sender::new(Shown::default()))
-    }
-
     /// Puts `parts` on the page; what is as it was is not sent again.
     pub fn put(&self, parts: impl IntoIterator<Item = (String, String)>) {
         self.0.send_if_modified(|shown| {
@@ -105,7 +101,7 @@ mod tests {
 
     #[test]
     fn a_tab_gets_what_has_changed_and_skips_what_was_between() {
-        let hub = Hub::new();
+        let hub = Hub::default();
         let tab = hub.follow();
         let mut seen = 0;
         put(&hub, &[("allan", "1"), ("link", "1")]);
@@ -122,7 +118,7 @@ mod tests {
 
     #[test]
     fn tabs_that_are_closed_are_not_counted() {
-        let hub = Hub::new();
+        let hub = Hub::default();
         let tab = hub.follow();
         assert_eq!(hub.tabs(), 1);
         drop(tab);

@@ -6,6 +6,7 @@ const ZOOM = 1.25; // of a step of the wheel or of a key
 const MOVE = 0.1; // of the width that is seen, a key of an arrow
 const views = new Map(); // pictures that are zoomed: identifier to what is seen
 let ended = false;
+let known = null; // the recording whose settings the form has
 
 const element = (id) => document.getElementById(id);
 
@@ -14,6 +15,25 @@ function connection(text, lost) {
   if (line.textContent === text) return; // said once, not with every state
   line.textContent = text;
   line.className = lost ? "lost" : "";
+}
+
+// What the bench does decides which commands make sense; the others are refused with words.
+function doing() {
+  const { state, recording, rate, phase, highPass } = element("doing").firstElementChild.dataset;
+  const sensible = {
+    mark: state === "recording",
+    stop: state === "recording",
+    record: state === "recording" || state === "resting",
+    "selftest-start": state === "resting",
+  };
+  for (const [id, yes] of Object.entries(sensible)) {
+    const button = element(id).matches("button") ? element(id) : element(id).querySelector("button");
+    button.setAttribute("aria-disabled", !yes);
+  }
+  if (recording === known || !rate) return;
+  // The form begins with the settings of each new recording.
+  known = recording;
+  [element("rate").value, element("phase").value, element("high-pass").value] = [rate, phase, highPass];
 }
 
 function place([id, html]) {
@@ -31,6 +51,7 @@ function place([id, html]) {
   target.innerHTML = html;
   wide().forEach((one, number) => (one.scrollLeft = left[number] ?? 0));
   target.querySelectorAll("figure[data-x]").forEach(picture);
+  if (id === "doing") doing();
   // A picture that is drawn anew keeps the focus.
   if (focused && document.activeElement === document.body) element(focused)?.focus({ preventScroll: true });
 }
@@ -143,7 +164,20 @@ element("mark").addEventListener("submit", (event) => {
   event.preventDefault();
   command("mark", element("note").value, "marked").then((done) => done && (element("note").value = ""));
 });
+
+const recording = () => element("doing").firstElementChild?.dataset.state === "recording";
+
+element("record").addEventListener("submit", (event) => {
+  event.preventDefault();
+  if (recording() && !confirm("End this recording, and start another one?")) return;
+  const [rate, phase, high_pass] = ["rate", "phase", "high-pass"].map((id) => element(id).value);
+  command("record", JSON.stringify({ rate, phase, high_pass }), "a new recording starts");
+});
 element("stop").addEventListener("click", () => {
-  if (confirm("End the recording?")) command("stop", "", "the recording ends");
+  if (!recording() || confirm("Stop the recording?")) command("stop", "", "the recording stops");
+});
+element("selftest-start").addEventListener("click", () => command("selftest", "", "the board tests itself"));
+element("end").addEventListener("click", () => {
+  if (confirm("End inm live, and this page with it?")) command("end", "", "inm live ends");
 });
 follow();

@@ -45,6 +45,8 @@ pub struct Looker {
     due: Instant,
     /// A look goes on since then.
     since: Option<Instant>,
+    /// Samples that the last look was asked for.
+    of: u64,
 }
 
 impl Looker {
@@ -65,11 +67,12 @@ impl Looker {
             seen,
             due: Instant::now(),
             since: None,
+            of: 0,
         })
     }
 
-    /// Begins another look at a record of `samples` samples an axis, if it is time for one. What the
-    /// last one has seen, once.
+    /// Begins another look at a record of `samples` samples an axis, if it is time for one and there are
+    /// new ones. What the last one has seen, once.
     pub fn go_on(&mut self, samples: u64) -> Option<Seen> {
         let seen = self.seen.try_recv().ok();
         if seen.is_some() {
@@ -79,9 +82,11 @@ impl Looker {
                 .map_or(Duration::ZERO, |since| since.elapsed());
             self.due = Instant::now() + PERIOD.max(PAUSE * took);
         }
-        let due = self.since.is_none() && samples >= LEAST && Instant::now() >= self.due;
+        let new = samples >= LEAST && samples > self.of;
+        let due = new && self.since.is_none() && Instant::now() >= self.due;
         if due && self.ask.try_send(samples).is_ok() {
             self.since = Some(Instant::now());
+            self.of = samples;
         }
         seen
     }

@@ -1,20 +1,23 @@
-//! The page of `inm live`: a recording in the browser, on this machine alone unless asked otherwise.
+//! The page of `inm live`: a bench in the browser, on this machine alone unless asked otherwise.
 //!
 //! ```text
-//!   live::View -> PageArtist: an analysis, the reports' own pictures -> Hub -> Server -> tabs
+//!   live::Stage -> PageArtist: an analysis, the reports' own pictures -> Hub -> Server -> tabs
 //!                     ^                                                            |
-//!   the capture -> Looker: a diagnosis now and then         stop, marks <----------+
+//!   the capture -> Looker: a diagnosis now and then     live::Desk: marks, <-------+
+//!                                                       start, stop, self-test
 //! ```
 //!
 //! The page is what [`Hub`](hub::Hub) holds, part by part; a tab gets what has changed since it last asked. Who may
 //! ask is in [`guard`].
 
 mod artist;
+mod bench;
 mod files;
 mod guard;
 mod hub;
 mod look;
 mod parts;
 mod server;
+mod wanted;
 
 pub use artist::PageArtist;

@@ -8,6 +8,7 @@ use crate::model::Coefficient;
 use crate::plain::shown;
 use crate::report::svg::{escape, typeset};
 use crate::report::watched::{self, Recent};
+use crate::signal::Signal;
 
 /// Events that are listed: the last of them; the capture has all.
 const EVENTS: usize = 40;
@@ -15,12 +16,19 @@ const EVENTS: usize = 40;
 /// What is in an element.
 pub type Part = (String, String);
 
-/// The places of the pictures of an axis, by number, before there is anything in them.
-pub fn places(axis: usize) -> [Part; 3] {
-    ["allan", "spectrum", "strip"].map(|what| {
-        let words = "<p>not enough samples yet</p>".to_owned();
-        (format!("{what}{axis}"), words)
-    })
+/// What is shown of a recording of `signal` before there is anything to see: the places of the pictures, in
+/// their order.
+pub fn empty(signal: &Signal) -> Vec<Part> {
+    let places = (0..signal.axes.len()).flat_map(|axis| {
+        ["allan", "spectrum", "strip"].map(|what| {
+            let words = "<p>not enough samples yet</p>".to_owned();
+            (format!("{what}{axis}"), words)
+        })
+    });
+    let words = [("coefficients", "<p>no fit yet</p>"), ("diagnosis", "")];
+    places
+        .chain(words.map(|(id, html)| (id.to_owned(), html.to_owned())))
+        .collect()
 }
 
 /// What changes all the time: how far the recording is, link and board, events.
@@ -45,10 +53,7 @@ pub fn diagnosis(words: &str) -> Part {
 
 /// Of which samples that is, and how old.
 pub fn diagnosis_age(words: &str) -> Part {
-    (
-        "diagnosis-age".to_owned(),
-        format!("<p class=\"lead\">{}</p>", text(words)),
-    )
+    ("diagnosis-age".to_owned(), text(words))
 }
 
 /// Text of others, harmless in markup and on a screen.
@@ -136,4 +141,29 @@ pub fn strips(strip: &Strip) -> Vec<Part> {
         (id.clone(), head + &watched::recent(&recent, &id))
     })
     .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analyse::{AnalysisOptions, analyse};
+    use crate::{Model, simulate};
+
+    #[test]
+    fn a_published_fit_that_has_holes_is_not_drawn_while_the_record_grows() {
+        let model = Model::open("published:X").expect("built in");
+        let mut record = simulate(&model, 8000, 1, None).expect("simulated");
+        let analysis = analyse(&mut record, &AnalysisOptions::default(), |_| {});
+        let mut one = analysis.expect("analysed").axes.remove(0);
+        let drawn = |one: &AxisAnalysis| {
+            let [(_, picture), _] = axis(0, one).expect("pictures");
+            picture.contains("published fit")
+        };
+        for model in &mut one.curves {
+            model.published = Some(1e-3);
+        }
+        assert!(drawn(&one));
+        one.curves[3].published = None;
+        assert!(!drawn(&one));
+    }
 }

@@ -25,7 +25,8 @@ use tokio_stream::wrappers::WatchStream;
 use super::files;
 use super::guard::{Asked, Guard, Token};
 use super::hub::{Hub, Shown};
-use crate::live::Controls;
+use super::wanted;
+use crate::live::{Controls, Declined, Desk};
 
 /// Tabs that may look at the same time: each costs a buffer of some 400 kB at most.
 const MOST_TABS: usize = 16;
@@ -36,8 +37,12 @@ const MOST_BODY: usize = 1024;
 /// How long a command may take to arrive.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// How long the last state may take to reach the tabs.
-const LAST: Duration = Duration::from_millis(500);
+/// How long the last state may take to reach the tabs: those of a busy machine take their time, and one that takes
+/// nothing any more holds up the end for no longer.
+const LAST: Duration = Duration::from_secs(3);
+
+/// How often it is looked whether they have it.
+const AGAIN: Duration = Duration::from_millis(50);
 
 /// What the page may load: what is its own, and nothing from elsewhere.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; \
@@ -114,8 +119,14 @@ async fn serve(listener: TcpListener, site: Arc<Site>, ended: oneshot::Receiver<
     tokio::select! {
         _ = server => {}
         _ = ended => {
-            hub.end();
-            tokio::time::sleep(LAST).await;
+            let told = async {
+                // A tab that has been told leaves when it is told again.
+                while hub.tabs() > 0 {
+                    hub.end();
+                    tokio::time::sleep(AGAIN).await;
+                }
+            };
+            let _ = timeout(LAST, told).await;
         }
     }
 }
@@ -128,14 +139,14 @@ async fn answer(State(site): State<Arc<Site>>, request: Request) -> Response {
         Ok(what) => what,
         Err(refused) => return said(StatusCode::FORBIDDEN, refused.to_string()),
     };
-    let is_command = matches!(what, "/mark" | "/stop");
+    let command = Command::at(what);
     let is_shown = what == "/events" || files::find(what).is_some();
-    match head.method {
-        Method::POST if is_command => command(&site, what, body).await,
-        Method::GET if what == "/events" => events(&site.hub),
-        Method::GET if is_shown => file(what),
-        _ if is_command => ([(ALLOW, "POST")], StatusCode::METHOD_NOT_ALLOWED).into_response(),
-        _ if is_shown => ([(ALLOW, "GET")], StatusCode::METHOD_NOT_ALLOWED).into_response(),
+    match (head.method, command) {
+        (Method::POST, Some(command)) => carry_out(&site.controls.desk, command, body).await,
+        (Method::GET, None) if what == "/events" => events(&site.hub),
+        (Method::GET, None) if is_shown => file(what),
+        (_, Some(_)) => ([(ALLOW, "POST")], StatusCode::METHOD_NOT_ALLOWED).into_response(),
+        (_, None) if is_shown => ([(ALLOW, "GET")], StatusCode::METHOD_NOT_ALLOWED).into_response(),
         _ => said(
             StatusCode::NOT_FOUND,
             "there is no such thing here".to_owned(),
@@ -178,7 +189,9 @@ fn events(hub: &Hub) -> Response {
         return said(StatusCode::SERVICE_UNAVAILABLE, words);
     }
     let mut seen = 0;
+    let mut told = false;
     let states = WatchStream::new(hub.follow());
+    let states = states.take_while(move |shown| !std::mem::replace(&mut told, shown.ended));
     let events = states.map(move |shown| Ok::<_, Infallible>(event(&shown, &mut seen)));
     Sse::new(events)
         .keep_alive(KeepAlive::default())
@@ -194,7 +207,32 @@ fn event(shown: &Shown, seen: &mut u64) -> Event {
     Event::default().event(name).data(text)
 }
 
-async fn command(site: &Site, what: &str, body: Body) -> Response {
+/// What a tab may ask for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Command {
+    Mark,
+    Stop,
+    Record,
+    Test,
+    End,
+}
+
+impl Command {
+    /// The command at `path`.
+    fn at(path: &str) -> Option<Self> {
+        Some(match path {
+            "/mark" => Self::Mark,
+            "/stop" => Self::Stop,
+            "/record" => Self::Record,
+            "/selftest" => Self::Test,
+            "/end" => Self::End,
+            _ => return None,
+        })
+    }
+}
+
+/// Carries out a command as far as a tab can: the bench does the rest.
+async fn carry_out(desk: &Desk, command: Command, body: Body) -> Response {
     let body = match timeout(PATIENCE, to_bytes(body, MOST_BODY)).await {
         Ok(Ok(body)) => body,
         Ok(Err(_)) => {
@@ -203,18 +241,27 @@ async fn command(site: &Site, what: &str, body: Body) -> Response {
         }
         Err(_) => return StatusCode::REQUEST_TIMEOUT.into_response(),
     };
-    if what == "/stop" {
-        site.controls.stop.request();
-        return StatusCode::NO_CONTENT.into_response();
-    }
-    let refused = |words| said(StatusCode::UNPROCESSABLE_ENTITY, words);
-    match (std::str::from_utf8(&body), &site.controls.marks) {
-        (Err(_), _) => refused("the note of a mark is UTF-8".to_owned()),
-        (_, None) => refused("nothing is recorded that a mark could go to".to_owned()),
-        (Ok(text), Some(marks)) => match marks.set(text) {
-            Ok(()) => StatusCode::NO_CONTENT.into_response(),
-            Err(error) => refused(error.to_string()),
+    let unfit = |words| said(StatusCode::UNPROCESSABLE_ENTITY, words);
+    let done = match command {
+        Command::Mark => match std::str::from_utf8(&body) {
+            Ok(text) => desk.mark(text),
+            Err(_) => return unfit("the note of a mark is UTF-8".to_owned()),
         },
+        Command::Record => match wanted::settings(&body) {
+            Ok(settings) => desk.record(settings),
+            Err(bad) => return unfit(bad.to_string()),
+        },
+        Command::Stop => desk.stop(),
+        Command::Test => desk.test(),
+        Command::End => {
+            desk.end();
+            Ok(())
+        }
+    };
+    match done {
+        Ok(()) => StatusCode::NO_CONTENT.into_response(),
+        Err(Declined::Mark(error)) => unfit(error.to_string()),
+        Err(declined) => said(StatusCode::CONFLICT, declined.to_string()),
     }
 }
 

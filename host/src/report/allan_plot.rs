@@ -173,11 +173,16 @@ fn fits(frame: &mut Frame<'_>, axis: &AxisAnalysis) {
         let at = |model: &CurveModel| (model.tau_s, value(model).unwrap_or(f64::NAN));
         axis.curves.iter().map(at).collect::<Vec<_>>()
     };
-    frame.line(Field::Main, curve(&|model| model.published), published);
+    let is_published = axis.curves.iter().any(|model| model.published.is_some());
+    if is_published {
+        frame.line(Field::Main, curve(&|model| model.published), published);
+    }
     frame.line(Field::Main, curve(&|model| model.fitted), fit);
     frame.explain(Mark::Line(fit), fitted_by(axis));
     frame.explain(Mark::Line(term_stroke(Coefficient::N)), "its terms");
-    frame.explain(Mark::Line(published), "published fit");
+    if is_published {
+        frame.explain(Mark::Line(published), "published fit");
+    }
 }
 
 /// Measured over fitted, minus one, in percent.

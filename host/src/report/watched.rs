@@ -1,6 +1,8 @@
 //! Pictures for a page whose script reads values from them: each says where its values are, as ends of
 //! its scales in values and in pixels.
 
+use std::borrow::Cow;
+
 use super::plot::frame::{Frame, LEFT, Layout, RIGHT, Title, Titles, WIDTH};
 use super::plot::scale::Scale;
 use super::plot::{Stroke, frame::Field};
@@ -53,7 +55,7 @@ impl Reading {
 /// The Allan deviation of an axis; `id` is unique within the page.
 pub fn allan(axis: &AxisAnalysis, id: &str) -> String {
     let decades = allan_plot::decades(std::iter::once(axis));
-    let drawing = allan_plot::panel(axis, id, "", decades, &PAGE);
+    let drawing = allan_plot::panel(&without_arches(axis), id, "", decades, &PAGE);
     let readings = logarithmic(decades, allan_plot::LAYOUT, ["tau in s", "deviation"]);
     figure(
         id,
@@ -62,6 +64,20 @@ pub fn allan(axis: &AxisAnalysis, id: &str) -> String {
         &readings,
         &drawing,
     )
+}
+
+/// The axis without a published fit that has holes. It weighs all averaging times alike, so on a record that
+/// is short yet its sum of squares falls below zero, and what is left of the curve are arches that stray
+/// through the picture. A report of the whole record shows them as they are.
+fn without_arches(axis: &AxisAnalysis) -> Cow<'_, AxisAnalysis> {
+    if axis.curves.iter().all(|model| model.published.is_some()) {
+        return Cow::Borrowed(axis);
+    }
+    let mut axis = axis.clone();
+    for model in &mut axis.curves {
+        model.published = None;
+    }
+    Cow::Owned(axis)
 }
 
 /// The spectrum of an axis; `id` is unique within the page.

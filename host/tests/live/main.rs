@@ -2,7 +2,14 @@
 
 #![cfg(unix)]
 
+mod bench;
+mod browser;
+mod files;
 mod page;
+mod pictures;
+#[path = "../pty/mod.rs"]
+mod pty;
+mod served;
 mod terminal;
 
 use std::process::Command;

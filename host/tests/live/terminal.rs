@@ -11,7 +11,7 @@ use rustix::termios::{LocalModes, OptionalActions, Winsize, tcgetattr, tcsetattr
 use serialport::{SerialPort, TTYPort};
 
 /// Longest wait for anything: a busy machine takes its time, and a defect for ever.
-const PATIENCE: Duration = Duration::from_secs(60);
+pub const PATIENCE: Duration = Duration::from_secs(60);
 
 /// What leaves the other page of a terminal (xterm control sequences, private mode 1049).
 const OWN_PAGE: &str = "\u{1b}[?1049l";
@@ -22,18 +22,26 @@ const SHELL: LocalModes = LocalModes::ECHO
     .union(LocalModes::ISIG);
 
 /// A terminal with a recording on it.
-struct Bench {
+pub struct Bench {
     keys: TTYPort,
     /// The program's side, held open.
     terminal: File,
     child: Child,
-    /// All that was drawn.
-    drawn: String,
+    /// What was drawn since the last that was waited for.
+    pub drawn: String,
 }
 
 impl Bench {
     /// Records a virtual board on a terminal of so many columns and rows.
     fn start(capture: &Path, size: [u16; 2]) -> Self {
+        let mut live = Command::new(env!("CARGO_BIN_EXE_inm"));
+        live.args(["live", "--source", "virtual", "--duration", "600", "-o"])
+            .arg(capture);
+        Self::on_terminal(&mut live, size)
+    }
+
+    /// Runs `command` on a terminal of so many columns and rows.
+    pub fn on_terminal(command: &mut Command, size: [u16; 2]) -> Self {
         let (mut keys, slave) = TTYPort::pair().expect("a pseudo terminal");
         keys.set_timeout(Duration::from_millis(50)).expect("set");
         let path = slave.name().expect("it has a path");
@@ -46,9 +54,7 @@ impl Bench {
         let side = || terminal.try_clone().expect("a copy");
         Self {
             keys,
-            child: Command::new(env!("CARGO_BIN_EXE_inm"))
-                .args(["live", "--source", "virtual", "--duration", "600", "-o"])
-                .arg(capture)
+            child: command
                 .stdin(side())
                 .stdout(side())
                 .stderr(side())
@@ -59,13 +65,13 @@ impl Bench {
         }
     }
 
-    fn press(&mut self, keys: &str) {
+    pub fn press(&mut self, keys: &str) {
         self.keys.write_all(keys.as_bytes()).expect("pressed");
     }
 
     /// Waits until `text` is drawn in one go after all that was waited for before.
     #[track_caller]
-    fn wait_for(&mut self, text: &str) {
+    pub fn wait_for(&mut self, text: &str) {
         let deadline = Instant::now() + PATIENCE;
         loop {
             if let Some(at) = self.drawn.find(text) {
@@ -95,7 +101,7 @@ impl Bench {
     }
 
     /// Reads what there is to read.
-    fn read(&mut self) {
+    pub fn read(&mut self) {
         let mut bytes = [0; 4096];
         match self.keys.read(&mut bytes) {
             Ok(len) => self.drawn += &String::from_utf8_lossy(&bytes[..len]),
@@ -104,7 +110,7 @@ impl Bench {
     }
 
     /// What the program printed after it gave the terminal back and ended in good order.
-    fn end(mut self) -> String {
+    pub fn end(mut self) -> String {
         self.wait_for(OWN_PAGE);
         let deadline = Instant::now() + PATIENCE;
         let status = loop {
@@ -119,7 +125,15 @@ impl Bench {
         assert!(status.success(), "{status:?}: {}", self.drawn);
         let modes = tcgetattr(&self.terminal).expect("modes").local_modes;
         assert!(modes.contains(SHELL), "{modes:?}");
-        self.drawn
+        std::mem::take(&mut self.drawn)
+    }
+}
+
+impl Drop for Bench {
+    fn drop(&mut self) {
+        // A test that has failed leaves nothing behind.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
     }
 }
 

@@ -9,8 +9,7 @@ use clap::Args;
 use super::super::recording::parse_positive;
 use super::which::Which;
 use super::{JsonOption, status};
-use crate::inspect::self_test::{Check, SelfTest, Verdict, noise};
-use crate::source::SourceError;
+use crate::inspect::self_test::{Check, SelfTest, Verdict, number};
 
 /// Arguments of `inm board selftest`.
 #[derive(Debug, Args)]
@@ -31,17 +30,10 @@ impl Selftest {
     /// What the port or the board says.
     pub fn run(self) -> anyhow::Result<ExitCode> {
         self.json.check()?;
-        let mut found = self.which.find()?;
+        let found = self.which.find()?;
         let watch = Duration::from_secs_f64(self.watch.min(LONGEST_WATCH_S));
-        let port = found.port.clone();
-        let tested = SelfTest::run(port, &mut found.session, &found.identity, watch);
-        let mut tested = tested.map_err(SourceError::from)?;
-        // The port is closed before it is opened to record.
-        drop(found.session);
-        if tested.measures() {
-            let connect = self.which.connect(&found.port);
-            tested = tested.and(noise(connect, &found.identity)?);
-        }
+        let again = self.which.connect(&found.port);
+        let tested = SelfTest::whole(found.session, &found.identity, watch, again)?;
         self.json.write(&tested, &text(&tested))?;
         Ok(status(tested.passed))
     }
@@ -103,13 +95,4 @@ fn line(check: &Check) -> String {
     }
     line.push('\n');
     line
-}
-
-/// Three figures behind the point, or behind the first digit of a small number.
-fn number(value: f64) -> String {
-    if value == 0.0 || (1e-2..1e6).contains(&value.abs()) {
-        format!("{value:.3}")
-    } else {
-        format!("{value:.3e}")
-    }
 }

@@ -20,7 +20,10 @@ const STREAM_S: f64 = 4.0;
 ///
 /// # Errors
 /// What the link says; of a board whose converters do not start, that.
-pub fn noise(connect: Box<dyn Connect>, identity: &Identity) -> Result<Vec<Check>, SourceError> {
+pub(super) fn noise(
+    connect: Box<dyn Connect>,
+    identity: &Identity,
+) -> Result<Vec<Check>, SourceError> {
     let rate_hz = f64::from(identity.settings.rate.hz());
     let plan = Plan {
         samples: Some((STREAM_S * rate_hz) as u64),

@@ -8,7 +8,7 @@ use ratatui::widgets::Paragraph;
 
 use super::curve;
 use super::pad::{Mode, Pad, Pane};
-use crate::live::{Snapshot, words};
+use crate::live::{Phase, Snapshot, words};
 use crate::plain::shown;
 
 /// Columns of the averaging time, or of a coefficient's letter, ahead of the axes.
@@ -56,12 +56,13 @@ fn line(text: &str) -> Line<'static> {
 fn head(snapshot: &Snapshot, pad: &Pad) -> Vec<Line<'static>> {
     let mut head = vec![line(&snapshot.headline()).bold()];
     let progress = snapshot.progress();
-    head.push(if pad.ending {
-        line(&format!("ENDING  {progress}"))
-    } else if pad.paused {
-        line(&format!("PAUSED, and recording  {progress}")).reversed()
-    } else {
-        line(&progress)
+    head.push(match snapshot.phase {
+        _ if pad.ending => line(&format!("ENDING  {progress}")),
+        Phase::Recording if pad.paused => {
+            line(&format!("PAUSED, and recording  {progress}")).reversed()
+        }
+        Phase::Recording => line(&progress),
+        phase => line(&format!("{}  {progress}", phase.word())).reversed(),
     });
     head.extend(snapshot.state().iter().map(|text| line(text)));
     let page = snapshot.page.iter();
@@ -148,7 +149,6 @@ fn keys(pad: &Pad) -> Paragraph<'static> {
         (Mode::End, _) => "end the recording? y ends it, any other key does not".to_owned(),
         (Mode::Watch, Some(said)) => said.clone(),
         (Mode::Watch, None) => {
-            let mark = if pad.marks { "m mark  " } else { "" };
             let panes = Pane::ALL.map(|pane| {
                 let name = pane.name();
                 if pane == pad.pane {
@@ -158,7 +158,7 @@ fn keys(pad: &Pad) -> Paragraph<'static> {
                 }
             });
             format!(
-                "q end  {mark}p pause  a axes  Tab {}  arrows scroll",
+                "q end  m mark  p pause  a axes  Tab {}  arrows scroll",
                 panes.join(" ")
             )
         }

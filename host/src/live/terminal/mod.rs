@@ -50,7 +50,7 @@ impl TerminalView {
     /// What the terminal says; it is as it was then.
     pub fn take(controls: Controls) -> std::io::Result<Self> {
         own::take()?;
-        let shared = Arc::new(Shared::new(controls.marks.is_some()));
+        let shared = Arc::new(Shared::default());
         let (drawn, heard) = (Arc::clone(&shared), Arc::clone(&shared));
         Ok(Self {
             shared,
@@ -126,15 +126,14 @@ fn listen(shared: &Shared, controls: &Controls) {
 
 /// Does what a key asked for; the answer is for the view.
 fn carry_out(act: Act, controls: &Controls) -> String {
-    match (act, &controls.marks) {
-        (Act::Interrupt, _) => {
+    match act {
+        Act::Interrupt => {
             (controls.interrupt)();
             "the recording ends: the board is told to stop".to_owned()
         }
-        (Act::Mark(text), Some(marks)) => match marks.set(&text) {
+        Act::Mark(text) => match controls.desk.mark(&text) {
             Ok(()) => "marked".to_owned(),
-            Err(error) => format!("not marked: {error}"),
+            Err(declined) => format!("not marked: {declined}"),
         },
-        (Act::Mark(_), None) => "nothing is recorded that a mark could go to".to_owned(),
     }
 }

@@ -78,8 +78,6 @@ pub struct Pad {
     pub said: Option<String>,
     /// Axes that there are.
     pub axes: usize,
-    /// Whether marks are taken.
-    pub marks: bool,
     /// The recording was asked to end.
     pub ending: bool,
 }
@@ -109,7 +107,7 @@ impl Pad {
     fn command(&mut self, key: KeyCode) {
         match key {
             KeyCode::Char('q') if !self.ending => self.mode = Mode::End,
-            KeyCode::Char('m') if self.marks && !self.ending => {
+            KeyCode::Char('m') if !self.ending => {
                 self.mode = Mode::Mark(String::new());
             }
             KeyCode::Char('p') => self.paused = !self.paused,
@@ -155,7 +153,6 @@ mod tests {
     fn pad() -> Pad {
         Pad {
             axes: 3,
-            marks: true,
             ..Pad::default()
         }
     }
@@ -207,13 +204,6 @@ mod tests {
         press(&mut pad, &letters(&format!("m{text}")));
         let written = press(&mut pad, &[KeyCode::Enter]);
         assert_eq!(written, [Act::Mark("\u{e9}".repeat(MAX_MARK / 2))]);
-    }
-
-    #[test]
-    fn where_nothing_takes_a_mark_none_is_begun() {
-        let mut pad = Pad::default();
-        press(&mut pad, &letters("m"));
-        assert_eq!(pad.mode, Mode::Watch);
     }
 
     #[test]

@@ -27,13 +27,6 @@ struct State {
 }
 
 impl Shared {
-    /// Nothing to show yet; `marks` is whether marks are taken.
-    pub fn new(marks: bool) -> Self {
-        let shared = Self::default();
-        shared.lock().pad.marks = marks;
-        shared
-    }
-
     /// Takes a newer state of the recording.
     pub fn enter(&self, snapshot: Snapshot) {
         let mut state = self.lock();

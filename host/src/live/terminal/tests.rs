@@ -6,7 +6,7 @@ use ratatui::backend::TestBackend;
 
 use super::draw::draw;
 use super::pad::{Mode, Pad, Pane};
-use crate::live::{Cell, Noise, NoiseRow, Row, Snapshot};
+use crate::live::{Cell, Noise, NoiseRow, Phase, Row, Snapshot};
 use crate::source::assemble::Losses;
 use crate::source::audit::{Proof, State};
 
@@ -41,6 +41,8 @@ fn snapshot() -> Snapshot {
     });
     Snapshot {
         source: "/dev/ttyUSB0".into(),
+        phase: Phase::Recording,
+        settings: None,
         capture: Some("run1.inmcap".into()),
         page: None,
         rate_hz: 2000.0,
@@ -93,7 +95,6 @@ fn pad(pane: Pane) -> Pad {
     Pad {
         pane,
         axes: AXES,
-        marks: true,
         ..Pad::default()
     }
 }
@@ -166,8 +167,20 @@ fn what_keys_do_is_said_and_what_is_asked_is_asked() {
         "not marked",
         with(&|pad| pad.said = Some("not marked".into())),
     );
-    let without = with(&|pad| pad.marks = false);
-    assert!(!without.contains("m mark"), "{without}");
+}
+
+#[test]
+fn a_bench_that_does_not_record_says_so() {
+    for (phase, said) in [
+        (Phase::Resting, "STOPPED"),
+        (Phase::Starting, "STARTING"),
+        (Phase::Testing, "SELF-TEST"),
+    ] {
+        let mut snapshot = snapshot();
+        snapshot.phase = phase;
+        let shown = picture((80, 24), &snapshot, &mut pad(Pane::Curve));
+        assert!(shown.contains(said), "{shown}");
+    }
 }
 
 #[test]

@@ -5,6 +5,7 @@ mod marks;
 mod plan;
 mod resume;
 mod same;
+mod settings;
 mod talk;
 
 use std::path::Path;
@@ -23,8 +24,9 @@ use crate::capture::{CaptureError, Header, Writer, note_frame};
 use crate::link::{Client, Connect, open_to_record};
 use crate::signal::Signal;
 
-pub use self::marks::Marks;
+pub use self::marks::{MarkError, Marks};
 pub use self::plan::{Plan, Stop};
+pub use self::settings::{BadSetting, parse_rate, parse_word};
 
 /// A board that streams, and the capture that its bytes go to.
 pub struct BoardSource {

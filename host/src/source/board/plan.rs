@@ -24,16 +24,45 @@ pub struct Plan {
 /// Ends a recording from another thread or a signal handler: the board is told to stop, what
 /// is under way is drained, the capture gets its end note.
 #[derive(Debug, Clone, Default)]
-pub struct Stop(Arc<AtomicBool>);
+pub struct Stop {
+    requested: Arc<AtomicBool>,
+    /// What ends all, and this with it.
+    outer: Option<Arc<Self>>,
+}
 
 impl Stop {
+    /// One of a single recording among several: it ends with `self`, and `self` not with it.
+    #[must_use]
+    pub fn within(&self) -> Self {
+        Self {
+            requested: Arc::default(),
+            outer: Some(Arc::new(self.clone())),
+        }
+    }
+
     /// Asks for the end.
     pub fn request(&self) {
-        self.0.store(true, Ordering::Relaxed);
+        self.requested.store(true, Ordering::Relaxed);
     }
 
     /// Whether the end was asked for.
     pub fn requested(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
+        self.requested.load(Ordering::Relaxed)
+            || self.outer.as_ref().is_some_and(|outer| outer.requested())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_end_of_all_ends_each_and_the_end_of_one_no_other() {
+        let all = Stop::default();
+        let [one, other] = [all.within(), all.within()];
+        one.clone().request();
+        assert!(one.requested() && !other.requested() && !all.requested());
+        all.request();
+        assert!(other.requested());
     }
 }

@@ -1,5 +1,8 @@
 //! `inm live`: record a board, and watch its Allan deviation grow.
 
+mod bench;
+mod captures;
+
 use std::net::{SocketAddr, TcpListener};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -8,25 +11,27 @@ use std::sync::Arc;
 use anyhow::Context;
 use clap::Args;
 
-use super::interrupt;
-use super::output;
+use self::bench::Bench;
+use self::captures::Captures;
 use super::recording::BoardOptions;
 use super::results::ResultOptions;
+use super::{interrupt, output, recording};
 use crate::analyse::{AnalysisOptions, summarise};
-use crate::bins::record::{Overlap, Record};
-use crate::live::{Artist, Controls, Screen, ScreenArtist, watch};
+use crate::live::{Artist, Controls, Desk, Screen, ScreenArtist, Stage};
 use crate::page::PageArtist;
-use crate::source::Source;
-use crate::source::board::{BoardSource, Stop};
 
 /// Arguments of `inm live`.
 #[derive(Debug, Args)]
 pub struct LiveCommand {
     #[command(flatten)]
     board: BoardOptions,
-    /// Capture to write; it must not exist yet. Without one, only the statistics are kept.
-    #[arg(short, long, value_name = "FILE")]
+    /// Capture to write; it must not exist yet. Without one the name is the date, in the current
+    /// folder: inm-20261123T090507Z.inmcap.
+    #[arg(short, long, value_name = "FILE", conflicts_with = "no_record")]
     output: Option<PathBuf>,
+    /// Write no capture: only the statistics are kept.
+    #[arg(long)]
+    no_record: bool,
     /// Lines instead of a view of the whole terminal, for screen readers and logs.
     #[arg(long)]
     plain: bool,
@@ -45,7 +50,8 @@ pub struct LiveCommand {
 }
 
 impl LiveCommand {
-    /// Runs the subcommand. Ctrl-C ends the recording and prints the noise table.
+    /// Runs the subcommand. Ctrl-C ends the recording and prints the noise table, that of the last
+    /// recording where there were several.
     ///
     /// # Errors
     /// What the board or a file says; what was recorded until then stays, and is analysed.
@@ -56,37 +62,43 @@ impl LiveCommand {
         // Before the board is asked for anything.
         let listener = self.page.map(listen).transpose()?;
         let stop = interrupt::stop_on_signal()?;
-        let connect = self.board.connect(1.0);
-        let capture = self.output.as_deref();
-        let mut source = BoardSource::start(connect, self.board.plan(), capture, stop.clone())?;
-        let signal = source.signal().clone();
-        let artists = self.artists(&source, stop, listener)?;
-        let mut record = Record::new(signal.axes.len(), Overlap::Strided);
-        let ended = watch(&mut source, Some(&mut record), artists);
-        let analysis = summarise(&signal, &record, &AnalysisOptions::default());
+        let desk = Desk::new(stop.clone());
+        let mut bench = Bench::new(&self.board, self.captures(), desk.clone(), stop.clone());
+        let source = bench.start(self.board.settings())?;
+        let interrupt = Arc::new(move || interrupt::interrupted(&stop));
+        let mut stage = Stage::new(self.artists(Controls { desk, interrupt }, listener)?);
+        let last = bench.run(source, &mut stage);
+        stage.close();
+        let (told, complete) = bench.told();
+        self.results.say(&told)?;
+        let analysis = summarise(&last.signal, &last.record, &AnalysisOptions::default());
         self.results.write(&analysis)?;
-        ended?;
-        Ok(super::recording::recorded(&source))
+        last.ended?;
+        Ok(recording::recorded(complete))
     }
 
-    /// Who shows the recording.
+    /// Where the recording goes.
+    fn captures(&self) -> Captures {
+        match &self.output {
+            _ if self.no_record => Captures::None,
+            None => Captures::Dated,
+            Some(path) => Captures::Named {
+                path: path.clone(),
+                used: false,
+            },
+        }
+    }
+
+    /// Who shows the recordings.
     fn artists(
         &self,
-        source: &BoardSource,
-        stop: Stop,
+        controls: Controls,
         listener: Option<TcpListener>,
     ) -> anyhow::Result<Vec<Box<dyn Artist>>> {
-        let interrupted = stop.clone();
-        let controls = Controls {
-            stop,
-            interrupt: Arc::new(move || interrupt::interrupted(&interrupted)),
-            marks: Some(source.marks()),
-        };
-        let signal = source.signal();
         let mut artists: Vec<Box<dyn Artist>> = Vec::new();
         let mut url = None;
         if let Some(listener) = listener {
-            let page = PageArtist::start(listener, controls.clone(), signal, source.capture_path());
+            let page = PageArtist::start(listener, controls.clone());
             let page = page.context("--page: the page cannot be served")?;
             // The view shows it too, where there is one.
             eprintln!("page: {}", page.url());
@@ -98,7 +110,7 @@ impl LiveCommand {
         } else {
             Screen::terminal(controls)
         };
-        artists.push(ScreenArtist::on(screen, signal, url));
+        artists.push(ScreenArtist::on(screen, url));
         Ok(artists)
     }
 }
