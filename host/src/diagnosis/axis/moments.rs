@@ -78,9 +78,23 @@ impl AxisState {
             }
             return gaps;
         }
-        let drawn = Drawn::new(values.len());
-        let density = self.law_densities(drawn.ring_len());
-        long_gaps::fill(&drawn, values, &gaps, self.rate_hz, &density);
+        // What a filter makes of many jumps may be most of a record: its law would draw the jumps anew.
+        let spread = self.residual.spread();
+        let is_of_jump = |gap: &Range<usize>| {
+            spread
+                .iter()
+                .any(|one| one.start < gap.end && gap.start < one.end)
+        };
+        let others: Vec<Range<usize>> = gaps
+            .iter()
+            .filter(|gap| !is_of_jump(gap))
+            .cloned()
+            .collect();
+        if !others.is_empty() {
+            let drawn = Drawn::new(values.len());
+            let density = self.law_densities(drawn.ring_len());
+            long_gaps::fill(&drawn, values, &others, self.rate_hz, &density);
+        }
         gaps
     }
 

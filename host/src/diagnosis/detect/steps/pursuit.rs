@@ -33,6 +33,13 @@ pub struct Pursuit<'a> {
 /// A fifth of it was left while the noise was fitted with the jump in it; a jump shows from some five deviations on.
 const SEEN_BESIDE: f64 = 20.0;
 
+/// Whether what a filter makes of each jump ends before it makes anything of the next.
+fn are_apart(jumps: &[Jump]) -> bool {
+    let mut at: Vec<usize> = jumps.iter().map(|jump| jump.index).collect();
+    at.sort_unstable();
+    at.windows(2).all(|two| two[1] - two[0] >= 2 * SPREAD)
+}
+
 impl<'a> Pursuit<'a> {
     /// Of an axis as it is.
     pub fn new(look: &'a Look<'a>) -> Self {
@@ -95,7 +102,7 @@ impl<'a> Pursuit<'a> {
             } else {
                 self.take_out(jump);
                 all.push(jump);
-                if self.axis().is_filtered() && jump.z.abs() > SEEN_BESIDE {
+                if self.axis().is_filtered() && jump.z.abs() > SEEN_BESIDE && are_apart(&all) {
                     let left = Arc::make_mut(&mut self.left).as_mut_slice();
                     heights::measure(self.look.axis, left, &mut all);
                 }
