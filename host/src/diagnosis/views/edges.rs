@@ -1,9 +1,12 @@
-//! Jumps as they are behind what filters.
+//! Jumps as they are simulated: behind the roll-offs that have a name. A chain leaves them sharp
+//! ([`crate::model::steps::Steps`]), and so they stay here.
 
 use crate::diagnosis::axis::{AxisState, SPREAD};
+use crate::diagnosis::laws::Law;
+use crate::model::effect::Part;
 
-/// Makes the jumps of `axis` in `wave`, its deterministic part, pass what filters the record: there a jump takes as long
-/// as the filter.
+/// Makes the jumps of `axis` in `wave`, its deterministic part, pass the laws of the model that filter: there a jump takes
+/// as long as they.
 pub fn soften(axis: &AxisState, wave: &mut [f64]) {
     let mut jumps = axis.residual.jumps().peekable();
     if jumps.peek().is_none() {
@@ -23,12 +26,15 @@ pub fn soften(axis: &AxisState, wave: &mut [f64]) {
     }
 }
 
-/// Course of a jump from 0 to 1 behind what filters, from [`SPREAD`] samples before it to as many after; `None` where
-/// nothing filters.
+/// Course of a jump from 0 to 1 behind them, from [`SPREAD`] samples before it to as many after; `None` where nothing
+/// filters.
 fn passage(axis: &AxisState) -> Option<Vec<f64>> {
-    let seen = axis.whitened();
-    let passed = axis.passed(&seen.transform)?;
-    let answer = seen.transform.answer(|k| passed[k]);
+    let filters = |law: &Law| matches!(law.effect.part(&law.values), Part::Distortion(_));
+    if !axis.laws.iter().any(filters) {
+        return None;
+    }
+    let ring = &axis.whitened().transform;
+    let answer = ring.answer(|k| axis.filters(ring.frequency(k)).sqrt());
     let about = (0..2 * SPREAD).map(|n| answer[(n + answer.len() - SPREAD) % answer.len()]);
     let sums = about.scan(0.0, |sum, one| {
         *sum += one;
@@ -42,44 +48,48 @@ fn passage(axis: &AxisState) -> Option<Vec<f64>> {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use super::*;
-    use crate::chain::Chain;
     use crate::diagnosis::detect::trial::{self, Trial, noise};
+    use crate::diagnosis::explanation::Change;
     use crate::diagnosis::record::wave::Wave;
-    use crate::model::steps::KIND;
+    use crate::model::{rolloff, steps};
 
     const SEED: u64 = 40;
 
-    /// A jump by 4 as `chain` lets it pass.
-    fn passed(chain: Option<&str>) -> Vec<f64> {
-        let chain: Option<Chain> = chain.map(|one| one.parse().expect("a chain"));
+    /// A jump by 4 as the model has it, behind a pole at 10 Hz or none.
+    fn modelled(pole: bool) -> Vec<f64> {
         let jumps = [trial::jump(9000, 4.0)];
         let mut values = noise(SEED);
         trial::add(&mut values, &Wave::Steps(jumps.to_vec()));
-        let mut trial = Trial::new(values.clone());
-        let axis = AxisState::new(Arc::new(values), trial::RATE_HZ, chain.as_ref());
-        trial.axis = axis.expect("a spectrum");
-        trial.know(KIND, [90.0, 4.0], trial::steps(&jumps));
+        let kept = (-std::f64::consts::TAU * 10.0 / trial::RATE_HZ).exp();
+        let mut level = 0.0;
+        for value in values.iter_mut().filter(|_| pole) {
+            level = kept * level + (1.0 - kept) * *value;
+            *value = level;
+        }
+        let mut trial = Trial::new(values);
+        trial.know(steps::KIND, [90.0, 4.0], trial::steps(&jumps));
+        if pole {
+            let (effect, values) = (rolloff::KIND, vec![10.0]);
+            trial.know(rolloff::KIND, [10.0], Change::Law(Law { effect, values }));
+        }
         let mut wave = trial.axis.residual.waveform();
         soften(&trial.axis, &mut wave);
         wave
     }
 
     #[test]
-    fn a_jump_behind_a_filter_takes_its_time_and_arrives() {
-        let sharp = passed(None);
+    fn a_jump_behind_a_rolloff_takes_its_time_and_arrives() {
+        let sharp = modelled(false);
         assert_eq!((sharp[8999], sharp[9000]), (0.0, 4.0));
-        let soft = passed(Some("ads1281:linear"));
-        let off = |n: usize, level: f64| (soft[n] - level).abs();
-        // At the moment itself a filter without delay is half way up; its band ends at two fifths of the rate.
+        let soft = modelled(true);
+        // A pole at a tenth of the rate keeps half within a sample and nothing after thirty.
         assert!(
-            off(8999, 0.0) > 0.1 && off(9000, 4.0) > 0.1,
+            soft[8999] > 0.4 && soft[9000] < 3.6,
             "{:?}",
             &soft[8995..9005]
         );
-        assert!(off(8936, 0.0) < 0.01 && off(9064, 4.0) < 0.01);
+        assert!(soft[8960].abs() < 0.01 && (soft[9040] - 4.0).abs() < 0.01);
         assert_eq!((soft[8900], soft[9100]), (0.0, 4.0));
     }
 }

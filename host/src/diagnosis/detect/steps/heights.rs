@@ -12,24 +12,18 @@ use crate::diagnosis::record::wave::{Jump, Wave};
 use crate::diagnosis::statistic::kriging::Unknown;
 use crate::diagnosis::statistic::matched_filter::{Step, Transform, Transformer, together};
 
-/// Samples on either side of a jump over which a filter spreads it, where there is one.
-pub fn spread(axis: &AxisState) -> usize {
-    if axis.is_filtered() { SPREAD } else { 0 }
-}
-
-/// Gives `jumps`, which were taken out of `left`, the heights that they have together, and takes out of it what these
-/// differ by. What a filter makes of each is replaced by what is likeliest there. The gain of that in log-likelihood,
-/// nats.
-pub fn measure(axis: &AxisState, left: &mut [f64], jumps: &mut [Jump]) -> f64 {
-    let (factor, spread) = (axis.slow_factor(), spread(axis));
-    let edge = |index: usize| index.saturating_sub(spread)..(index + spread).min(left.len());
+/// Gives `jumps` behind a converter's filter, which were taken out of `left`, the heights that they have together, and
+/// takes out of it what these differ by. What the filter makes of each is replaced by what is likeliest there.
+pub fn measure(axis: &AxisState, left: &mut [f64], jumps: &mut [Jump]) {
+    let factor = axis.slow_factor();
+    let edge = |index: usize| index.saturating_sub(SPREAD)..(index + SPREAD).min(left.len());
     let edges: Vec<Range<usize>> = jumps.iter().map(|jump| edge(jump.index)).collect();
     span(left, &edges);
     let (whole, density) = likeliest(axis, left, &edges);
-    let waveform = passage(axis, &whole, spread.div_ceil(factor));
+    let waveform = passage(axis, &whole, SPREAD.div_ceil(factor));
     let moments: Vec<usize> = jumps.iter().map(|jump| jump.index / factor).collect();
     let Some(found) = together(&whole, &density, &waveform, &moments) else {
-        return 0.0;
+        return;
     };
     let mut rest = jumps.to_vec();
     let sizes = found.sizes.iter().zip(&found.size_sds);
@@ -40,7 +34,6 @@ pub fn measure(axis: &AxisState, left: &mut [f64], jumps: &mut [Jump]) -> f64 {
     Wave::Steps(rest).take_out(left);
     span(left, &edges);
     likeliest(axis, left, &edges);
-    found.nats
 }
 
 /// Makes what is in the `edges` of `left` the likeliest of all, as far as the slow copy is the record itself. That copy,
@@ -99,6 +92,7 @@ mod tests {
     use super::*;
     use crate::chain::Chain;
     use crate::diagnosis::detect::trial::{self, RATE_HZ, noise};
+    use crate::model::random::{Gaussian, Seed};
 
     /// A record behind a converter's filter with jumps by `heights` at 6000 and 12 000 that take three samples and
     /// come two samples late, and what stands of it with half of each taken out.
@@ -109,7 +103,7 @@ mod tests {
         let f_hz = |k: usize| k as f64 * RATE_HZ / ring.len() as f64;
         let law = |k: usize| chain.power(f_hz(k), RATE_HZ) / RATE_HZ + 1e-9;
         let density: Vec<f64> = (0..=ring.len() / 2).map(law).collect();
-        let mut normal = trial_normal(seed);
+        let mut normal = Gaussian::new(Seed { seed, stream: 6 }, 1.0);
         let mut values = ring.noise(&density, RATE_HZ, || normal.draw()).to_vec();
         for (height, begin) in heights.into_iter().zip([6000, 12_000]) {
             for (n, value) in values[begin..].iter_mut().enumerate() {
@@ -125,18 +119,13 @@ mod tests {
         (axis.expect("a spectrum"), values, jumps)
     }
 
-    fn trial_normal(seed: u64) -> crate::model::random::Gaussian {
-        crate::model::random::Gaussian::new(crate::model::random::Seed { seed, stream: 6 }, 1.0)
-    }
-
     #[test]
     fn strong_jumps_behind_a_filter_have_their_heights_and_leave_nothing() {
         for seed in 0..3 {
             let heights = [3000.0, -2000.0];
             let (axis, mut left, mut jumps) = behind_a_filter(seed, heights);
-            let gain = measure(&axis, &mut left, &mut jumps);
-            // Each height is off by tens of deviations, in noise that was fitted with the jumps in it.
-            assert!(gain > 20.0, "seed {seed}: {gain} nats");
+            measure(&axis, &mut left, &mut jumps);
+            let mut wrong = 0.0;
             for (jump, height) in jumps.iter().zip(heights) {
                 // Six deviations, which the jumps in the noise widen.
                 let off = (jump.height - height).abs();
@@ -144,13 +133,14 @@ mod tests {
                     off < 6.0 * jump.height_sd && off < 0.01 * height.abs(),
                     "seed {seed}: {jump:?}"
                 );
+                wrong += off;
             }
-            // A normal number beyond 6 deviations comes once in 20 000 records.
+            // Of 6400 normal numbers one lies beyond 6 in 80 000 records; what a height is off by stays as a level.
             let beyond = left[5800..12_200]
                 .iter()
                 .map(|one| one.abs())
                 .fold(0.0, f64::max);
-            assert!(beyond < 12.0, "seed {seed}: {beyond} is left");
+            assert!(beyond < 6.0 + wrong, "seed {seed}: {beyond} is left");
         }
     }
 }

@@ -1,7 +1,7 @@
 //! One waveform that begins at several moments: its sizes, all at once.
 //!
 //! With `b_i = <x, g_i>` of the record and the waveform at moment `i`, and `G_ij = <g_i, g_j>`, which depends on the
-//! distance alone, the likeliest sizes together are `a = G^-1 b`, of covariance `G^-1`; they gain `b' a / 2` nats.
+//! distance alone, the likeliest sizes together are `a = G^-1 b`, of covariance `G^-1`.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -13,8 +13,6 @@ pub struct Together {
     pub sizes: Vec<f64>,
     /// Its standard deviation, the others not known.
     pub size_sds: Vec<f64>,
-    /// Gain of all of them in log-likelihood, nats.
-    pub nats: f64,
 }
 
 /// The sizes that a waveform has together at these `moments`, samples of the ring of `whole`, in noise of the two-sided
@@ -35,12 +33,10 @@ pub fn together(
     });
     let factors = gram.cholesky()?;
     let sizes = factors.solve(&products);
-    let nats = 0.5 * products.dot(&sizes);
     let covariance = factors.inverse();
     Some(Together {
         sizes: sizes.iter().copied().collect(),
         size_sds: covariance.diagonal().iter().map(|one| one.sqrt()).collect(),
-        nats,
     })
 }
 
@@ -95,7 +91,6 @@ mod tests {
         // The last ordinate counts half as much on the ring as a projection has it: 2048 share the sum.
         assert!((found.size_sds[0] / one.size_sd() - 1.0).abs() < 1e-3);
         assert!((found.sizes[0] - one.size()).abs() < 2e-3 * one.size_sd() * f64::sqrt(2048.0));
-        assert!((found.nats - one.gain(one.size())).abs() < 0.05);
     }
 
     #[test]
