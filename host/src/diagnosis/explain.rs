@@ -126,9 +126,26 @@ pub fn explain(
         });
         explained.map(|explained| (base, explained))
     };
-    let seen = |axis: &AxisState| recognised::chain(axis, |chain| begin_with(Some(chain)).ok());
+    let without_events = |mut axis: AxisState| {
+        let context = Context {
+            level,
+            covariate: None,
+            values: &values,
+            refused: &[],
+            found: &|_| (),
+        };
+        search::take_events_out(&mut axis, &context).ok()?;
+        Some(axis)
+    };
+    let behind = |chain: &Chain| without_events(begin_with(Some(chain)).ok()?);
+    let seen = |axis: &AxisState| recognised::chain(axis, behind);
     let mut first = first?;
-    let mut recognised = seen(&first);
+    let is_declared = first.chain.is_some();
+    let bare = (!is_declared)
+        .then(|| without_events(first.clone()))
+        .flatten();
+    let mut recognised = bare.as_ref().and_then(seen);
+    drop(bare);
     if let Some(chain) = &recognised {
         first = begin_with(Some(chain))?;
     }

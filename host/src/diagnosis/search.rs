@@ -38,6 +38,16 @@ pub fn search(
     Search::new(axis, context).follow_plan(&plan)
 }
 
+/// Takes what happened out of an axis, and looks for nothing else.
+///
+/// # Errors
+/// [`NoFit`] where what is left of the record cannot be fitted.
+pub fn take_events_out(axis: &mut AxisState, context: &Context<'_>) -> Result<(), NoFit> {
+    let mut search = Search::new(axis, context);
+    while search.ask(&detect::shock::DETECTOR)? {}
+    Ok(())
+}
+
 /// Who looks, and in which order.
 struct Plan<'a> {
     before_rounds: &'a [&'a Detector],

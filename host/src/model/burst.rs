@@ -1,5 +1,7 @@
 //! Burst: for a while the noise is larger, or smaller.
 
+use std::f64::consts::TAU;
+
 use super::Seed;
 use super::effect::{Distorter, Distortion, Effect, Parameter, Part, Quantity};
 use super::kind::Kind;
@@ -7,9 +9,8 @@ use super::marks::Mark;
 
 /// Between two times what varies is multiplied, the level is not.
 ///
-/// The level is the running mean over as long a time as the burst lasts: what is slower than that
-/// stays as it is. How much a burst adds to a spectrum depends on its share `s` of the record,
-/// `1 + s (factor^2 - 1)` above one over its duration; without a record the law leaves it at 1.
+/// The level is a running mean: what is slower than the time that it is taken over stays as it is. How much a burst adds to a spectrum depends on its share `s` of the record,
+/// `1 + s (factor^2 - 1)` above one over that time; without a record the law leaves it at 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Burst {
     /// Start, seconds since that of the record.
@@ -18,6 +19,8 @@ pub struct Burst {
     pub to_s: f64,
     /// Factor on the standard deviation of the noise.
     pub factor: f64,
+    /// Time that the level is averaged over, seconds; zero for as long as the burst lasts.
+    pub level_s: f64,
 }
 
 impl Burst {
@@ -27,11 +30,26 @@ impl Burst {
             from_s: values[0],
             to_s: values[1],
             factor: values[2],
+            level_s: values.get(3).copied().unwrap_or(0.0),
         }
     }
-}
 
-impl Burst {
+    /// Time that the level is averaged over, seconds.
+    pub fn averages_s(&self) -> f64 {
+        if self.level_s > 0.0 {
+            self.level_s
+        } else {
+            self.to_s - self.from_s
+        }
+    }
+
+    /// Power that passes as fluctuation about the level: what is left of a frequency without its running mean, whose
+    /// memory fades exponentially.
+    pub fn passes(&self, f_hz: f64) -> f64 {
+        let turns = (TAU * f_hz * self.averages_s()).powi(2);
+        turns / (1.0 + turns)
+    }
+
     /// What it adds to the power of noise that is faster than it lasts, as a share, in the mean over a record of this
     /// length, seconds; negative where the noise is quieter.
     pub fn adds(&self, record_s: f64) -> f64 {
@@ -47,7 +65,7 @@ impl Distortion for Burst {
             factor: self.factor,
             from,
             to,
-            memory: to.saturating_sub(from).max(1) as f64,
+            memory: (self.averages_s() * rate_hz).round().max(1.0),
             index: 0,
             level: 0.0,
         })
@@ -103,6 +121,12 @@ impl Effect for Entry {
                 Quantity::Factor,
                 "on the standard deviation of the noise",
             ),
+            Parameter::new(
+                "level_s",
+                Quantity::SecondOrNone,
+                "time that the level is averaged over; as long as the burst where it is not given",
+            )
+            .or_zero(),
         ]
     }
 
@@ -134,6 +158,7 @@ mod tests {
             from_s: 20.0,
             to_s: 50.0,
             factor: 3.0,
+            level_s: 0.0,
         };
         let seed = Seed { seed: 9, stream: 0 };
         let mut samples = vec![9.8; 100_000];
@@ -159,6 +184,7 @@ mod tests {
             from_s: 5.0,
             to_s: 2.0,
             factor: 3.0,
+            level_s: 0.0,
         };
         let seed = Seed { seed: 1, stream: 0 };
         let mut samples: Vec<f64> = (0..10).map(f64::from).collect();

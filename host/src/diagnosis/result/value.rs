@@ -37,6 +37,15 @@ impl Value {
         }
     }
 
+    /// A number without an interval.
+    pub const fn told(value: f64) -> Self {
+        Self {
+            value,
+            lo: None,
+            hi: None,
+        }
+    }
+
     /// The same of what grows with it: value and ends through an increasing function.
     pub fn map(self, through: impl Fn(f64) -> f64) -> Self {
         Self {

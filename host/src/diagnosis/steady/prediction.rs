@@ -5,7 +5,7 @@
 //! none, the second from one, so that nothing is lost where the event stands at an end of the record.
 
 /// A sample is predicted from as many before it, at most: a choice.
-const ORDER: usize = 32;
+pub const ORDER: usize = 32;
 
 /// Samples that one coefficient rests on, at least: a choice.
 const RESTS_ON: usize = 16;

@@ -34,13 +34,20 @@ pub(crate) fn points(
         let of_passing = passing.allan_variance(one.m, |f_hz| after.density(f_hz));
         let variance =
             after.allan_variance(one.m) + of_waves.map_or(0.0, |wave| wave.variance) + of_passing;
+        // Each part of what was measured scatters by its own.
+        let lasting = (one.variance - of_passing).max(0.0);
+        let scatter = lasting.powi(2) / one.edf + of_passing.powi(2) / passing.freedom(one.edf);
         AllanPoint {
             tau_s: one.tau_s,
             m: one.m,
             adev: one.deviation(),
             lo: one.lo,
             hi: one.hi,
-            edf: one.edf,
+            edf: if of_passing > 0.0 {
+                one.variance.powi(2) / scatter
+            } else {
+                one.edf
+            },
             intervals: samples / one.m,
             before: before.allan_variance(one.m).sqrt(),
             after: variance.sqrt(),

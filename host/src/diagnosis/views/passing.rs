@@ -1,36 +1,83 @@
 //! What passes in a record and has no law: stretches that are louder, and those in which something moves the sensor.
 
+use std::f64::consts::PI;
+
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::result::finding::Finding;
 use crate::model::Term;
-use crate::model::burst;
+use crate::model::burst::{self, Burst};
 use crate::model::effect::Part;
 use crate::model::kernel::{self, Kernel};
+use crate::model::marks::Mark;
 
 /// All of it.
 pub(crate) struct Passing {
-    bursts: Vec<Burst>,
+    bursts: Vec<Louder>,
     terms: Vec<Box<dyn Term>>,
     samples: u64,
     rate_hz: f64,
+    /// Part of the record in which it is.
+    part: f64,
 }
 
 /// A stretch of another variance.
-struct Burst {
-    /// Length of the stretch, seconds.
-    duration_s: f64,
+struct Louder {
+    burst: Burst,
     /// What it adds to the power of faster noise in the mean over the record, as a share.
     share: f64,
+    /// What it adds to the density below one over its length, for what is faster than it lasts does not end there.
+    slow: f64,
 }
 
-impl Burst {
+impl Louder {
+    /// Of a stretch in noise of this two-sided density.
+    fn new(burst: Burst, record_s: f64, rate_hz: f64, density: impl Fn(f64) -> f64) -> Self {
+        let share = burst.adds(record_s);
+        let passes = |f_hz: f64| burst.passes(f_hz) * density(f_hz);
+        Self {
+            burst,
+            share,
+            slow: share * sum_of_stretch(burst.to_s - burst.from_s, rate_hz, passes),
+        }
+    }
+
     /// What it adds to a density that is `density` elsewhere, as a mean over the record.
     fn adds(&self, f_hz: f64, density: f64) -> f64 {
-        if f_hz * self.duration_s < 1.0 {
-            return 0.0;
+        if f_hz * (self.burst.to_s - self.burst.from_s) < 1.0 {
+            return self.slow;
         }
-        self.share * density
+        self.share * self.burst.passes(f_hz) * density
     }
+}
+
+/// Density at frequency zero of a stretch cut out of noise whose density is `S(f)` above one over its length `D` and
+/// the same from there down: its sum has the power
+///
+/// ```text
+/// int S(f) sin^2(pi f D) / sin^2(pi f / rate) df
+/// ```
+///
+/// over all frequencies, with the mean of the oscillating square above one over its length. In white noise that is the
+/// density itself; of noise that rises with the frequency most is what the ends of the stretch cut off.
+fn sum_of_stretch(duration_s: f64, rate_hz: f64, density: impl Fn(f64) -> f64) -> f64 {
+    /// Steps over the band, logarithmic: where the density is a power of the frequency, 20 octaves are integrated to
+    /// a thousandth.
+    const STEPS: u32 = 1024;
+    /// Twice the integral of the squared sinc from 0 to 1.
+    const MAIN_LOBE: f64 = 0.902_823;
+    let lowest = 1.0 / duration_s;
+    if 2.0 * lowest >= rate_hz {
+        return density(0.5 * rate_hz);
+    }
+    let step = (0.5 * rate_hz / lowest).ln() / f64::from(STEPS);
+    let above: f64 = (0..STEPS)
+        .map(|n| {
+            let f_hz = lowest * ((f64::from(n) + 0.5) * step).exp();
+            let sine = (PI * f_hz / rate_hz).sin();
+            density(f_hz) * f_hz * step / (sine * sine)
+        })
+        .sum();
+    MAIN_LOBE * density(lowest) + above / (duration_s * rate_hz * rate_hz)
 }
 
 impl Passing {
@@ -40,11 +87,20 @@ impl Passing {
         let record_s = samples as f64 / axis.rate_hz;
         let is_burst = |one: &&Finding| one.effect == burst::KIND;
         let burst = |finding: &Finding| {
-            let burst = burst::Burst::of(&finding.estimate.plain());
-            Burst {
-                duration_s: burst.to_s - burst.from_s,
-                share: burst.adds(record_s),
-            }
+            let burst = Burst::of(&finding.estimate.plain());
+            Louder::new(burst, record_s, axis.rate_hz, |f_hz| axis.density(f_hz))
+        };
+        let lasts_s = |finding: &Finding| -> f64 {
+            let marks = finding.effect.marks(&finding.estimate.plain());
+            let lengths = marks.into_iter().map(|mark| match mark {
+                Mark::Stretch(from_s, to_s) => to_s - from_s,
+                _ => 0.0,
+            });
+            lengths.sum()
+        };
+        let passes = |one: &&Finding| {
+            let part = one.effect.part(&one.estimate.plain());
+            is_burst(one) || matches!(part, Part::Term(term) if term.is_drift())
         };
         let term = |finding: &Finding| match finding.effect.part(&finding.estimate.plain()) {
             Part::Term(term) => Some(term),
@@ -55,7 +111,14 @@ impl Passing {
             terms: findings.iter().filter_map(term).collect(),
             samples: samples as u64,
             rate_hz: axis.rate_hz,
+            part: findings.iter().filter(passes).map(lasts_s).sum::<f64>() / record_s,
         }
+    }
+
+    /// Degrees of freedom of what it adds to an Allan variance that has `edf` of them all over the record: a stretch is a
+    /// part of it, and happens once.
+    pub fn freedom(&self, edf: f64) -> f64 {
+        (self.part * edf).max(1.0)
     }
 
     /// What it adds to a density at `f_hz` that is `density` without it.

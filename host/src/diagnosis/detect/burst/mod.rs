@@ -21,7 +21,7 @@ use crate::model::{outliers, rounding};
 pub use stretch::{Burst, burst};
 
 /// Stretches at most: with more, it comes and goes all the time. Three are a choice.
-const MOST_STRETCHES: usize = 3;
+pub const MOST_STRETCHES: usize = 3;
 
 /// Samples from the end of a burst within which a short stretch belongs to it: a choice, two
 /// seconds at 2000/s.
@@ -96,7 +96,7 @@ fn lasts(look: &Look<'_>, range: &Range<usize>) -> bool {
 
 /// A burst, or what is left of one that is known: noise that is switched behind the converter's filter leaves
 /// what the filter shuts out.
-fn candidate(axis: &AxisState, burst: &Burst) -> Candidate {
+pub fn candidate(axis: &AxisState, burst: &Burst) -> Candidate {
     let rate_hz = axis.rate_hz;
     let end = |index: usize| Value::normal(index as f64 / rate_hz, burst.end_sd / rate_hz);
     let factor = Value::log_normal(burst.factor, burst.log_factor_sd);
@@ -115,7 +115,15 @@ fn candidate(axis: &AxisState, burst: &Burst) -> Candidate {
         let wide = 3.0 * burst.end_sd;
         let from = (burst.range.start as f64 - wide).max(0.0) as usize;
         let to = ((burst.range.end as f64 + wide) as usize).min(axis.residual.len());
-        let effect = Estimate::new(KIND, [ends[0], ends[1], factor]);
+        let level = burst.level.map(|samples| Value::told(samples / rate_hz));
+        let effect = Estimate {
+            kind: KIND,
+            values: [ends[0], ends[1], factor]
+                .map(Some)
+                .into_iter()
+                .chain([level])
+                .collect(),
+        };
         return Candidate {
             held_out_nats: burst.held_nats,
             ..Candidate::new(effect, burst.p_value, 3.0, Change::Mask(vec![from..to]))

@@ -18,6 +18,8 @@ pub struct Burst {
     pub factor: f64,
     /// Standard deviation of the logarithm of the factor.
     pub log_factor_sd: f64,
+    /// Samples over which the level is averaged that stays as it is, where that is not its length.
+    pub level: Option<f64>,
     /// Uncertainty of both ends, samples.
     pub end_sd: f64,
     /// Gain in log-likelihood over noise of one strength, nats.
@@ -67,6 +69,7 @@ pub fn burst(powers: &Powers, level: f64) -> Option<Burst> {
         range: range.start * BLOCK..range.end * BLOCK,
         factor: ratio.sqrt(),
         log_factor_sd,
+        level: None,
         // A change of variance is placed to within a few of 1 / Kullback-Leibler divergence.
         end_sd: (BLOCK as f64).hypot(2.0 / (0.5 * (ratio - 1.0 - ratio.ln())).max(1e-6)),
         nats,

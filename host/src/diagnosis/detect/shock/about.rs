@@ -40,6 +40,11 @@ pub struct Beside<'a> {
 }
 
 impl Beside<'_> {
+    /// What predicts the noise nearest to `event`, in means over `factor` samples; `None` where nothing tells what it is.
+    pub fn prediction(&self, event: &Range<usize>, factor: usize) -> Option<Prediction> {
+        Prediction::new(&self.stretches(event, factor))
+    }
+
     /// Means over `factor` samples of what is nearest to `event`.
     fn stretches(&self, event: &Range<usize>, factor: usize) -> Vec<Vec<f64>> {
         /// Means that are enough: a choice.
@@ -78,7 +83,7 @@ impl About {
         range: &Range<usize>,
         factor: usize,
     ) -> Option<Self> {
-        let prediction = Prediction::new(&beside.stretches(event, factor))?;
+        let prediction = beside.prediction(event, factor)?;
         let means = block_means(&beside.values[range.clone()], factor);
         let level = prediction.errors(&vec![1.0; means.len()]);
         let first = means.first().copied()?;

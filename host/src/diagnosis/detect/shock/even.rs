@@ -12,6 +12,20 @@ const EVEN: f64 = 1e-5;
 /// Samples of a stretch whose evenness can be seen, at least.
 pub const LONG: usize = 128;
 
+/// Mean square of some errors of prediction, and the share of them that are numbers of their own: of another colour than
+/// the record's noise, a stretch has fewer.
+pub fn strength(errors: &[f64]) -> (f64, f64) {
+    let count = errors.len() as f64;
+    let mean = errors.iter().map(|error| error * error).sum::<f64>() / count;
+    let correlation = |lag: usize| {
+        let pairs = errors.iter().zip(&errors[lag..]);
+        pairs.map(|(a, b)| a * b).sum::<f64>() / count / mean
+    };
+    let lags = 1..=32.min(errors.len().saturating_sub(1));
+    let squares: f64 = lags.map(|lag| correlation(lag).powi(2)).sum();
+    (mean, 1.0 / (1.0 + 2.0 * squares))
+}
+
 /// Gain in log-likelihood of noise as strong from its beginning to its end, in nats; `None` where it is not.
 pub fn even(about: &About, samples: &Range<usize>) -> Option<f64> {
     let inside = about.means_of(samples);
@@ -22,14 +36,7 @@ pub fn even(about: &About, samples: &Range<usize>) -> Option<f64> {
     let edge = inside.len() / 10;
     let errors = &about.errors()[inside.start + edge..inside.end - edge];
     let count = errors.len() as f64;
-    let mean = errors.iter().map(|error| error * error).sum::<f64>() / count;
-    let correlation = |lag: usize| {
-        let pairs = errors.iter().zip(&errors[lag..]);
-        pairs.map(|(a, b)| a * b).sum::<f64>() / count / mean
-    };
-    // Of another colour than the record's noise, it has fewer numbers of its own.
-    let squares: f64 = (1..=32).map(|lag| correlation(lag).powi(2)).sum();
-    let own = 1.0 / (1.0 + 2.0 * squares);
+    let (mean, own) = strength(errors);
     let gain = 0.5 * count * own * (mean - 1.0 - mean.ln());
     let parts = (errors.len() / 32).clamp(4, 32);
     let length = errors.len() / parts;

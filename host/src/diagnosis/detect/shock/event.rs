@@ -3,14 +3,17 @@
 //! A shock has a duration. What is gone where the record is cut at one moment is a jump, or a loss of samples;
 //! what is gone without one sample is an outlier; what is as strong from its beginning to its end is a burst.
 
+use std::f64::consts::TAU;
 use std::ops::Range;
 
 use super::about::{About, Beside};
 use super::course::{self, Course};
 use super::even::{LONG, even};
 use super::fit::{self, Fitted};
+use super::loud;
 use super::moved::{self, Moved, NotMoved};
 use super::scan::{Scan, Stretch};
+use crate::diagnosis::detect::burst::Burst;
 
 /// Height below which a window beside a cut, or without one sample, shows nothing: a choice, beyond which one of
 /// some 10 000 windows stands.
@@ -31,10 +34,29 @@ pub enum What {
     Shock(Course),
     /// Something that moved the sensor for a while, in no simple form.
     Motion(Moved),
+    /// The noise itself, louder for a while.
+    Louder(Burst),
     /// A jump of the level, or whatever else changes at one moment.
     Jump,
     /// Something else.
     Other,
+}
+
+/// Where nothing happens.
+pub struct Quiet {
+    /// Runs of samples that are there.
+    pub runs: Vec<Range<usize>>,
+    /// The same where single gaps are none.
+    pub whole: Vec<Range<usize>>,
+}
+
+impl Quiet {
+    /// A stretch with the runs before and after it.
+    fn about(runs: &[Range<usize>], samples: &Range<usize>) -> Range<usize> {
+        let before = runs.iter().rev().find(|one| one.end == samples.start);
+        let after = runs.iter().find(|one| one.start == samples.end);
+        before.map_or(samples.start, |one| one.start)..after.map_or(samples.end, |one| one.end)
+    }
 }
 
 /// The record about a stretch.
@@ -46,21 +68,18 @@ pub struct Event<'a> {
     run: Range<usize>,
     /// That run without the other stretches beside this one.
     own: Range<usize>,
-    /// Runs in which nothing happens.
-    quiet: &'a [Range<usize>],
+    /// Where nothing happens.
+    quiet: &'a Quiet,
 }
 
 impl<'a> Event<'a> {
     /// Of a stretch, of those in which something happens; `quiet` are the runs without them.
-    pub fn new(scan: &'a Scan<'a>, stretch: &'a Stretch, quiet: &'a [Range<usize>]) -> Self {
+    pub fn new(scan: &'a Scan<'a>, stretch: &'a Stretch, quiet: &'a Quiet) -> Self {
         let samples = &stretch.samples;
         let place = scan.runs().partition_point(|run| run.end <= samples.start);
         let run = scan.runs().get(place).cloned().unwrap_or(samples.clone());
-        let before = quiet.iter().rev().find(|one| one.end == samples.start);
-        let after = quiet.iter().find(|one| one.start == samples.end);
         Self {
-            own: before.map_or(samples.start, |one| one.start)
-                ..after.map_or(samples.end, |one| one.end),
+            own: Quiet::about(&quiet.runs, samples),
             scan,
             stretch,
             run,
@@ -107,7 +126,10 @@ impl<'a> Event<'a> {
         let score = fitted
             .as_ref()
             .map_or(self.stretch.z.powi(2), |(_, fitted)| fitted.score);
-        if even.is_some_and(|nats| nats > 0.5 * score) || score < self.needed() {
+        if even.is_some_and(|nats| nats > 0.5 * score) {
+            return self.louder();
+        }
+        if score < self.needed() {
             return What::Other;
         }
         let Some((about, fitted)) = fitted else {
@@ -126,17 +148,51 @@ impl<'a> Event<'a> {
 
     /// What can be told of an event of no simple form.
     fn told(&self, about: Option<&About>) -> What {
-        let (values, samples, own) = (self.values(), self.samples(), &self.own);
+        let (values, samples) = (self.scan.whole(), self.samples());
+        let own = &Quiet::about(&self.quiet.whole, samples);
         let beside = moved::Beside {
             values,
-            quiet: self.quiet,
+            quiet: &self.quiet.whole,
             own,
         };
         match Moved::new(&beside, samples, about) {
             Ok(moved) => What::Motion(moved),
             Err(NotMoved::Short) => What::Shock(course::told(values, samples, own, about)),
-            Err(NotMoved::Louder) => What::Other,
+            Err(NotMoved::Louder) => self.louder(),
         }
+    }
+
+    /// Noise that is louder in this stretch, where it is.
+    pub fn louder(&self) -> What {
+        let (scan, samples) = (self.scan, self.samples());
+        let own = Quiet::about(&self.quiet.whole, samples);
+        let margin = samples.len().max(LONG);
+        let from = samples.start.saturating_sub(margin).max(own.start);
+        let near = from..(samples.end + margin).min(own.end);
+        let beside = Beside {
+            values: scan.whole(),
+            quiet: &self.quiet.whole,
+            faint: scan.faint(),
+        };
+        let prediction = beside.prediction(samples, 1);
+        let found =
+            prediction.and_then(|one| loud::measured(&one, &scan.whole()[near], samples, from));
+        let Some(mut burst) = found else {
+            return What::Other;
+        };
+        // What a filter shuts out says less of it than the band that it is in.
+        let beside = moved::Beside {
+            values: scan.whole(),
+            quiet: &self.quiet.whole,
+            own: &own,
+        };
+        if let Some(louder) = beside.louder(&burst.range).filter(|one| one.factor > 1.0) {
+            (burst.factor, burst.log_factor_sd) = (louder.factor, louder.log_factor_sd);
+            burst.level = louder.above.map(|cycles| (TAU * cycles).recip());
+        }
+        // What stands for missing samples is as loud as the record on average.
+        burst.log_factor_sd = burst.log_factor_sd.hypot(scan.missing(&burst.range));
+        What::Louder(burst)
     }
 
     /// Whether it is noise as strong from its beginning to its end that explains more than so many `nats`.
@@ -194,7 +250,7 @@ impl<'a> Event<'a> {
         }
         let beside = Beside {
             values: self.values(),
-            quiet: self.quiet,
+            quiet: &self.quiet.runs,
             faint: self.scan.faint(),
         };
         About::new(&beside, self.samples(), &range, factor)

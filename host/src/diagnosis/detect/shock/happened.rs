@@ -6,6 +6,7 @@ use super::course::Course;
 use super::moved::Moved;
 use super::scan::{Scan, Stretch};
 use crate::diagnosis::axis::SPREAD;
+use crate::diagnosis::detect::burst::{Burst, MOST_STRETCHES, candidate};
 use crate::diagnosis::detect::look::Look;
 use crate::diagnosis::explanation::{Candidate, Change};
 use crate::diagnosis::record::wave::{Jump, Wave};
@@ -13,7 +14,7 @@ use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
 use crate::model::shock::Shock;
 use crate::model::unnamed::Band;
-use crate::model::{motion, shock};
+use crate::model::{burst, motion, shock};
 
 /// An event of a record.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,6 +32,8 @@ pub enum Known {
     Shock(Course),
     /// Something that moved the sensor for a while.
     Motion(Moved),
+    /// The noise itself was louder for a while.
+    Louder(Burst),
 }
 
 impl Happened {
@@ -44,6 +47,7 @@ impl Happened {
         match &self.what {
             Known::Shock(course) => &course.samples,
             Known::Motion(moved) => &moved.samples,
+            Known::Louder(burst) => &burst.range,
         }
     }
 
@@ -58,6 +62,7 @@ impl Happened {
                 course.samples = samples;
             }
             Known::Motion(moved) => moved.samples = samples,
+            Known::Louder(burst) => burst.range = samples,
         }
     }
 
@@ -67,11 +72,12 @@ impl Happened {
     }
 }
 
-/// A candidate for the shocks among some events, and one for the motion.
+/// A candidate for the shocks among some events, one for the motion, and one for each stretch in which the noise is louder.
 pub fn candidates(look: &Look<'_>, scan: &Scan<'_>, all: Vec<Happened>) -> Vec<Candidate> {
     let highest = |all: &[f64]| all.iter().copied().fold(0.0, f64::max);
     let (mut courses, mut moved): (Vec<Course>, Vec<Moved>) = Default::default();
     let (mut of_courses, mut of_moved): (Vec<f64>, Vec<f64>) = Default::default();
+    let mut louder: Vec<Burst> = Vec::new();
     for Happened { z, what } in all {
         match what {
             Known::Shock(course) => {
@@ -82,13 +88,30 @@ pub fn candidates(look: &Look<'_>, scan: &Scan<'_>, all: Vec<Happened>) -> Vec<C
                 moved.push(one);
                 of_moved.push(z);
             }
+            Known::Louder(burst) => louder.push(burst),
         }
     }
     let shocks = (!courses.is_empty())
         .then(|| of_shocks(look, &courses, scan.p_value(highest(&of_courses))));
     let motion =
         (!moved.is_empty()).then(|| of_motion(look, &moved, scan.p_value(highest(&of_moved))));
-    shocks.into_iter().chain(motion).collect()
+    let bursts = of_louder(look, &louder);
+    shocks.into_iter().chain(motion).chain(bursts).collect()
+}
+
+/// Those of some stretches in which the noise is louder, before any is fitted to them too.
+fn of_louder(look: &Look<'_>, louder: &[Burst]) -> Vec<Candidate> {
+    let axis = look.axis;
+    let decides = |one: &&Burst| one.p_value < look.level();
+    let found: Vec<&Burst> = louder.iter().filter(decides).collect();
+    let known = axis
+        .explanations()
+        .iter()
+        .filter(|one| one.kind() == burst::KIND);
+    if known.count() + found.len() > MOST_STRETCHES {
+        return Vec::new();
+    }
+    found.into_iter().map(|one| candidate(axis, one)).collect()
 }
 
 fn of_shocks(look: &Look<'_>, shocks: &[Course], p_value: f64) -> Candidate {
@@ -159,16 +182,16 @@ fn motion_row(look: &Look<'_>, one: &Moved, band: &Band, step: Option<[f64; 2]>)
     let [height, height_sd] = step.unwrap_or_default();
     let f_hz = band.f_hz * rate_hz;
     [
-        told(one.samples.start as f64 / rate_hz),
-        told(one.samples.len() as f64 / rate_hz),
+        Value::told(one.samples.start as f64 / rate_hz),
+        Value::told(one.samples.len() as f64 / rate_hz),
         if step.is_some() {
             Value::normal(height, height_sd)
         } else {
-            told(0.0)
+            Value::told(0.0)
         },
-        told(f_hz),
-        told(band.width_hz * rate_hz),
-        told(band.amplitude / passed(look, f_hz)),
+        Value::told(f_hz),
+        Value::told(band.width_hz * rate_hz),
+        Value::told(band.amplitude / passed(look, f_hz)),
     ]
 }
 
@@ -209,9 +232,11 @@ fn row(course: &Course, rate_hz: f64, passed: impl Fn(f64) -> f64) -> [Option<Va
     } else {
         1.0
     };
-    let plain = |value: f64, sd: Option<f64>| sd.map_or(told(value), |sd| Value::normal(value, sd));
-    let relative =
-        |value: f64, sd: Option<f64>| sd.map_or(told(value), |sd| Value::log_normal(value, sd));
+    let plain =
+        |value: f64, sd: Option<f64>| sd.map_or(Value::told(value), |sd| Value::normal(value, sd));
+    let relative = |value: f64, sd: Option<f64>| {
+        sd.map_or(Value::told(value), |sd| Value::log_normal(value, sd))
+    };
     let [time, peak, duration, frequency, decay] = course.sd;
     let is_there = |value: f64| value > 0.0;
     [
@@ -221,13 +246,4 @@ fn row(course: &Course, rate_hz: f64, passed: impl Fn(f64) -> f64) -> [Option<Va
         Some(relative(shock.f_hz, frequency)).filter(|_| is_there(shock.f_hz)),
         Some(relative(shock.decay_s, decay)).filter(|_| is_there(shock.decay_s)),
     ]
-}
-
-/// A number without an interval.
-const fn told(value: f64) -> Value {
-    Value {
-        value,
-        lo: None,
-        hi: None,
-    }
 }

@@ -11,6 +11,7 @@ mod even;
 mod event;
 mod fit;
 mod happened;
+mod loud;
 mod moved;
 mod scan;
 mod simplex;
@@ -28,7 +29,7 @@ use crate::diagnosis::explanation::Candidate;
 use crate::diagnosis::record::runs::without;
 use crate::diagnosis::steady::lasting::Lasting;
 use crate::model::{motion, shock};
-use event::{Event, What};
+use event::{Event, Quiet, What};
 use happened::{Happened, Known};
 use scan::{Scan, Stretch, joined};
 
@@ -98,7 +99,10 @@ fn events(scan: &Scan<'_>, stretches: &[Stretch], level: f64) -> Option<Vec<Happ
         return None;
     }
     let holes: Vec<Range<usize>> = stretches.iter().map(|one| one.samples.clone()).collect();
-    let quiet = without(scan.runs(), &holes);
+    let quiet = Quiet {
+        runs: without(scan.runs(), &holes),
+        whole: without(scan.whole_runs(), &holes),
+    };
     // A louder stretch may show in parts.
     let reach = |a: &Stretch, b: &Stretch| 2 * a.window.max(b.window).max(a.longest).max(b.longest);
     let wider = joined(stretches.to_vec(), reach)
@@ -111,25 +115,30 @@ fn events(scan: &Scan<'_>, stretches: &[Stretch], level: f64) -> Option<Vec<Happ
             parts.count() > 1 && Event::new(scan, wide, &quiet).is_even(nats)
         });
     let louder: Vec<Stretch> = wider.collect();
-    let lasting = Lasting::of(scan.values(), &quiet, scan.faint());
+    let lasting = Lasting::of(scan.values(), &quiet.runs, scan.faint());
+    let is_foretold = |stretch: &Stretch| {
+        let foretells = |law: &Lasting| law.foretells(scan.values(), &stretch.samples, level);
+        lasting.as_ref().is_some_and(foretells)
+    };
     let mut events: Vec<Happened> = Vec::new();
+    for wide in louder.iter().filter(|wide| !is_foretold(wide)) {
+        if let What::Louder(burst) = Event::new(scan, wide, &quiet).louder() {
+            events.push(Happened::new(wide, Known::Louder(burst)));
+        }
+    }
+    let is_in_louder = |stretch: &Stretch| {
+        let mut louder = louder.iter();
+        louder.any(|wide| wide.samples.contains(&stretch.samples.start))
+    };
     let mut jumps: Vec<f64> = Vec::new();
     for stretch in stretches {
-        if louder
-            .iter()
-            .any(|wide| wide.samples.contains(&stretch.samples.start))
-        {
-            continue;
-        }
-        let foretold = lasting
-            .as_ref()
-            .is_some_and(|law| law.foretells(scan.values(), &stretch.samples, level));
-        if foretold {
+        if is_in_louder(stretch) || is_foretold(stretch) {
             continue;
         }
         match Event::new(scan, stretch, &quiet).what() {
             What::Shock(course) => events.push(Happened::new(stretch, Known::Shock(course))),
             What::Motion(moved) => events.push(Happened::new(stretch, Known::Motion(moved))),
+            What::Louder(burst) => events.push(Happened::new(stretch, Known::Louder(burst))),
             What::Jump => jumps.push(stretch.z),
             What::Other => {}
         }

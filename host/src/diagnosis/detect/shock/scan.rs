@@ -32,8 +32,14 @@ const IN_RUNS: f64 = 0.5;
 /// A record that is looked through.
 pub struct Scan<'a> {
     values: &'a [f64],
+    /// The same, NaN where samples are missing.
+    seen: &'a [f64],
     /// Runs of samples that are there.
     runs: Vec<Range<usize>>,
+    /// The samples with the mean of its neighbours for each single one that is missing: no louder than what was there.
+    whole: Vec<f64>,
+    /// Runs of those.
+    whole_runs: Vec<Range<usize>>,
     unit: f64,
     /// Power of one sample that rounding makes at least, in squared units.
     least: f64,
@@ -69,15 +75,20 @@ impl<'a> Scan<'a> {
             .map(Range::len)
             .filter(|len| *len >= 4 * SHORTEST);
         let there: usize = runs.iter().map(Range::len).sum();
+        let seen = values;
         let (values, runs) = if (long.sum::<usize>() as f64) < IN_RUNS * there as f64 {
             (bridged, std::iter::once(0..values.len()).collect())
         } else {
             (values, runs)
         };
         let (unit, least) = unit(values)?;
+        let whole = over_single_gaps(values);
         Some(Self {
             values,
+            seen,
             runs,
+            whole_runs: runs_of(whole.len(), |n| whole[n].is_finite()),
+            whole,
             unit,
             least,
             usual: Vec::new(),
@@ -94,6 +105,23 @@ impl<'a> Scan<'a> {
     /// Runs of samples that are there.
     pub fn runs(&self) -> &[Range<usize>] {
         &self.runs
+    }
+
+    /// Share of some samples that is missing.
+    pub fn missing(&self, samples: &Range<usize>) -> f64 {
+        let missing = self.seen[samples.clone()].iter();
+        let missing = missing.filter(|value| !value.is_finite()).count();
+        missing as f64 / samples.len() as f64
+    }
+
+    /// The samples without single gaps: each is the mean of its neighbours, no louder than what was there.
+    pub fn whole(&self) -> &[f64] {
+        &self.whole
+    }
+
+    /// Runs of those.
+    pub fn whole_runs(&self) -> &[Range<usize>] {
+        &self.whole_runs
     }
 
     /// Variance of white noise that hardly counts beside that of the record.
@@ -176,6 +204,17 @@ impl<'a> Scan<'a> {
         });
         heights.fold(0.0, f64::max)
     }
+}
+
+fn over_single_gaps(values: &[f64]) -> Vec<f64> {
+    let mut values = values.to_vec();
+    for n in 1..values.len().saturating_sub(1) {
+        if !values[n].is_finite() {
+            // No number again where either is missing too.
+            values[n] = 0.5 * (values[n - 1] + values[n + 1]);
+        }
+    }
+    values
 }
 
 /// What a record is measured in: the middle of its increments, or their root mean square where most are zero;
