@@ -179,6 +179,25 @@ mod tests {
     }
 
     #[test]
+    fn what_is_slower_than_its_level_stays_as_it_is() {
+        let burst = Burst {
+            from_s: 20.0,
+            to_s: 50.0,
+            factor: 100.0,
+            level_s: 0.01,
+        };
+        let slow = |n: usize| (TAU * 0.05 * n as f64 / 1000.0).sin();
+        let mut samples: Vec<f64> = (0..60_000).map(slow).collect();
+        let seed = Seed { seed: 3, stream: 0 };
+        burst.distorter(1000.0, seed).apply(&mut samples);
+        // A running mean lags by its own time: 0.3 % of the sine, a hundred times as large.
+        let passes = burst.passes(0.05).sqrt() * 99.0;
+        let off = |n: usize| (samples[n] - slow(n)).abs();
+        let most = (20_500..50_000).map(off).fold(0.0, f64::max);
+        assert!((most / passes - 1.0).abs() < 0.1, "{most} of {passes}");
+    }
+
+    #[test]
     fn none_where_it_ends_before_it_starts() {
         let burst = Burst {
             from_s: 5.0,

@@ -34,7 +34,7 @@ pub fn find(look: &Look<'_>, noise: Noise) -> Option<SlowChange> {
         return None;
     }
     let change = warm_up(look.axis, look.level(), noise)?;
-    (is_seen(look.axis, &change.wave) && !is_dwelling(look.axis, &change)).then_some(change)
+    (change.is_seen(look.axis) && !is_dwelling(look.axis, &change)).then_some(change)
 }
 
 /// What is to be done about it.
@@ -76,17 +76,6 @@ pub fn measured_again(
     let change = settling.change(factor);
     let gain = change.gain_nats;
     Some((proposal(look, change)?, gain, known_gain))
-}
-
-/// Whether most of a settling lies where the record was measured and is not excluded: behind its first sample.
-fn is_seen(axis: &AxisState, wave: &Wave) -> bool {
-    let Wave::WarmUp { samples, .. } = wave else {
-        return false;
-    };
-    let values = axis.residual.values();
-    let first = values.iter().position(|value| value.is_finite());
-    // Its square falls to a half within that part of its time constant.
-    first.is_some_and(|first| (first as f64) < 0.5 * std::f64::consts::LN_2 * samples)
 }
 
 /// Whether a settling is as quick as the level switches: a dwell at the start.

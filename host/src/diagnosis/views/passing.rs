@@ -148,3 +148,29 @@ impl Passing {
                 .sum::<f64>()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stretch_of_white_noise_is_white_and_one_of_rounding_is_its_ends() {
+        const RATE_HZ: f64 = 100.0;
+        for samples in [64.0, 1000.0, 20_001.0] {
+            let duration_s = samples / RATE_HZ;
+            let white = sum_of_stretch(duration_s, RATE_HZ, |_| 3.0);
+            // The mean of the oscillating square stands for it from its first oscillation on: 1 %.
+            assert!((white / 3.0 - 1.0).abs() < 0.01, "{samples}: {white}");
+            // Increments of numbers of deviation 1 sum up to the last less the first: a variance of 2.
+            let density = |f_hz: f64| (2.0 * (PI * f_hz / RATE_HZ).sin()).powi(2) / RATE_HZ;
+            let ends = sum_of_stretch(duration_s, RATE_HZ, density);
+            let expected = 2.0 / (samples * RATE_HZ);
+            let off = ends / expected - 1.0;
+            // Below one over its length, the main lobe, there is a part of two over its samples more.
+            assert!(
+                off.abs() < 0.02 + 20.0 / samples,
+                "{samples}: {ends} of {expected}"
+            );
+        }
+    }
+}

@@ -29,7 +29,7 @@ fn a_loud_and_a_quiet_stretch_are_bursts() {
     for (seed, factor) in [(0, 2.0), (1, 0.4)] {
         let found = asked(seed, 9000..11_000, factor).expect("a plain burst");
         assert_eq!(found.supersedes, [outliers::KIND], "seed {seed}");
-        let [from_s, to_s, found] = found.effect.plain()[..] else {
+        let [from_s, to_s, found, _] = found.effect.plain()[..] else {
             panic!("seed {seed}: {:?}", found.effect);
         };
         // Ends within some blocks; the factor of 2000 samples within 1.6 %, the walk aside: 5 sigma.

@@ -3,7 +3,6 @@
 //! A shock has a duration. What is gone where the record is cut at one moment is a jump, or a loss of samples;
 //! what is gone without one sample is an outlier; what is as strong from its beginning to its end is a burst.
 
-use std::f64::consts::TAU;
 use std::ops::Range;
 
 use super::about::{About, Beside};
@@ -12,6 +11,7 @@ use super::even::{LONG, even};
 use super::fit::{self, Fitted};
 use super::loud;
 use super::moved::{self, Moved, NotMoved};
+use super::quiet::Quiet;
 use super::scan::{Scan, Stretch};
 use crate::diagnosis::detect::burst::Burst;
 
@@ -40,23 +40,6 @@ pub enum What {
     Jump,
     /// Something else.
     Other,
-}
-
-/// Where nothing happens.
-pub struct Quiet {
-    /// Runs of samples that are there.
-    pub runs: Vec<Range<usize>>,
-    /// The same where single gaps are none.
-    pub whole: Vec<Range<usize>>,
-}
-
-impl Quiet {
-    /// A stretch with the runs before and after it.
-    fn about(runs: &[Range<usize>], samples: &Range<usize>) -> Range<usize> {
-        let before = runs.iter().rev().find(|one| one.end == samples.start);
-        let after = runs.iter().find(|one| one.start == samples.end);
-        before.map_or(samples.start, |one| one.start)..after.map_or(samples.end, |one| one.end)
-    }
 }
 
 /// The record about a stretch.
@@ -164,35 +147,8 @@ impl<'a> Event<'a> {
 
     /// Noise that is louder in this stretch, where it is.
     pub fn louder(&self) -> What {
-        let (scan, samples) = (self.scan, self.samples());
-        let own = Quiet::about(&self.quiet.whole, samples);
-        let margin = samples.len().max(LONG);
-        let from = samples.start.saturating_sub(margin).max(own.start);
-        let near = from..(samples.end + margin).min(own.end);
-        let beside = Beside {
-            values: scan.whole(),
-            quiet: &self.quiet.whole,
-            faint: scan.faint(),
-        };
-        let prediction = beside.prediction(samples, 1);
-        let found =
-            prediction.and_then(|one| loud::measured(&one, &scan.whole()[near], samples, from));
-        let Some(mut burst) = found else {
-            return What::Other;
-        };
-        // What a filter shuts out says less of it than the band that it is in.
-        let beside = moved::Beside {
-            values: scan.whole(),
-            quiet: &self.quiet.whole,
-            own: &own,
-        };
-        if let Some(louder) = beside.louder(&burst.range).filter(|one| one.factor > 1.0) {
-            (burst.factor, burst.log_factor_sd) = (louder.factor, louder.log_factor_sd);
-            burst.level = louder.above.map(|cycles| (TAU * cycles).recip());
-        }
-        // What stands for missing samples is as loud as the record on average.
-        burst.log_factor_sd = burst.log_factor_sd.hypot(scan.missing(&burst.range));
-        What::Louder(burst)
+        let found = loud::of(self.scan, self.quiet, self.samples());
+        found.map_or(What::Other, What::Louder)
     }
 
     /// Whether it is noise as strong from its beginning to its end that explains more than so many `nats`.

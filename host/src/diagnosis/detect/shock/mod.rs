@@ -13,8 +13,10 @@ mod fit;
 mod happened;
 mod loud;
 mod moved;
+mod quiet;
 mod scan;
 mod simplex;
+mod strength;
 #[cfg(test)]
 mod tests;
 mod usual;
@@ -29,8 +31,9 @@ use crate::diagnosis::explanation::Candidate;
 use crate::diagnosis::record::runs::without;
 use crate::diagnosis::steady::lasting::Lasting;
 use crate::model::{motion, shock};
-use event::{Event, Quiet, What};
+use event::{Event, What};
 use happened::{Happened, Known};
+use quiet::Quiet;
 use scan::{Scan, Stretch, joined};
 
 /// Events of a record, at most: a choice. With more, they come all the time, and the noise is of another law.

@@ -6,10 +6,9 @@
 use std::ops::Range;
 
 use super::about::About;
-use super::bands::{bands, data, groups, mean, periodogram};
-use super::course::{deflection, levels, of_strength};
-use crate::diagnosis::laws::gain::Local;
-use crate::fit::likelihood::Data;
+use super::bands::bands;
+use super::course::{levels, of_strength};
+use super::strength::Inside;
 use crate::model::unnamed::Band;
 use crate::numeric::order::median;
 
@@ -89,111 +88,7 @@ impl Moved {
     }
 }
 
-/// The spectrum of a stretch, and of others as long in which nothing happens.
-struct Inside {
-    /// Ordinates that are taken together.
-    groups: Vec<Range<usize>>,
-    data: Data,
-    /// What is expected of noise alone; hardly anything where that is not known.
-    noise: Vec<f64>,
-    is_known: bool,
-}
-
-/// How much louder the noise of a stretch is.
-#[derive(Debug, Clone, Copy)]
-pub struct Louder {
-    /// Factor on its deviation, and the standard deviation of the logarithm of that.
-    pub factor: f64,
-    pub log_factor_sd: f64,
-    /// Frequency above which it is louder, cycles a sample; `None` where all of it is.
-    pub above: Option<f64>,
-    /// Gain in log-likelihood over noise as it is elsewhere, nats.
-    pub gain_nats: f64,
-}
-
-impl Inside {
-    fn new(beside: &Beside<'_>, samples: &Range<usize>) -> Option<Self> {
-        if samples.len() < LEAST {
-            return None;
-        }
-        // Of an even number ordinates lie alike.
-        let even = samples.start..samples.end - samples.len() % 2;
-        let inside = deflection(beside.values, &even, beside.own);
-        let groups = groups(even.len() / 2);
-        let data = data(&periodogram(&inside), &groups)?;
-        let (noise, is_known) = beside.noise(&even, &groups, &data);
-        Some(Self {
-            groups,
-            data,
-            noise,
-            is_known,
-        })
-    }
-
-    /// How much louder it is, if the noise is of which [a part](own_shapes) is.
-    fn louder(&self) -> Option<Louder> {
-        if !self.is_known {
-            return None;
-        }
-        let (data, noise) = (&self.data, &self.noise);
-        let all = own_shapes(noise, &data.f_hz)
-            .into_iter()
-            .map(|(above, expected)| {
-                let own = Local { first: 0, expected };
-                let (squared, gain_nats) = own.best(data, noise);
-                let share = |bin: usize| {
-                    let louder = squared * own.expected[bin];
-                    louder / (noise[bin] + louder)
-                };
-                // Fisher's information on the logarithm of what is added.
-                let known = (0..noise.len()).map(|bin| 0.5 * data.dof[bin] * share(bin).powi(2));
-                let added_sd = known.sum::<f64>().powf(-0.5);
-                Louder {
-                    factor: (1.0 + squared).sqrt(),
-                    above,
-                    log_factor_sd: 0.5 * added_sd * squared / (1.0 + squared),
-                    gain_nats,
-                }
-            });
-        all.max_by(|a, b| a.gain_nats.total_cmp(&b.gain_nats))
-    }
-}
-
-/// What of some noise may be louder, and above which frequency that is where it is not all of it: all; what is left of it
-/// where slow noise does not rise above it, which is white below its least density, or falls with the square of the
-/// frequency as that of rounding; or all but a floor that is behind what is loud, as that of rounding behind a filter.
-fn own_shapes(noise: &[f64], f_hz: &[f64]) -> [(Option<f64>, Vec<f64>); 4] {
-    /// Density over the least one from which noise is slow noise: where that is as strong as what is left.
-    const TWICE: f64 = 2.0;
-    let least = (1..noise.len()).min_by(|&a, &b| noise[a].total_cmp(&noise[b]));
-    let least = least.unwrap_or(0);
-    let floor = noise[least];
-    let below = |power: i32| -> Vec<f64> {
-        let shape = noise.iter().zip(f_hz).enumerate();
-        let shape = shape.map(|(group, (density, here_hz))| match group < least {
-            true => floor * (here_hz / f_hz[least]).powi(power),
-            false => *density,
-        });
-        shape.collect()
-    };
-    let slow = noise[..least]
-        .iter()
-        .rposition(|density| *density > TWICE * floor);
-    let above_floor = noise.iter().map(|density| density - floor).collect();
-    [
-        (None, noise.to_vec()),
-        (slow.map(|group| f_hz[group]), below(0)),
-        (slow.map(|_| f_hz[least]), below(2)),
-        (None, above_floor),
-    ]
-}
-
 impl Beside<'_> {
-    /// How much louder the noise of a stretch is than beside it; `None` where that is not known.
-    pub fn louder(&self, samples: &Range<usize>) -> Option<Louder> {
-        Inside::new(self, samples)?.louder()
-    }
-
     /// Change of the level over an event, where it is larger than levels as far apart differ by anyway.
     fn step(&self, samples: &Range<usize>) -> Option<[f64; 2]> {
         /// Places that are compared, at least and at most: choices.
@@ -222,39 +117,6 @@ impl Beside<'_> {
         // The middle of the sizes of a normal law.
         let sd = median(&mut differ)? / 0.6745;
         (step.abs() > CHANGED * sd).then_some([step, sd])
-    }
-
-    /// What the groups of ordinates are of stretches as long in which nothing happens, and whether there are any; hardly
-    /// anything where there are none.
-    fn noise(
-        &self,
-        samples: &Range<usize>,
-        groups: &[Range<usize>],
-        data: &Data,
-    ) -> (Vec<f64>, bool) {
-        /// Stretches that are enough, and share of what is measured that is nothing: choices.
-        const ENOUGH: usize = 16;
-        const NOTHING: f64 = 1e-6;
-        let len = samples.len();
-        let places = |run: &Range<usize>| {
-            let (from, to) = (run.start + len, run.end.saturating_sub(2 * len - 1));
-            (from..to).step_by(len)
-        };
-        let mut places: Vec<usize> = self.quiet.iter().flat_map(places).collect();
-        places.sort_by_key(|place| place.abs_diff(samples.start));
-        places.truncate(ENOUGH);
-        let count = places.len() as f64;
-        let is_known = !places.is_empty();
-        let mut noise: Vec<f64> = data.psd.iter().map(|psd| NOTHING * psd).collect();
-        for start in places {
-            let place = start..start + len;
-            let own = start - len..place.end + len;
-            let quiet = periodogram(&deflection(self.values, &place, &own));
-            for (noise, group) in noise.iter_mut().zip(groups) {
-                *noise += mean(&quiet[group.clone()]) / count;
-            }
-        }
-        (noise, is_known)
     }
 }
 
