@@ -10,9 +10,10 @@ use super::course::{self, Course};
 use super::even::{LONG, even};
 use super::fit::{self, Fitted};
 use super::loud;
-use super::moved::{self, Moved, NotMoved};
+use super::moved::{Moved, NotMoved};
 use super::quiet::Quiet;
 use super::scan::{Scan, Stretch};
+use super::strength;
 use crate::diagnosis::detect::burst::Burst;
 
 /// Height below which a window beside a cut, or without one sample, shows nothing: a choice, beyond which one of
@@ -133,7 +134,7 @@ impl<'a> Event<'a> {
     fn told(&self, about: Option<&About>) -> What {
         let (values, samples) = (self.scan.whole(), self.samples());
         let own = &Quiet::about(&self.quiet.whole, samples);
-        let beside = moved::Beside {
+        let beside = strength::Beside {
             values,
             quiet: &self.quiet.whole,
             own,
@@ -171,14 +172,14 @@ impl<'a> Event<'a> {
         let near = self.stretch.window / 2;
         let before = &about.errors()[..inside.start.saturating_sub(near)];
         let after = &about.errors()[(inside.end + near).min(about.errors().len())..];
-        let strength = |errors: &[f64]| {
+        let power = |errors: &[f64]| {
             let square = errors.iter().map(|error| error * error).sum::<f64>();
             square / errors.len() as f64
         };
         let sides = [before, after]
             .into_iter()
             .filter(|errors| errors.len() >= LONG);
-        let quieter = sides.map(strength).fold(f64::INFINITY, f64::min);
+        let quieter = sides.map(power).fold(f64::INFINITY, f64::min);
         if quieter.is_finite() {
             quieter * self.scan.threshold().powi(2)
         } else {

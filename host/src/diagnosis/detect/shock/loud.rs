@@ -7,11 +7,10 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 
 use super::about::Beside;
-use super::even::{LONG, strength};
-use super::moved;
+use super::even::{LONG, strength as strength_of};
 use super::quiet::Quiet;
 use super::scan::Scan;
-use super::strength::Inside;
+use super::strength::{self, Inside};
 use crate::diagnosis::detect::burst::Burst;
 use crate::diagnosis::statistic::p_value;
 use crate::diagnosis::steady::prediction::{ORDER, Prediction};
@@ -33,7 +32,7 @@ pub fn of(scan: &Scan<'_>, quiet: &Quiet, samples: &Range<usize>) -> Option<Burs
     let prediction = beside.prediction(samples, 1)?;
     let mut burst = measured(&prediction, &scan.whole()[near], samples, from)?;
     // What a filter shuts out says less of it than the band that it is in.
-    let beside = moved::Beside {
+    let beside = strength::Beside {
         values: scan.whole(),
         quiet: &quiet.whole,
         own: &own,
@@ -74,8 +73,8 @@ fn measured(
     if inside.len() < LEAST || outside.len() < LEAST {
         return None;
     }
-    let (loud, own) = strength(inside);
-    let (quiet, _) = strength(&outside);
+    let (loud, own) = strength_of(inside);
+    let (quiet, _) = strength_of(&outside);
     let ratio = loud / quiet;
     let count = own * inside.len() as f64;
     let nats = 0.5 * count * (ratio - 1.0 - ratio.ln());

@@ -8,12 +8,9 @@ use std::ops::Range;
 use super::about::About;
 use super::bands::bands;
 use super::course::{levels, of_strength};
-use super::strength::Inside;
+use super::strength::{Beside, Inside, LEAST};
 use crate::model::unnamed::Band;
 use crate::numeric::order::median;
-
-/// Samples that bands are taken from, at least: a choice. Of fewer hardly a frequency can be told.
-pub const LEAST: usize = 48;
 
 /// Standard deviations of what levels differ by anyway from which one has changed: a choice, one in 16 000.
 const CHANGED: f64 = 4.0;
@@ -29,16 +26,6 @@ pub struct Moved {
     pub bands: Vec<Band>,
     /// Gain in log-likelihood of its strength, on every other error of prediction.
     pub nats: f64,
-}
-
-/// A record about an event.
-pub struct Beside<'a> {
-    /// The samples.
-    pub values: &'a [f64],
-    /// Runs in which nothing happens, ascending.
-    pub quiet: &'a [Range<usize>],
-    /// The run of samples about the event in which nothing else happens.
-    pub own: &'a Range<usize>,
 }
 
 /// Why a stretch is none in which something moves the sensor.

@@ -4,9 +4,21 @@ use std::ops::Range;
 
 use super::bands::{data, groups, mean, periodogram};
 use super::course::deflection;
-use super::moved::{Beside, LEAST};
 use crate::diagnosis::laws::gain::Local;
 use crate::fit::likelihood::Data;
+
+/// Samples that bands are taken from, at least: a choice. Of fewer hardly a frequency can be told.
+pub const LEAST: usize = 48;
+
+/// A record about an event.
+pub struct Beside<'a> {
+    /// The samples.
+    pub values: &'a [f64],
+    /// Runs in which nothing happens, ascending.
+    pub quiet: &'a [Range<usize>],
+    /// The run of samples about the event in which nothing else happens.
+    pub own: &'a Range<usize>,
+}
 
 /// Share of what is measured that is nothing: a choice. What a filter shuts out is told by no taper, nor what stands for
 /// noise that is not known.
