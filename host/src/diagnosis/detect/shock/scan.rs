@@ -206,6 +206,7 @@ impl<'a> Scan<'a> {
     }
 }
 
+/// Some samples with the mean of its neighbours for each single one that is missing; NaN where more are.
 fn over_single_gaps(values: &[f64]) -> Vec<f64> {
     let mut values = values.to_vec();
     for n in 1..values.len().saturating_sub(1) {

@@ -39,8 +39,9 @@ pub struct Inside {
 /// How much louder the noise of a stretch is.
 #[derive(Debug, Clone, Copy)]
 pub struct Louder {
-    /// Factor on its deviation, and the standard deviation of the logarithm of that.
+    /// Factor on its deviation.
     pub factor: f64,
+    /// Standard deviation of the logarithm of that.
     pub log_factor_sd: f64,
     /// Frequency above which it is louder, cycles a sample; `None` where all of it is.
     pub above: Option<f64>,
