@@ -76,6 +76,11 @@ pub struct Files {
 }
 
 impl Case {
+    /// Mean square of the factor on the white and quantisation terms all along the record.
+    pub fn swell(&self) -> f64 {
+        self.hidden.iter().map(|effect| effect.swell()).product()
+    }
+
     /// Draws the case of this seed. Scenes in which a kind cannot be seen at any strength, or
     /// not be told from its rival, are drawn again.
     pub fn draw(plan: &Plan, seed: u64) -> Self {

@@ -1,7 +1,11 @@
 //! Densities of an axis's model and of its parts.
 
+use std::ops::Range;
+
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::laws;
+use crate::fit::likelihood::components::SEEN;
+use crate::model::Coefficient;
 use crate::model::effect::Part;
 
 impl AxisState {
@@ -48,6 +52,26 @@ impl AxisState {
     /// Share of all of the density that a component of the five terms has.
     pub fn term_share(&self, component: usize, f_hz: f64) -> f64 {
         self.fit.squared[component] * self.component_density(component, f_hz) / self.density(f_hz)
+    }
+
+    /// Share of all of the density that noise without a memory has, white and quantisation: it is what swings where the
+    /// strength of the noise does. A walk and flicker are sums of what went before, and go on as they were.
+    pub fn short_share(&self, f_hz: f64) -> f64 {
+        let short = (0..).zip(SEEN);
+        let short = short.filter(|(_, term)| matches!(term, Coefficient::N | Coefficient::Q));
+        let share: f64 = short.map(|(one, _)| self.term_share(one, f_hz)).sum();
+        share.min(1.0)
+    }
+
+    /// The same in the mean over some ordinates of a transform with so many hertz between two.
+    pub fn mean_short_share(&self, ordinates: &Range<usize>, spacing_hz: f64) -> f64 {
+        /// Ordinates that are asked, at most: a choice. Shares change smoothly.
+        const ASKED: usize = 256;
+        let stride = ordinates.len().div_ceil(ASKED).max(1);
+        let asked = ordinates.clone().skip(stride / 2).step_by(stride);
+        let shares = asked.map(|k| self.short_share(k as f64 * spacing_hz));
+        let (sum, count) = shares.fold((0.0, 0.0), |(sum, count), one| (sum + one, count + 1.0));
+        if count > 0.0 { sum / count } else { 1.0 }
     }
 
     /// Density of a component of the five terms whose square is 1.

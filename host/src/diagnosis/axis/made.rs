@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use crate::diagnosis::axis::{AxisState, Whitened};
 use crate::diagnosis::explanation::Explanation;
 use crate::diagnosis::laws::search;
-use crate::diagnosis::record::envelope::Envelope;
+use crate::diagnosis::record::envelope::{Envelope, of_share};
 use crate::diagnosis::record::powers::{self, Powers};
 use crate::diagnosis::record::wave::Outlier;
 use crate::diagnosis::statistic::matched_filter::Transform;
@@ -115,19 +115,34 @@ impl AxisState {
         factors.product()
     }
 
+    /// The same for noise of which a `share` is [without a memory](Self::short_share), and swings.
+    pub fn strength(&self, index: usize, share: f64) -> f64 {
+        let squares = self.envelopes().map(|one| one.factor(index).powi(2));
+        squares
+            .map(|square| of_share(share, square))
+            .product::<f64>()
+            .sqrt()
+    }
+
     /// Power of the whitened record over time, over what is known of it; made once for each state.
     pub fn powers(&self) -> Arc<Powers> {
         let powers = self
             .powers
-            .get_or_init(|| Arc::new(self.powers_over(|_| 1.0)));
+            .get_or_init(|| Arc::new(self.powers_by(&self.whitened().density, |_| 1.0)));
         Arc::clone(powers)
     }
 
-    /// What these powers would be over one more `factor` on the deviation of each sample.
-    pub fn powers_over(&self, factor: impl Fn(usize) -> f64 + Sync) -> Powers {
+    /// The same whitened by this `density`, infinite at what is left out, and over one more `factor` on the deviation of
+    /// each sample.
+    pub fn powers_by(&self, density: &[f64], factor: impl Fn(usize) -> f64 + Sync) -> Powers {
         let seen = self.whitened();
-        let (usable, envelope) = (|n| self.usable(n), |n| factor(n) * self.envelope(n));
-        powers::powers(&seen.transform, &seen.density, usable, envelope)
+        let share = if self.has_envelope() {
+            self.mean_short_share(&(1..seen.top), seen.transform.frequency(1))
+        } else {
+            1.0
+        };
+        let strength = |n| factor(n) * self.strength(n, share);
+        powers::powers(&seen.transform, density, |n| self.usable(n), strength)
     }
 
     /// Makes what a round looks at, two things at a time. No two of these wait for a third that is made

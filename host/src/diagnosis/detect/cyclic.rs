@@ -10,7 +10,7 @@ use super::Detector;
 use crate::diagnosis::axis::{AxisState, NoFit};
 use crate::diagnosis::detect::look::{Look, Proposal};
 use crate::diagnosis::explanation::{Candidate, Change};
-use crate::diagnosis::record::envelope::Envelope;
+use crate::diagnosis::record::envelope::{Envelope, of_share};
 use crate::diagnosis::record::powers::{BLOCK, Powers};
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
@@ -27,6 +27,10 @@ const LEAST_BLOCKS: f64 = 8.0;
 /// Level at which harmonics speak against it: noise that is switched is not to be named even where its harmonics
 /// are hardly seen, at the cost of one true cosine in a hundred.
 const HARMONICS: f64 = 0.01;
+
+/// Share of the density that noise without a memory has where the swing is looked for, at least: a choice. The rest does not
+/// swing, and is known no better than the fit.
+const SHORT: f64 = 0.5;
 
 /// Looks for one cosine that explains how the strength moves.
 pub static DETECTOR: Detector = Detector { tests: 1, look };
@@ -82,14 +86,17 @@ fn cyclic(axis: &AxisState, level: f64) -> Option<Cyclic> {
     if cyclic.p_value >= level || cyclic.period < LEAST_BLOCKS * BLOCK as f64 {
         return None;
     }
-    let (swing, _) = Swing::new(&powers, cyclic.period)?.named()?;
-    let left = axis.powers_over(|index| swing.factor(index));
+    let Short { density, share } = Short::new(axis)?;
+    let powers = axis.powers_by(&density, |_| 1.0);
+    let (swing, _) = Swing::new(&powers, cyclic.period, share)?.named()?;
+    let factor = |index| of_share(share, swing.factor(index).powi(2)).sqrt();
+    let left = axis.powers_by(&density, factor);
     // Powers that swing scatter by more than their degrees of freedom say: these are known once it is out.
     let powers = Powers {
         powers: powers.powers.clone(),
         counts: left.counts.clone(),
     };
-    let fit = Swing::new(&powers, cyclic.period)?;
+    let fit = Swing::new(&powers, cyclic.period, share)?;
     let moves = wander(&left)?;
     if moves.cyclic.p_value.min(moves.slow.p_value) < level || fit.harmonics(&left) < HARMONICS {
         return None;
@@ -98,13 +105,42 @@ fn cyclic(axis: &AxisState, level: f64) -> Option<Cyclic> {
     Some(Cyclic {
         swing,
         sd,
-        held_nats: held_out(&powers, cyclic.period),
+        held_nats: held_out(&powers, cyclic.period, share),
         p_value: cyclic.p_value,
     })
 }
 
+/// What whitens only where most of the noise is without a memory.
+struct Short {
+    /// Two-sided density of each ordinate, infinite elsewhere.
+    density: Vec<f64>,
+    /// The share that such noise has there in the mean.
+    share: f64,
+}
+
+impl Short {
+    fn new(axis: &AxisState) -> Option<Self> {
+        let seen = axis.whitened();
+        let mut density = seen.density.clone();
+        let (mut sum, mut count) = (0.0, 0);
+        for (k, one) in density.iter_mut().enumerate() {
+            let share = axis.short_share(seen.transform.frequency(k.max(1)));
+            if share < SHORT {
+                *one = f64::INFINITY;
+            } else if one.is_finite() {
+                sum += share;
+                count += 1;
+            }
+        }
+        (count > 0).then(|| Self {
+            density,
+            share: sum / f64::from(count),
+        })
+    }
+}
+
 /// Gain in log-likelihood of the odd blocks for a cosine that is fitted to the even ones, over one power for all.
-fn held_out(powers: &Powers, period: f64) -> Option<f64> {
+fn held_out(powers: &Powers, period: f64, share: f64) -> Option<f64> {
     let half = |parity: usize| {
         let mut half = powers.clone();
         let others = half.counts.iter_mut().skip(1 - parity).step_by(2);
@@ -112,12 +148,12 @@ fn held_out(powers: &Powers, period: f64) -> Option<f64> {
         half
     };
     let (even, odd) = (half(0), half(1));
-    let fit = Swing::new(&even, period)?;
+    let fit = Swing::new(&even, period, share)?;
     let gain = fit.score(&odd) - Swing::steady(&even).score(&odd);
     gain.is_finite().then_some(gain)
 }
 
-/// Probability of swings that differ as much from one octave to the next where all noise swings alike.
+/// Probability of swings that differ as much from one octave to the next where all noise without a memory swings alike.
 fn evenness(axis: &AxisState, swing: &Envelope) -> f64 {
     /// Ordinates of the lowest octave.
     const LEAST: usize = 64;
@@ -127,16 +163,18 @@ fn evenness(axis: &AxisState, swing: &Envelope) -> f64 {
     let mut top = seen.top - 1;
     // Moments that follow the swing.
     while top >= 2 * LEAST && top as f64 >= 2.0 * LEAST_BLOCKS * periods {
-        let strengths = strengths(&seen, top / 2..top);
+        let band = top / 2..top;
+        let short = axis.mean_short_share(&band, seen.transform.frequency(1));
+        let strengths = strengths(&seen, band);
         top /= 2;
         // A band of as many ordinates as there are moments sees a frequency by the share of them that it keeps
         // when it is moved by it.
         let kept = 1.0 - periods / strengths.len() as f64;
         if let Some([mean, variance]) = swing_of_band(axis, swing, &strengths) {
-            let (mean, weight) = (mean / kept, kept * kept / variance);
-            square += weight * mean * mean;
-            swings += weight * mean;
-            weights += weight;
+            let expected = kept * short;
+            square += mean * mean / variance;
+            swings += expected * mean / variance;
+            weights += expected * expected / variance;
             bands += 1.0;
         }
     }

@@ -24,6 +24,11 @@ impl Envelope {
     }
 }
 
+/// The mean square of noise of which a `share` has the mean square `square`, and the rest one.
+pub fn of_share(share: f64, square: f64) -> f64 {
+    1.0 - share + share * square
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

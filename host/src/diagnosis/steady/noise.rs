@@ -160,7 +160,7 @@ impl Groups {
                 plan.process_with_scratch(&mut band, &mut scratch);
                 strengths.clear();
                 strengths.extend(band.iter().map(|value| value.norm_sqr() * unit));
-                over(&mut strengths, &known);
+                over(axis, &mut strengths, &known, &(start..start + size));
                 let (score, tiles) = score(&strengths, &counts);
                 groups.starts.push(start);
                 groups

@@ -3,18 +3,18 @@
 //! The powers `p` of short blocks are chi-squared with `n` degrees of freedom each about
 //!
 //! ```text
-//! v = c <(1 + a cos(w t) - b sin(w t))^2>        (mean over the block)
+//! v = c ((1 - s) + s <(1 + a cos(w t) - b sin(w t))^2> / (1 + (a^2 + b^2) / 2))        (mean over the block)
 //! ```
 //!
-//! whose log-likelihood `-1/2 sum n (ln v + p / v)` is climbed by Fisher scoring.
+//! `s` being the share of the mean power that swings, whose log-likelihood `-1/2 sum n (ln v + p / v)` is climbed by Fisher scoring.
 
 mod climb;
 
 use std::f64::consts::TAU;
 
-use nalgebra::{Matrix4, Vector4};
+use nalgebra::{Matrix4, Vector3, Vector4};
 
-use crate::diagnosis::record::envelope::Envelope;
+use crate::diagnosis::record::envelope::{Envelope, of_share};
 use crate::diagnosis::record::powers::{BLOCK, Powers};
 use crate::diagnosis::statistic::p_value;
 
@@ -28,6 +28,8 @@ pub struct Swing {
     frequency: f64,
     /// Blocks up to the middle.
     middle: f64,
+    /// Share of the power that swings, in the mean.
+    share: f64,
     /// Covariance of logarithm, parts and frequency.
     covariance: Matrix4<f64>,
 }
@@ -42,6 +44,7 @@ impl Swing {
             parts: [0.0; 2],
             frequency: 0.5,
             middle: 0.5 * powers.powers.len() as f64,
+            share: 1.0,
             covariance: Matrix4::zeros(),
         }
     }
@@ -76,8 +79,14 @@ impl Swing {
         let by_angle = -2.0 * one * (a * sine + b * cosine)
             - two * ((a * a - b * b) * sine_2 + 2.0 * a * b * cosine_2);
         let by_frequency = by_angle * TAU * (block as f64 + 0.5 - self.middle);
-        let slope = Vector4::new(square, by_a, by_b, by_frequency) / square;
-        (self.log_power.exp() * square, slope)
+        // Over its mean, so that the share is one of the mean power.
+        let mean = 1.0 + 0.5 * (a * a + b * b);
+        let swings = square / mean;
+        let by = Vector3::new(by_a - swings * a, by_b - swings * b, by_frequency) / mean;
+        let all = of_share(self.share, swings);
+        let by = by * (self.share / all);
+        let slope = Vector4::new(1.0, by[0], by[1], by[2]);
+        (self.log_power.exp() * all, slope)
     }
 
     /// Log-likelihood of powers, but for what is the same for all swings.
@@ -172,7 +181,7 @@ mod tests {
             // An ordinate of the periodogram is within half a cycle a record of it.
             let record = (blocks * BLOCK) as f64;
             let ordinate = (record / swing.period).round();
-            let fit = Swing::new(&powers, record / ordinate).expect("plain");
+            let fit = Swing::new(&powers, record / ordinate, 1.0).expect("plain");
             let (found, sd) = fit.named().expect("plain");
             let turned = (found.phase_rad - swing.phase_rad) / TAU;
             let off = [
@@ -198,7 +207,7 @@ mod tests {
         const RECORDS: u64 = 60;
         let p = |seed: u64, factor: &dyn Fn(usize) -> f64| {
             let powers = powers(seed, 3000, factor);
-            let fit = Swing::new(&powers, 3000.0).expect("plain");
+            let fit = Swing::new(&powers, 3000.0, 1.0).expect("plain");
             let mut left = powers.clone();
             for (block, power) in left.powers.iter_mut().enumerate() {
                 *power /= fit.expected(block).0;

@@ -6,6 +6,7 @@ use std::ops::Range;
 use realfft::num_complex::Complex64;
 
 use crate::diagnosis::axis::{AxisState, Whitened};
+use crate::diagnosis::record::envelope::of_share;
 use crate::diagnosis::statistic::matched_filter::smooth_len;
 use crate::fft::{self, long::Long};
 
@@ -62,8 +63,8 @@ pub fn counting(axis: &AxisState, length: usize, size: usize) -> Vec<bool> {
         .collect()
 }
 
-/// What the explanations say of the strength at each of `size` moments, as a mean square; empty where they say
-/// nothing.
+/// What the explanations say of the strength of what swings at each of `size` moments, as a mean square; empty where they
+/// say nothing.
 pub fn known(axis: &AxisState, length: usize, size: usize) -> Vec<f64> {
     if !axis.has_envelope() {
         return Vec::new();
@@ -79,10 +80,14 @@ pub fn known(axis: &AxisState, length: usize, size: usize) -> Vec<f64> {
     (0..size).map(square).collect()
 }
 
-/// Takes strengths over what is known of them, if anything is.
-pub fn over(strengths: &mut [f64], known: &[f64]) {
+/// Takes the strengths of some ordinates over what is known of them, if anything is.
+pub fn over(axis: &AxisState, strengths: &mut [f64], known: &[f64], ordinates: &Range<usize>) {
+    if known.is_empty() {
+        return;
+    }
+    let share = axis.mean_short_share(ordinates, axis.whitened().transform.frequency(1));
     for (strength, known) in strengths.iter_mut().zip(known) {
-        *strength /= known.max(LEAST_KNOWN);
+        *strength /= of_share(share, *known).max(LEAST_KNOWN);
     }
 }
 

@@ -61,6 +61,10 @@ impl Effect for Cyclic {
         Evidence::power(contrast(&factors, scene, scene.target).power(2.0, trials))
     }
 
+    fn swell(&self) -> f64 {
+        1.0 + 0.5 * self.depth * self.depth
+    }
+
     fn envelope(&self, scene: &Scene, _draw: &mut Draw) -> Option<Vec<f64>> {
         let factors = (0..scene.samples)
             .map(|i| self.factor((i as f64 / (scene.rate_hz * self.period_s)).fract()));

@@ -69,6 +69,12 @@ pub trait Effect: Send + Sync {
         None
     }
 
+    /// Mean square of that factor where it goes on all along the record: white and quantisation noise of the record are
+    /// those of the scene times its root.
+    fn swell(&self) -> f64 {
+        1.0
+    }
+
     /// What is added to an axis ahead of the chain, sample by sample. `draw` is the same for
     /// all axes.
     fn waveform(&self, _scene: &Scene, _axis: usize, _draw: &mut Draw) -> Option<Vec<f64>> {

@@ -170,8 +170,8 @@ fn coefficients(case: &Case, axis: &Axis) -> Vec<Parameter> {
         ("R", base.r.abs()),
         ("K", base.k),
         ("B", base.b),
-        ("N", base.n),
-        ("Q", base.q),
+        ("N", base.n * case.swell().sqrt()),
+        ("Q", base.q * case.swell().sqrt()),
     ];
     let Some(last) = &axis.last else {
         return Vec::new();

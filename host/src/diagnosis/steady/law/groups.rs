@@ -41,7 +41,7 @@ impl Tiles {
                     continue;
                 }
                 let mut strengths = strengths(&seen, start..start + size);
-                over(&mut strengths, &explained);
+                over(axis, &mut strengths, &explained, &(start..start + size));
                 let moments = size.div_ceil(finest);
                 let both = strengths.chunks(moments).zip(counts.chunks(moments));
                 let mut parts: Vec<[f64; 2]> = both

@@ -9,8 +9,8 @@ use crate::diagnosis::record::powers::{BLOCK, Powers};
 const DEEPEST: f64 = 0.999;
 
 impl Swing {
-    /// The likeliest cosine of about this `period`, samples.
-    pub fn new(powers: &Powers, period: f64) -> Option<Self> {
+    /// The likeliest cosine of about this `period`, samples, of a `share` of the power.
+    pub fn new(powers: &Powers, period: f64, share: f64) -> Option<Self> {
         /// Steps between ordinates at which the frequency is tried.
         const STEPS: i32 = 8;
         let at = BLOCK as f64 / period;
@@ -20,6 +20,7 @@ impl Swing {
             let steady = Self::steady(powers);
             let begin = Self {
                 frequency,
+                share,
                 ..steady
             };
             begin.begun(powers)
@@ -39,8 +40,8 @@ impl Swing {
             sums[1] -= n * power * sine;
             count += n;
         }
-        // The power swings by twice the depth.
-        self.parts = sums.map(|sum| sum / (count * self.log_power.exp()));
+        // The power that swings does by twice the depth.
+        self.parts = sums.map(|sum| sum / (self.share * count * self.log_power.exp()));
         self.shallowed()
     }
 
