@@ -309,7 +309,7 @@ fn held_out(axis: &AxisState) -> Vec<Option<f64>> {
     let halves = OnceCell::new();
     let ordinates = OnceCell::new();
     let nats = axis.explanations().iter().map(|one| {
-        if one.held_out_nats.is_some() || one.changes_nothing() {
+        if one.held_out_nats.is_some() || one.is_beside_noise() {
             return one.held_out_nats;
         }
         match axis.law_number(one) {

@@ -167,9 +167,12 @@ impl Explanation {
         }
     }
 
-    /// Whether a likelihood of the noise does not see it.
-    pub fn changes_nothing(&self) -> bool {
-        self.with == self.without
+    /// Whether a likelihood of the noise does not see it: it changes nothing there, or says of samples that they are no
+    /// measurement, in place of which any that the noise may have stand.
+    pub fn is_beside_noise(&self) -> bool {
+        let waves = self.waves();
+        let replaces = !waves.is_empty() && waves.iter().all(|wave| wave.replaced().is_some());
+        replaces || self.with == self.without
     }
 }
 

@@ -1,7 +1,7 @@
 //! The list of an axis's explanations, and how residual, spectrum and fit follow from it.
 
 use std::ops::Range;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use crate::diagnosis::axis::{AxisState, NoFit, fill};
 use crate::diagnosis::explanation::{Candidate, Change, Explanation, Snapshot};
@@ -242,10 +242,16 @@ impl AxisState {
         self.forget_whitened();
         self.powers = OnceLock::new();
         let spread = self.is_filtered().then_some(SPREAD);
+        let replaced = self.residual.replaced();
         self.residual = self.residual.after(self.taken_out(), spread);
+        let other_gaps = self.residual.replaced() != replaced;
+        if other_gaps {
+            self.short_gaps = self.residual.short_gaps().map(Arc::new);
+            self.residual.fill_only(self.short_gaps.as_deref());
+        }
         let values = self.residual.values();
         let left_out: Vec<Range<usize>> = self.residual.left_out().cloned().collect();
-        if self.left_out == left_out {
+        if self.left_out == left_out && !other_gaps {
             self.bins.leave_out(&self.excluded_hz());
             self.data = self.bins.measure(&values);
             // A wave that is no number somewhere leaves fewer samples than the bins were made for.
@@ -266,7 +272,12 @@ impl AxisState {
         let fit = search::polish(&self.bins, &self.data, &mut self.laws, 0, 0.05);
         self.fit = fit.ok_or(NoFit)?;
         self.settle(values);
-        self.fill(fill::AGAIN)?;
+        self.fill(if other_gaps {
+            fill::AT_FIRST
+        } else {
+            fill::AGAIN
+        })?;
+        self.keep_replaced();
         let mut polished = self.laws.iter();
         for one in &mut self.explanations {
             if let Change::Law(law) = &mut one.change
@@ -276,6 +287,25 @@ impl AxisState {
             }
         }
         Ok(())
+    }
+
+    /// Keeps what was drawn in the place of samples that are no measurement with what says so.
+    fn keep_replaced(&mut self) {
+        let mut drawn = self
+            .residual
+            .waves()
+            .iter()
+            .filter(|wave| wave.replaced().is_some());
+        let changes = self.explanations.iter_mut().map(|one| &mut one.change);
+        let waves = changes.filter_map(|change| match change {
+            Change::Waves(waves) | Change::Happened { waves, .. } => Some(waves),
+            _ => None,
+        });
+        for wave in waves.flatten().filter(|wave| wave.replaced().is_some()) {
+            if let Some(drawn) = drawn.next() {
+                wave.clone_from(drawn);
+            }
+        }
     }
 
     /// What the explanations do to the record.

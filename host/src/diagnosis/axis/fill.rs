@@ -30,6 +30,15 @@ impl AxisState {
         self.short_gaps().map_or(0, |gaps| gaps.places().len())
     }
 
+    /// Whether a sample that was filled lies no more than so many samples from this one.
+    pub fn is_beside_filled(&self, index: usize, samples: usize) -> bool {
+        let places = self.short_gaps().map_or(&[][..], ShortGaps::places);
+        let from = places.partition_point(|place| place + samples < index);
+        places
+            .get(from)
+            .is_some_and(|place| *place <= index + samples)
+    }
+
     /// Fills the short gaps by the law as it is fitted and fits it anew, until the two agree, `most` times at most. Leaves
     /// an axis that has none as it is.
     ///

@@ -7,7 +7,7 @@ use super::outliers::filter;
 use crate::diagnosis::axis::NoFit;
 use crate::diagnosis::detect::look::{Look, Proposal};
 use crate::diagnosis::explanation::{Candidate, Change};
-use crate::diagnosis::record::wave::Wave;
+use crate::diagnosis::record::wave::{Replaced, Wave};
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
 use crate::model::clipping::KIND;
@@ -32,7 +32,7 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
         Estimate::new(KIND, [level, Value::exact(clipping.side)]),
         clipping.p_value,
         1.0,
-        Change::Waves(vec![Wave::Replaced(Arc::new(replaced))]),
+        Change::Waves(vec![Wave::Replaced(Replaced(Arc::new(replaced)))]),
     );
     Ok(vec![Proposal::Explain(Box::new(candidate))])
 }

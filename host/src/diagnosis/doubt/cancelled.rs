@@ -37,7 +37,9 @@ fn hear(hearing: &mut Hearing<'_>) -> Result<(), NoFit> {
 
 /// The kind whose courses are largest where the rest cancels most of them, if it does so anywhere.
 fn most_cancelled(axis: &AxisState) -> Option<Kind> {
-    let has_waves = |one: &&Explanation| !one.waves().is_empty();
+    // What stands in the place of what is no measurement is no course: it follows from the rest.
+    let is_course = |wave: &&Wave| wave.replaced().is_none();
+    let has_waves = |one: &&Explanation| one.waves().iter().any(|wave| is_course(&wave));
     axis.explanations().iter().find(has_waves)?;
     let left = axis.residual.values();
     let curve = |values: &mut [f64]| {
@@ -47,21 +49,24 @@ fn most_cancelled(axis: &AxisState) -> Option<Kind> {
         }
         allan_curve::allan(values, axis.rate_hz)
     };
-    let measured = curve(&mut axis.residual.whole().to_vec());
+    let mut measured = axis.residual.whole().to_vec();
+    let replaced = axis.residual.waves().iter().filter(|wave| !is_course(wave));
+    replaced.for_each(|wave| wave.take_out(&mut measured));
+    let measured = curve(&mut measured);
     let rest = allan_curve::allan(&left, axis.rate_hz);
     let course = |waves: &mut dyn Iterator<Item = &Wave>| {
         let mut values = vec![0.0; left.len()];
         waves.for_each(|wave| wave.take_out(&mut values));
         curve(&mut values)
     };
-    let all = course(&mut axis.residual.waves().iter());
+    let all = course(&mut axis.residual.waves().iter().filter(is_course));
     let most = (left.len() as u64) / LEAST_INTERVALS;
     let (m, worst) = loudest(&measured, [&rest, &all], most)?;
     if worst <= 1.0 {
         return None;
     }
     let sizes = axis.explanations().iter().filter(has_waves).map(|one| {
-        let own = course(&mut one.waves().iter());
+        let own = course(&mut one.waves().iter().filter(is_course));
         (one.kind(), at(&own, m))
     });
     let largest = sizes.max_by(|a, b| a.1.total_cmp(&b.1));

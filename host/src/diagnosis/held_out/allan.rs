@@ -8,6 +8,7 @@ use crate::bins::point::Point;
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::explanation::Snapshot;
 use crate::diagnosis::held_out::half;
+use crate::diagnosis::record::in_record::InRecord;
 use crate::diagnosis::record::wave::Wave;
 use crate::diagnosis::result::views::HeldPoint;
 use crate::diagnosis::statistic::allan_curve;
@@ -23,11 +24,23 @@ pub struct HeldCurve {
     waveforms: Mutex<Vec<Waveform>>,
 }
 
-/// The curve of some waveforms in the held-out half.
+/// What some waveforms add in the held-out half.
 struct Waveform {
     waves: Vec<Wave>,
     at_jumps: AtJumps,
-    points: Arc<Vec<Point>>,
+    added: Arc<Added>,
+}
+
+/// What waveforms add to Allan variances, by the samples of an average.
+#[derive(Debug, Default)]
+pub(crate) struct Added(Vec<(u64, f64)>);
+
+impl Added {
+    /// To that of averages over `m` samples; below zero where they take away.
+    pub fn at(&self, m: u64) -> f64 {
+        let found = self.0.iter().find(|(other, _)| *other == m);
+        found.map_or(0.0, |(_, variance)| *variance)
+    }
 }
 
 /// Whether the curve of a waveform has the samples over which a converter's filter spreads a jump.
@@ -64,22 +77,14 @@ impl HeldCurve {
             variances.collect()
         };
         let waves: Vec<Wave> = with.waves().cloned().collect();
-        let waves = || self.waveform(axis, &waves, AtJumps::LeftOut);
+        let waves = || self.adds(axis, &waves, AtJumps::LeftOut);
         let (noise, waves) = rayon::join(noise, waves);
-        let variance = |(point, noise): (&&Point, f64)| {
-            let own = waves.iter().find(|other| other.m == point.m);
-            noise + own.map_or(0.0, |other| other.variance)
-        };
+        let variance = |(point, noise): (&&Point, f64)| (noise + waves.at(point.m)).max(0.0);
         sure.iter().zip(noise).map(variance).collect()
     }
 
-    /// The curve of `waves` in this half; made once for findings that share them.
-    pub(crate) fn waveform(
-        &self,
-        axis: &AxisState,
-        waves: &[Wave],
-        at_jumps: AtJumps,
-    ) -> Arc<Vec<Point>> {
+    /// What `waves` add in this half; made once for findings that share them.
+    pub(crate) fn adds(&self, axis: &AxisState, waves: &[Wave], at_jumps: AtJumps) -> Arc<Added> {
         if waves.is_empty() {
             return Arc::default();
         }
@@ -95,15 +100,35 @@ impl HeldCurve {
         };
         let same = |one: &&Waveform| one.at_jumps == at_jumps && one.waves == waves;
         if let Some(one) = made().iter().find(same) {
-            return Arc::clone(&one.points);
+            return Arc::clone(&one.added);
         }
-        let points = Arc::new(waveform(axis, waves, at_jumps));
+        let added = Arc::new(self.adds_once(axis, waves, at_jumps));
         made().push(Waveform {
             waves: waves.to_vec(),
             at_jumps,
-            points: Arc::clone(&points),
+            added: Arc::clone(&added),
         });
-        points
+        added
+    }
+
+    /// The same, where the held-out half has samples that are not excluded.
+    fn adds_once(&self, axis: &AxisState, waves: &[Wave], at_jumps: AtJumps) -> Added {
+        let spread: &[_] = match at_jumps {
+            AtJumps::LeftOut => axis.residual.spread(),
+            AtJumps::Kept => &[],
+        };
+        let variances = |values: &[f64]| {
+            let mut values = values.to_vec();
+            for mask in axis.residual.masked_or_cut().chain(spread) {
+                values[mask.clone()].fill(f64::NAN);
+            }
+            let curve = allan_curve::of_parts(half(&values, 1), axis.rate_hz);
+            let at = |point: &Point| curve.iter().find(|one| one.m == point.m);
+            let variance = |point: &Point| at(point).map_or(0.0, |one| one.variance);
+            self.points.iter().map(variance).collect()
+        };
+        let added = InRecord::of(&axis.residual, waves).adds(variances);
+        Added(self.points.iter().map(|point| point.m).zip(added).collect())
     }
 
     /// Root mean square error of the deviations that belong to the `expected` variances, percent, and
@@ -137,26 +162,4 @@ impl HeldCurve {
         };
         self.sure().zip(expected).map(point).collect()
     }
-}
-
-/// Allan curve of waveforms, where the held-out half has samples that are not excluded.
-fn waveform(axis: &AxisState, waves: &[Wave], at_jumps: AtJumps) -> Vec<Point> {
-    // Its sign is no matter.
-    let mut waveform = vec![0.0; axis.residual.len()];
-    for wave in waves {
-        wave.take_out(&mut waveform);
-    }
-    for (value, measured) in waveform.iter_mut().zip(axis.residual.whole()) {
-        if !measured.is_finite() {
-            *value = f64::NAN;
-        }
-    }
-    let spread: &[_] = match at_jumps {
-        AtJumps::LeftOut => axis.residual.spread(),
-        AtJumps::Kept => &[],
-    };
-    for mask in axis.residual.masked_or_cut().chain(spread) {
-        waveform[mask.clone()].fill(f64::NAN);
-    }
-    allan_curve::of_parts(half(&waveform, 1), axis.rate_hz)
 }

@@ -4,10 +4,9 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::bins::point::Point;
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::explanation::{Explanation, Snapshot};
-use crate::diagnosis::held_out::allan::{AtJumps, HeldCurve};
+use crate::diagnosis::held_out::allan::{Added, AtJumps, HeldCurve};
 use crate::diagnosis::record::wave::Wave;
 use crate::diagnosis::statistic::allan_curve;
 use crate::model::axis::ModelAxis;
@@ -23,8 +22,8 @@ pub struct Sizes<'a> {
     axis: &'a AxisState,
     held: &'a HeldCurve,
     noise: &'a ModelAxis,
-    /// Allan variance of all waveforms together, by averaging time.
-    waves: Arc<Vec<Point>>,
+    /// What all waveforms add together.
+    waves: Arc<Added>,
 }
 
 impl<'a> Sizes<'a> {
@@ -37,7 +36,7 @@ impl<'a> Sizes<'a> {
     ) -> Self {
         Self {
             // What a filter makes of a jump is excluded from tests, but the jump is there.
-            waves: held.waveform(
+            waves: held.adds(
                 axis,
                 &last.waves().cloned().collect::<Vec<_>>(),
                 AtJumps::Kept,
@@ -74,17 +73,13 @@ impl<'a> Sizes<'a> {
             return None;
         }
         let rest = rest.law(self.axis.rate_hz);
-        let own = self.held.waveform(self.axis, &own, AtJumps::Kept);
+        let own = self.held.adds(self.axis, &own, AtJumps::Kept);
         let points = self.held.points.par_iter();
         let points = points.filter(|point| point.edf >= LEAST_EDF);
         let changes = points.map(|point| {
-            let at = |curve: &[Point]| {
-                let found = curve.iter().find(|other| other.m == point.m);
-                found.map_or(0.0, |other| other.variance)
-            };
-            let waves = at(&self.waves);
+            let (waves, own) = (self.waves.at(point.m), own.at(point.m));
             let with = law.allan_variance(point.m) + waves;
-            let without = rest.allan_variance(point.m) + (waves - at(&own)).max(0.0);
+            let without = rest.allan_variance(point.m) + waves - own;
             100.0 * ((with / without).sqrt() - 1.0).abs()
         });
         let changes = changes.filter(|change| change.is_finite());
@@ -108,8 +103,7 @@ impl<'a> Sizes<'a> {
         let points = allan_curve::allan(&course, rate_hz).into_par_iter();
         let points = points.filter(|point| point.edf >= LEAST_EDF);
         let changes = points.map(|point| {
-            let waves = self.waves.iter().find(|other| other.m == point.m);
-            let without = law.allan_variance(point.m) + waves.map_or(0.0, |one| one.variance);
+            let without = law.allan_variance(point.m) + self.waves.at(point.m);
             let own = point.variance + term.passing(point.m, samples as u64, rate_hz);
             100.0 * ((1.0 + own / without).sqrt() - 1.0)
         });

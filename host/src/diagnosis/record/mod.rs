@@ -5,6 +5,7 @@ pub mod bins;
 pub mod bridge;
 pub mod drawn;
 pub mod envelope;
+pub mod in_record;
 pub mod long_gaps;
 pub mod powers;
 pub mod residual;

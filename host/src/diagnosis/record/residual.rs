@@ -6,7 +6,8 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::diagnosis::record::wave::{Jump, Outlier, Wave};
+use crate::diagnosis::record::short_gaps::ShortGaps;
+use crate::diagnosis::record::wave::{Jump, Outlier, Replaced, Wave};
 use crate::model::shock::Shock;
 
 /// What is done to a record.
@@ -85,12 +86,57 @@ impl Residual {
         &self.whole
     }
 
-    /// Fills the samples `at` these places anew, so that `left` is left of them.
+    /// Fills the samples `at` these places anew, so that `left` is left of them: missing ones, and those that are no
+    /// measurement.
     pub fn refill(&mut self, at: &[usize], left: &[f64]) {
         let before = self.values();
         let whole = Arc::make_mut(&mut self.whole);
         for &place in at.iter().filter(|&&place| before[place].is_finite()) {
-            whole[place] += left[place] - before[place];
+            let by = left[place] - before[place];
+            if !self.measured[place].is_finite() {
+                whole[place] += by;
+            } else if let Some(size) = size_of(&mut self.taken.waves, place) {
+                *size -= by;
+            }
+        }
+    }
+
+    /// Places of the samples that were replaced as no measurements, ascending.
+    pub fn replaced(&self) -> Vec<usize> {
+        let of_waves = self.taken.waves.iter().filter_map(Wave::replaced);
+        let mut places: Vec<usize> = of_waves
+            .flat_map(|all| all.iter().map(|one| one.index))
+            .collect();
+        places.sort_unstable();
+        places.dedup();
+        places
+    }
+
+    /// Gaps of few samples: of what is missing, and of what was replaced.
+    pub fn short_gaps(&self) -> Option<ShortGaps> {
+        let replaced = self.replaced();
+        let is_measured =
+            |n: usize| self.measured[n].is_finite() && replaced.binary_search(&n).is_err();
+        ShortGaps::of(self.len(), is_measured)
+    }
+
+    /// Leaves the samples missing that are in none of these gaps, and bridges those that are and were not.
+    pub fn fill_only(&mut self, gaps: Option<&ShortGaps>) {
+        let places = gaps.map_or(&[][..], ShortGaps::places);
+        let mut bridged = self.whole.to_vec();
+        if let Some(gaps) = gaps {
+            gaps.bridge(&mut bridged);
+        }
+        let missing: Vec<usize> = (0..self.len())
+            .filter(|n| !self.measured[*n].is_finite())
+            .collect();
+        let whole = Arc::make_mut(&mut self.whole);
+        for n in missing {
+            if places.binary_search(&n).is_err() {
+                whole[n] = f64::NAN;
+            } else if whole[n].is_nan() {
+                whole[n] = bridged[n];
+            }
         }
     }
 
@@ -118,9 +164,13 @@ impl Residual {
         left
     }
 
-    /// What is left of the samples that were measured; NaN where one is missing, drawn or not, or excluded.
+    /// What is left of the samples that were measured; NaN where one is missing or no measurement, drawn or not, or
+    /// excluded.
     pub fn seen(&self) -> Arc<Vec<f64>> {
         let mut left = self.values();
+        for place in self.replaced() {
+            Arc::make_mut(&mut left)[place] = f64::NAN;
+        }
         if !Arc::ptr_eq(&self.whole, &self.measured) {
             let pairs = Arc::make_mut(&mut left)
                 .iter_mut()
@@ -184,6 +234,17 @@ impl Residual {
             jump.index.saturating_sub(reach)..(jump.index + reach).min(self.measured.len())
         })
     }
+}
+
+/// What is taken out of a sample that was replaced.
+fn size_of(waves: &mut [Wave], place: usize) -> Option<&mut f64> {
+    waves.iter_mut().find_map(|wave| match wave {
+        Wave::Replaced(Replaced(all)) => {
+            let at = all.binary_search_by_key(&place, |one| one.index).ok()?;
+            Some(&mut Arc::make_mut(all)[at].size)
+        }
+        _ => None,
+    })
 }
 
 #[cfg(test)]

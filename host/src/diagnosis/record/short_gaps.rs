@@ -39,18 +39,18 @@ pub struct ShortGaps {
 }
 
 impl ShortGaps {
-    /// Those of `measured`, where missing samples are NaN. `None` where there are none, or too many to fill.
-    /// What is missing at either end is no gap.
-    pub fn of(measured: &[f64]) -> Option<Self> {
-        let mut gaps = runs_of(measured.len(), |n| !measured[n].is_finite());
-        gaps.retain(|gap| gap.len() <= LONGEST && gap.start > 0 && gap.end < measured.len());
+    /// Those of a record of `len` samples, of which those count that are `measured`. `None` where there are none, or too
+    /// many to fill. What is missing at either end is no gap.
+    pub fn of(len: usize, measured: impl Fn(usize) -> bool) -> Option<Self> {
+        let mut gaps = runs_of(len, |n| !measured(n));
+        gaps.retain(|gap| gap.len() <= LONGEST && gap.start > 0 && gap.end < len);
         let missing = gaps.iter().map(Range::len).sum();
-        let there = measured.iter().filter(|value| value.is_finite()).count();
+        let there = (0..len).filter(|n| measured(*n)).count();
         let share = missing as f64 / (missing + there) as f64;
         if missing == 0 || share > MOST {
             return None;
         }
-        let drawn = Drawn::new(measured.len());
+        let drawn = Drawn::new(len);
         let places = gaps.iter().cloned().chain(drawn.seam()).flatten().collect();
         Some(Self {
             gaps,
@@ -115,6 +115,10 @@ mod tests {
 
     const RATE_HZ: f64 = 50.0;
 
+    fn of(values: &[f64]) -> Option<ShortGaps> {
+        ShortGaps::of(values.len(), |n| values[n].is_finite())
+    }
+
     /// Noise with gaps of one to five samples.
     fn with_gaps(seed: u64) -> Vec<f64> {
         let mut normal = Gaussian::new(Seed { seed, stream: 3 }, 1.0);
@@ -135,7 +139,7 @@ mod tests {
     fn what_a_sample_does_to_a_gap_is_what_the_law_says() {
         let seed = 11;
         let values = with_gaps(seed);
-        let gaps = ShortGaps::of(&values).expect("short gaps");
+        let gaps = of(&values).expect("short gaps");
         let density = density(gaps.ring_len());
         let filled = |values: &[f64]| {
             let mut values = values.to_vec();
@@ -175,7 +179,7 @@ mod tests {
         let mut values = with_gaps(12);
         values[100..133].fill(f64::NAN);
         values[..3].fill(f64::NAN);
-        let gaps = ShortGaps::of(&values).expect("short gaps");
+        let gaps = of(&values).expect("short gaps");
         assert_eq!(gaps.ranges(), [20..21, 23..24, 70..75, 90..92]);
         assert_eq!(gaps.places().len(), 9);
         assert!((gaps.share() - 9.0 / (150.0 - 36.0)).abs() < 1e-12);
@@ -189,8 +193,8 @@ mod tests {
 
     #[test]
     fn nothing_missing_and_too_much_missing_are_left_alone() {
-        assert!(ShortGaps::of(&[1.0; 100]).is_none());
+        assert!(of(&[1.0; 100]).is_none());
         let every_third = (0..300).map(|n| if n % 3 == 1 { 1.0 } else { f64::NAN });
-        assert!(ShortGaps::of(&every_third.collect::<Vec<f64>>()).is_none());
+        assert!(of(&every_third.collect::<Vec<f64>>()).is_none());
     }
 }

@@ -88,12 +88,32 @@ pub enum Wave {
     },
     /// Single samples that do not belong.
     Outliers(Arc<Vec<Outlier>>),
-    /// Single samples that were not measured (repeats of the one before), in place of which the
-    /// others' prediction stands.
-    Replaced(Arc<Vec<Outlier>>),
+    /// Single samples that were not measured (repeats of the one before), ascending, in place of which stands what the law
+    /// draws, given the others.
+    Replaced(Replaced),
+}
+
+/// What stands in the place of some samples, ascending. Two are the same where they stand in the place of the same samples: what
+/// is drawn changes with every law.
+#[derive(Debug, Clone)]
+pub struct Replaced(pub Arc<Vec<Outlier>>);
+
+impl PartialEq for Replaced {
+    fn eq(&self, other: &Self) -> bool {
+        let places = |one: &Self| one.0.iter().map(|one| one.index).collect::<Vec<usize>>();
+        places(self) == places(other)
+    }
 }
 
 impl Wave {
+    /// The samples that it replaces, where it does.
+    pub fn replaced(&self) -> Option<&[Outlier]> {
+        match self {
+            Self::Replaced(Replaced(all)) => Some(all),
+            _ => None,
+        }
+    }
+
     /// Takes the waveform out of `values`, whose first sample has index 0.
     pub fn take_out(&self, values: &mut [f64]) {
         match self {
@@ -137,7 +157,7 @@ impl Wave {
                     *value -= gain * f64::from(*column);
                 }
             }
-            Self::Outliers(outliers) | Self::Replaced(outliers) => {
+            Self::Outliers(outliers) | Self::Replaced(Replaced(outliers)) => {
                 for outlier in outliers.iter() {
                     if let Some(value) = values.get_mut(outlier.index) {
                         *value -= outlier.size;

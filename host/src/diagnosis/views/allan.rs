@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use crate::bins::point::Point;
 use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::record::in_record::InRecord;
 use crate::diagnosis::result::views::AllanPoint;
 use crate::diagnosis::statistic::allan_curve;
 use crate::diagnosis::views::Models;
@@ -20,20 +21,22 @@ impl AllanPoint {
 pub(crate) fn points(
     axis: &AxisState,
     models: Models<'_>,
-    wave: &[f64],
+    own: &InRecord,
     passing: &Passing,
 ) -> Vec<AllanPoint> {
     let (rate_hz, samples) = (axis.rate_hz, axis.residual.len() as u64);
     let (before, after) = (models.base.law(rate_hz), models.noise.law(rate_hz));
-    let (measured, waves) = rayon::join(
-        || allan_curve::allan(axis.residual.whole(), rate_hz),
-        || allan_curve::allan(wave, rate_hz),
-    );
-    let point = |one: Point| {
-        let of_waves = waves.iter().find(|wave| wave.m == one.m);
+    let measured = allan_curve::allan(axis.residual.whole(), rate_hz);
+    let added = own.adds(|values| {
+        let curve = allan_curve::allan(values, rate_hz);
+        let at = |one: &Point| curve.iter().find(|point| point.m == one.m);
+        let variance = |one: &Point| at(one).map_or(0.0, |point| point.variance);
+        measured.iter().map(variance).collect()
+    });
+    let point = |(number, one): (usize, &Point)| {
+        let added = added.get(number).copied().unwrap_or(0.0);
         let of_passing = passing.allan_variance(one.m, |f_hz| after.density(f_hz));
-        let variance =
-            after.allan_variance(one.m) + of_waves.map_or(0.0, |wave| wave.variance) + of_passing;
+        let variance = (after.allan_variance(one.m) + added).max(0.0) + of_passing;
         // Each part of what was measured scatters by its own.
         let lasting = (one.variance - of_passing).max(0.0);
         let scatter = lasting.powi(2) / one.edf + of_passing.powi(2) / passing.freedom(one.edf);
@@ -54,7 +57,7 @@ pub(crate) fn points(
             simulated: None,
         }
     };
-    measured.into_par_iter().map(point).collect()
+    measured.par_iter().enumerate().map(point).collect()
 }
 
 /// Adds the points of a simulated record.

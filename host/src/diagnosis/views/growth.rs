@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use crate::bins::point;
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::held_out::BLOCKS;
+use crate::diagnosis::record::in_record::InRecord;
 use crate::diagnosis::result::views::VelocityError;
 use crate::diagnosis::views::Models;
 use crate::model::PerCoefficient;
@@ -32,7 +33,7 @@ const STEP: usize = 4;
 const LEAST: usize = 4;
 
 /// Observed and predicted errors of an axis; none for times that leave too few windows.
-pub(crate) fn compare(axis: &AxisState, models: Models<'_>, wave: &[f64]) -> Vec<VelocityError> {
+pub(crate) fn compare(axis: &AxisState, models: Models<'_>, own: &InRecord) -> Vec<VelocityError> {
     let rate_hz = axis.rate_hz;
     let block = axis.residual.len().div_ceil(BLOCKS).max(1);
     let alignment_s = ALIGNMENT_S.min(ALIGNED * block as f64 / rate_hz);
@@ -42,7 +43,12 @@ pub(crate) fn compare(axis: &AxisState, models: Models<'_>, wave: &[f64]) -> Vec
         rate_hz,
     });
     let observed = mean_squares(&windows, axis.residual.whole(), block);
-    let of_wave = mean_squares(&windows, wave, block);
+    let added = own.adds(|values| {
+        let squares = mean_squares(&windows, values, block).into_iter();
+        squares
+            .map(|one| one.map_or(0.0, |(square, _)| square))
+            .collect()
+    });
     // Of what cannot be observed nothing is predicted either: a window of minutes in a record of
     // milliseconds would take longer than all else.
     let seen: Vec<&Window> = windows
@@ -60,7 +66,7 @@ pub(crate) fn compare(axis: &AxisState, models: Models<'_>, wave: &[f64]) -> Vec
         let (square, disjoint) = observed?;
         let (lo, hi) = point::interval(square, disjoint as f64);
         let (before, after) = predicted.next()?;
-        let of_wave = of_wave[number].map_or(0.0, |(square, _)| square);
+        let added = added.get(number).copied().unwrap_or(0.0);
         Some(VelocityError {
             t_s: TIMES_S[number],
             alignment_s,
@@ -68,7 +74,7 @@ pub(crate) fn compare(axis: &AxisState, models: Models<'_>, wave: &[f64]) -> Vec
             lo,
             hi,
             before,
-            after: after.hypot(of_wave.sqrt()),
+            after: (after * after + added).max(0.0).sqrt(),
         })
     };
     observed

@@ -14,6 +14,7 @@ pub mod spectrum;
 
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::options::Options;
+use crate::diagnosis::record::in_record::InRecord;
 use crate::diagnosis::result::finding::Finding;
 use crate::diagnosis::result::views::{AllanPoint, Amplitudes, Counts, Course, Views};
 use crate::fit::likelihood::Fit;
@@ -70,16 +71,16 @@ impl Views {
         let course = Course::new(axis, findings, models.whole.mean);
         let after = Counts::new(axis);
         let passing = Passing::new(axis, findings);
-        let wave = deterministic(axis);
+        let own = in_record(axis);
         let (mut spectrum, velocity_error) = rayon::join(
-            || spectrum::Pooled::new(axis, &before.fit, &wave, &passing),
-            || growth::compare(axis, models, &wave),
+            || spectrum::Pooled::new(axis, &before.fit, &own, &passing),
+            || growth::compare(axis, models, &own),
         );
         let amplitudes = Amplitudes {
             before: before.amplitudes,
             after,
         };
-        drop(wave);
+        drop(own);
         let simulated = simulate(axis, models.whole, temperature);
         if let Some(simulated) = &simulated {
             allan::add_simulated(&mut allan, simulated, axis.rate_hz);
@@ -102,23 +103,16 @@ pub fn allan(axis: &AxisState, models: Models<'_>, findings: &[Finding]) -> Vec<
     allan::points(
         axis,
         models,
-        &deterministic(axis),
+        &in_record(axis),
         &Passing::new(axis, findings),
     )
 }
 
-/// The deterministic part of the model in this record, samples that were no measurement included: the
-/// measured record holds them too. Missing samples are NaN; empty where there is none.
-fn deterministic(axis: &AxisState) -> Vec<f64> {
-    if axis.residual.waves().is_empty() {
-        return Vec::new();
-    }
-    let mut wave = axis.residual.waveform();
-    edges::soften(axis, &mut wave);
-    for (value, measured) in wave.iter_mut().zip(axis.residual.whole()) {
-        *value += 0.0 * measured;
-    }
-    wave
+/// What the model has of this record, as it is simulated.
+fn in_record(axis: &AxisState) -> InRecord {
+    let mut own = InRecord::of(&axis.residual, axis.residual.waves());
+    edges::soften(axis, own.courses_mut());
+    own
 }
 
 /// A record of `model` as long as that of `axis`, with the same samples missing, about its mean, at

@@ -6,6 +6,7 @@ use crate::bins::point;
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::laws;
 use crate::diagnosis::record::bins::SpectralBins;
+use crate::diagnosis::record::in_record::InRecord;
 use crate::diagnosis::result::views::SpectrumPoint;
 use crate::diagnosis::views::passing::Passing;
 use crate::fit::likelihood::Fit;
@@ -52,9 +53,9 @@ impl Held<'_> {
 }
 
 impl<'a> Pooled<'a> {
-    /// Of an axis whose five terms alone were fitted as `before`, with the deterministic part `wave`;
+    /// Of an axis whose five terms alone were fitted as `before`, with what the model has of its `own`;
     /// the simulated densities are not yet among them.
-    pub fn new(axis: &'a AxisState, before: &Fit, wave: &[f64], passing: &Passing) -> Self {
+    pub fn new(axis: &'a AxisState, before: &Fit, own: &InRecord, passing: &Passing) -> Self {
         let measured = axis.residual.whole();
         let whole = axis
             .residual
@@ -67,12 +68,9 @@ impl<'a> Pooled<'a> {
         for (after, bin) in after.iter_mut().zip(bins.all()) {
             *after += passing.adds(bin.f_hz, *after);
         }
-        if !wave.is_empty() {
-            let waves = bins.measure(wave).psd;
-            after
-                .iter_mut()
-                .zip(waves)
-                .for_each(|(sum, wave)| *sum += wave);
+        let added = own.adds(|values| bins.measure(values).psd);
+        for (sum, added) in after.iter_mut().zip(added) {
+            *sum = (*sum + added).max(0.0);
         }
         let before = sum(bins.units(), &before.squared);
         let psd = bins.measure(measured).psd;

@@ -178,36 +178,27 @@ fn sought(look: &Look<'_>, whole: &Transform, density: &[f64], powers: &Powers) 
         let jumps = steps::statistic(look.axis, whole, density);
         found.outliers.retain(|one| !steps::is_jump(&jumps, one));
     }
-    found.outliers.retain(|one| !is_left_over(look.axis, one));
+    if few_are_drawn(look.axis) {
+        let is_beside = |one: &Outlier| look.axis.is_beside_filled(one.index, NEAR);
+        found.outliers.retain(|one| !is_beside(one));
+    }
     found
 }
 
-/// Whether a sample is what is left next to a larger one that was replaced: what that should have been is not quite known.
-fn is_left_over(axis: &AxisState, outlier: &Outlier) -> bool {
-    /// Samples on either side: a choice, as far as a jump is misplaced.
-    const NEAR: usize = 4;
-    let near = outlier.index.saturating_sub(NEAR)..outlier.index + NEAR + 1;
-    let replaced = axis.residual.waves().iter().filter_map(|wave| match wave {
-        Wave::Replaced(samples) => {
-            let from = samples.partition_point(|one| one.index < near.start);
-            let to = samples.partition_point(|one| one.index < near.end);
-            Some(&samples[from..to])
-        }
-        _ => None,
-    });
-    replaced
-        .flatten()
-        .any(|one| one.size.abs() > outlier.size.abs())
+/// Samples on either side of one that was drawn that a sample tells by itself, where few were drawn: a choice, as far as a
+/// jump is misplaced. What was drawn is known as well as the law, which may be wrong far below the noise.
+const NEAR: usize = 4;
+
+/// Whether so few samples were drawn that hardly one has a neighbour that was: a choice, one in a hundred.
+fn few_are_drawn(axis: &AxisState) -> bool {
+    100 * axis.filled_samples() <= axis.residual.len()
 }
 
-/// What is left of the record, with its outliers.
+/// What is left of the record, with its outliers. Where many samples were drawn these count as seen: hardly one has
+/// neighbours enough that were measured.
 fn with_outliers(look: &Look<'_>) -> Arc<Vec<f64>> {
-    /// Share of drawn samples beyond which they count as seen: a choice. Of many more hardly a sample has neighbours
-    /// enough that were measured.
-    const MOST_DRAWN: f64 = 0.01;
     let residual = &look.axis.residual;
-    let drawn = look.axis.filled_samples() as f64;
-    let mut values = if drawn <= MOST_DRAWN * residual.len() as f64 {
+    let mut values = if few_are_drawn(look.axis) {
         residual.seen()
     } else {
         residual.values()

@@ -246,17 +246,3 @@ fn few_outliers_are_dated_one_by_one() {
     assert_eq!(dated(&all[..16], trial::RATE_HZ).len(), 2 * 16);
     assert_eq!(dated(&all, trial::RATE_HZ).len(), 0);
 }
-
-#[test]
-fn what_is_left_beside_a_larger_sample_that_was_replaced_is_none() {
-    let is_named = |size: f64, away: usize| {
-        let mut trial = with(30, 9.0, &APART);
-        let replaced = vec![outlier(APART[0] - away, size)];
-        let change = Change::Waves(vec![Wave::Replaced(Arc::new(replaced))]);
-        trial.know(crate::model::stale::KIND, [1e-4], change);
-        named_at(trial.ask(&DETECTOR)).contains(&APART[0])
-    };
-    assert!(!is_named(30.0, 2), "seed 30");
-    assert!(is_named(3.0, 2), "seed 30: a smaller one");
-    assert!(is_named(30.0, 9), "seed 30: elsewhere");
-}
