@@ -100,7 +100,7 @@ fn a_mask_changes_nothing_that_a_likelihood_sees() {
     let mut axis = plain(3);
     take_in(&mut axis, burst::KIND, Change::Mask(vec![100..200]));
     take_in(&mut axis, sinusoid::KIND, line(50.0, 0.1).into());
-    let nothing = [0, 1].map(|place| axis.explanations()[place].changes_nothing());
+    let nothing = [0, 1].map(|place| axis.explanations()[place].is_beside_noise());
     assert_eq!(nothing, [true, false], "seed 3");
 }
 
