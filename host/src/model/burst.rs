@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::Seed;
-use super::effect::{Distorter, Distortion, Effect, Parameter, Part, Quantity};
+use super::effect::{Distorter, Distortion, Effect, Parameter, Part, Quantity, Stage};
 use super::kind::Kind;
 use super::marks::Mark;
 
@@ -58,6 +58,10 @@ impl Burst {
 }
 
 impl Distortion for Burst {
+    fn stage(&self) -> Stage {
+        Stage::Noise
+    }
+
     fn distorter(&self, rate_hz: f64, _seed: Seed) -> Box<dyn Distorter> {
         let index = |time_s: f64| (time_s * rate_hz).round() as u64;
         let (from, to) = (index(self.from_s), index(self.to_s));

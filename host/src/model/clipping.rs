@@ -1,7 +1,7 @@
 //! Clipping: nothing gets past a level.
 
 use super::Seed;
-use super::effect::{Distorter, Distortion, Effect, Parameter, Part, Quantity};
+use super::effect::{Distorter, Distortion, Effect, Parameter, Part, Quantity, Stage};
 use super::kind::Kind;
 
 /// What is beyond a level is held at it. How much that takes from the noise depends on how far
@@ -16,6 +16,10 @@ pub struct Clipping {
 }
 
 impl Distortion for Clipping {
+    fn stage(&self) -> Stage {
+        Stage::Range
+    }
+
     fn distorter(&self, _rate_hz: f64, _seed: Seed) -> Box<dyn Distorter> {
         Box::new(*self)
     }

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::Seed;
-use super::effect::{Distorter, Distortion, Effect, Parameter, Part, Quantity};
+use super::effect::{Distorter, Distortion, Effect, Parameter, Part, Quantity, Stage};
 use super::kind::Kind;
 
 /// What varies is multiplied by `(1 + depth cos(2 pi t / period_s + phase_rad)) / sqrt(1 + depth^2 / 2)`, the level
@@ -45,6 +45,10 @@ impl Cyclic {
 }
 
 impl Distortion for Cyclic {
+    fn stage(&self) -> Stage {
+        Stage::Noise
+    }
+
     fn distorter(&self, rate_hz: f64, _seed: Seed) -> Box<dyn Distorter> {
         Box::new(Breathing {
             law: *self,

@@ -1,7 +1,7 @@
 //! Dropped samples: some are missing, and nothing says so.
 
 use super::Seed;
-use super::effect::{Distorter, Distortion, Effect, Parameter, Part, Quantity};
+use super::effect::{Distorter, Distortion, Effect, Parameter, Part, Quantity, Stage};
 use super::kind::Kind;
 use super::marks::Mark;
 
@@ -15,6 +15,10 @@ pub struct Dropped(
 );
 
 impl Distortion for Dropped {
+    fn stage(&self) -> Stage {
+        Stage::Reading
+    }
+
     fn distorter(&self, rate_hz: f64, _seed: Seed) -> Box<dyn Distorter> {
         let gap = |&(time_s, samples): &(f64, f64)| Gap {
             from: (time_s * rate_hz).round() as u64,

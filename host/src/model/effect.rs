@@ -87,6 +87,9 @@ pub enum Part {
 
 /// Acts on the samples of everything else.
 pub trait Distortion: Send + Sync {
+    /// Where it acts: a diagnosis writes distortions in this order, which is that in which a simulation applies them.
+    fn stage(&self) -> Stage;
+
     /// Factor on the two-sided density of everything else; 1 unless it is a filter.
     fn power(&self, _f_hz: f64, _rate_hz: f64) -> f64 {
         1.0
@@ -100,6 +103,23 @@ pub trait Distortion: Send + Sync {
 
     /// Does to data what the law says; the same `seed` does the same.
     fn distorter(&self, rate_hz: f64, seed: Seed) -> Box<dyn Distorter>;
+}
+
+/// Where a distortion acts on the way from the sensor to the reader.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Stage {
+    /// On the noise as it arises.
+    Noise,
+    /// A filter on all of it.
+    Filter,
+    /// Joins behind all filters.
+    Sample,
+    /// At the ends of a range.
+    Range,
+    /// As numbers are made of it.
+    Number,
+    /// As these are read.
+    Reading,
 }
 
 /// What a distortion acts on.

@@ -4,7 +4,7 @@ use rand_distr::{Distribution, Exp1};
 use rand_pcg::Pcg64;
 
 use super::Seed;
-use super::effect::{Distorter, Distortion, Effect, Incoming, Parameter, Part, Quantity};
+use super::effect::{Distorter, Distortion, Effect, Incoming, Parameter, Part, Quantity, Stage};
 use super::kind::Kind;
 use super::marks::Mark;
 use super::random::{self, Gaussian};
@@ -45,6 +45,10 @@ impl Outliers {
 }
 
 impl Distortion for Outliers {
+    fn stage(&self) -> Stage {
+        Stage::Sample
+    }
+
     fn floor(&self, incoming: &Incoming<'_>) -> f64 {
         self.density(incoming.rate_hz)
     }

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::Seed;
-use super::effect::{Band, Distorter, Distortion, Effect, Parameter, Part, Quantity};
+use super::effect::{Band, Distorter, Distortion, Effect, Parameter, Part, Quantity, Stage};
 use super::kind::Kind;
 use super::marks::Mark;
 use super::symmetric_filter::{REACH, SymmetricFilter};
@@ -16,6 +16,10 @@ pub struct RollOff {
 }
 
 impl Distortion for RollOff {
+    fn stage(&self) -> Stage {
+        Stage::Filter
+    }
+
     fn power(&self, f_hz: f64, _rate_hz: f64) -> f64 {
         1.0 / (1.0 + (f_hz / self.corner_hz).powi(2))
     }

@@ -2,7 +2,7 @@
 //! differenced noise of a rounded integral, is in [`quantisation`](super::quantisation).
 
 use super::Seed;
-use super::effect::{Distorter, Distortion, Effect, Incoming, Parameter, Part, Quantity};
+use super::effect::{Distorter, Distortion, Effect, Incoming, Parameter, Part, Quantity, Stage};
 use super::kind::Kind;
 
 /// Samples are rounded to multiples of a step, counted from zero and not from the mean.
@@ -28,6 +28,10 @@ impl Rounding {
 }
 
 impl Distortion for Rounding {
+    fn stage(&self) -> Stage {
+        Stage::Number
+    }
+
     fn floor(&self, incoming: &Incoming<'_>) -> f64 {
         self.density(incoming.rate_hz)
     }

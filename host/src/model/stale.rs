@@ -6,7 +6,7 @@ use rand_distr::{Bernoulli, Distribution};
 use rand_pcg::Pcg64;
 
 use super::Seed;
-use super::effect::{Distorter, Distortion, Effect, Incoming, Parameter, Part, Quantity};
+use super::effect::{Distorter, Distortion, Effect, Incoming, Parameter, Part, Quantity, Stage};
 use super::kernel::{self, Kernel};
 use super::kind::Kind;
 use super::random;
@@ -58,6 +58,10 @@ impl Stale {
 }
 
 impl Distortion for Stale {
+    fn stage(&self) -> Stage {
+        Stage::Reading
+    }
+
     fn power(&self, f_hz: f64, rate_hz: f64) -> f64 {
         (1.0 - self.share).powi(2) / self.pole(f_hz, rate_hz)
     }

@@ -8,16 +8,24 @@ use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::finding::{Finding, Gain};
 use crate::fit::likelihood::Fit;
 use crate::model::axis::{ModelAxis, ModelEffect};
+use crate::model::effect::Part;
 use crate::model::{PerCoefficient, unnamed};
 
-/// Findings as a model file has them, where data can be made of them, and what of the `noise` has no name; a harmonic
-/// that was not found is zero there.
+/// Findings as a model file has them, where data can be made of them, and what of the `noise` has no name, in the order in
+/// which they act: a sample is repeated behind all filters, whatever was found first. A harmonic that was not found is zero
+/// there.
 pub fn all_effects(findings: &[Finding], noise: &ModelAxis) -> Vec<ModelEffect> {
     let effect =
         |finding: &Finding| ModelEffect::of(finding.effect, &finding.estimate.plain()).ok();
     let unnamed = noise.effects.iter();
     let unnamed = unnamed.filter(|one| one.kind() == unnamed::KIND).cloned();
-    findings.iter().filter_map(effect).chain(unnamed).collect()
+    let stage = |one: &ModelEffect| match one.part() {
+        Part::Distortion(distortion) => Some(distortion.stage()),
+        Part::Term(_) | Part::Clock(_) | Part::Follows(_) => None,
+    };
+    let mut all: Vec<ModelEffect> = findings.iter().filter_map(effect).chain(unnamed).collect();
+    all.sort_by_key(stage);
+    all
 }
 
 /// The laws of a snapshot with the sizes of a fit that has them, and its tones as they were measured.
@@ -39,5 +47,39 @@ pub fn finding(one: &Explanation, gain: Gain) -> Finding {
         gain,
         without: PerCoefficient::from_fn(|letter| coefficients_of(&one.before).get(letter).value),
         ..Finding::new(&one.effect, one.p_value)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::result::value::Value;
+    use crate::model::whole::Model;
+    use crate::model::{burst, rolloff, rounding, sinusoid, stale};
+
+    #[test]
+    fn what_was_read_twice_passed_the_filters_first() {
+        let found = |kind, values: &[f64]| {
+            let values = values.iter().copied().map(Value::told);
+            Finding::new(&Estimate::new(kind, values), 0.0)
+        };
+        let findings = [
+            found(stale::KIND, &[0.1]),
+            found(rounding::KIND, &[1e-3]),
+            found(rolloff::KIND, &[10.0]),
+            found(burst::KIND, &[1.0, 2.0, 3.0]),
+            found(sinusoid::KIND, &[50.0, 1.0]),
+        ];
+        let noise = Model::published(None).axes.remove(0);
+        let all = all_effects(&findings, &noise);
+        let kinds: Vec<_> = all.iter().map(ModelEffect::kind).collect();
+        let [sinusoid, burst, rolloff, rounding, stale] = [
+            sinusoid::KIND,
+            burst::KIND,
+            rolloff::KIND,
+            rounding::KIND,
+            stale::KIND,
+        ];
+        assert_eq!(kinds, [sinusoid, burst, rolloff, rounding, stale]);
     }
 }

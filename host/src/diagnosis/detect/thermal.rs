@@ -1,5 +1,7 @@
 //! Thermal: the level follows the temperature, or another column of the same file, behind a lag.
 
+pub mod reading;
+
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -80,7 +82,6 @@ fn follows(
     level: f64,
     noise: Noise,
 ) -> Option<(SlowChange, f64)> {
-    let factor = axis.drift_factor();
     let mut lags = Lags::new(axis, &axis.filled, column);
     let mut best = lags.best()?;
     let mut beside_walk = None;
@@ -96,14 +97,14 @@ fn follows(
     if p_value >= level || !z.is_finite() {
         return None;
     }
-    let found = lags.change(column, factor, (projection, lag));
+    let found = lags.change((projection, lag));
     let change = SlowChange {
         z,
         gain_nats,
         p_value,
         ..found
     };
-    Some((change, lag * factor as f64 / axis.rate_hz))
+    Some((change, lag / axis.rate_hz))
 }
 
 /// What follows the covariate as it is `known`, measured in `values`, where it is; what it gains there, and what it gains
@@ -117,48 +118,50 @@ pub fn measured_again(
     let [Wave::Follows { gain, .. }] = known.waves() else {
         return None;
     };
-    let factor = look.axis.drift_factor();
-    let rate_hz = look.axis.rate_hz / factor as f64;
+    let rate_hz = look.axis.rate_hz;
     let lags = Lags::new(look.axis, values, column);
     let lag_s = Follows::of_temperature(&known.effect.plain()).lag_s;
     let known_gain = lags.at(lag_s * rate_hz).gain(*gain);
     let (projection, lag) = lags.refined(lags.best()?)?;
-    let change = lags.change(column, factor, (projection, lag));
+    let change = lags.change((projection, lag));
     let gain = change.gain_nats;
     Some((proposal((change, lag / rate_hz))?, gain, known_gain))
 }
 
-/// A slow record and the column that it may follow, in means over as many samples.
-struct Lags {
+/// A slow record and the column that it may follow.
+struct Lags<'a> {
     record: Transform,
     density: Vec<f64>,
     transformer: Transformer,
-    means: Vec<f64>,
-    /// First-order lags that are tried, samples of the slow record: none, and up to an eighth of its length.
+    column: &'a [f64],
+    /// Samples of the column that a sample of the slow record is a mean over.
+    factor: usize,
+    /// First-order lags that are tried, samples of the column: none, and up to an eighth of its length.
     trials: Vec<f64>,
 }
 
-impl Lags {
-    fn new(axis: &AxisState, values: &[f64], column: &[f64]) -> Self {
-        /// Shortest lag that is tried, samples: a shorter one is as good as none.
+impl<'a> Lags<'a> {
+    fn new(axis: &AxisState, values: &[f64], column: &'a [f64]) -> Self {
+        /// Shortest lag that is tried, samples of the slow record: a shorter one is as good as none until it is refined.
         const SHORTEST: f64 = 4.0;
         let factor = axis.drift_factor();
         let (record, density) = axis.slow(values, factor);
-        let means = block_means(column, factor);
-        let longest = means.len() as f64 / 8.0;
-        let lags = std::iter::successors(Some(SHORTEST), |lag| Some(2.0 * lag));
+        let longest = column.len() as f64 / 8.0;
+        let lags = std::iter::successors(Some(SHORTEST * factor as f64), |lag| Some(2.0 * lag));
         let lags = lags.take_while(|lag| *lag < longest);
         Self {
             transformer: Transformer::new(record.len()),
             record,
             density,
             trials: std::iter::once(0.0).chain(lags).collect(),
-            means,
+            column,
+            factor,
         }
     }
 
     fn wave(&self, lag: f64) -> Transform {
-        let lagged = behind(&self.means, lag, 0.0);
+        // A lag of means is not the mean of what lags: it would be late by half of what they are over.
+        let lagged = block_means(&behind(self.column, lag, 0.0), self.factor);
         let mut wave = self.transformer.transform(&lagged, self.record.rate_hz());
         wave.close(&self.density);
         wave
@@ -194,7 +197,21 @@ impl Lags {
     }
 
     /// The top between the lags that are tried.
-    fn refined(&self, (mut projection, mut lag): (Projection, f64)) -> Option<(Projection, f64)> {
+    fn refined(&self, best: (Projection, f64)) -> Option<(Projection, f64)> {
+        /// By how much the square of the statistic is larger with a short lag than without, at least: two standard
+        /// deviations of a lag that is none, a choice.
+        const TWO_SIGMA: f64 = 4.0;
+        if best.1 > 0.0 {
+            return self.climbed(best);
+        }
+        let short = self.factor as f64;
+        let refined = self.climbed((self.at(short), short))?;
+        let gain = refined.0.z().powi(2) - best.0.z().powi(2);
+        Some(if gain > TWO_SIGMA { refined } else { best })
+    }
+
+    /// The top that lies uphill of a lag.
+    fn climbed(&self, (mut projection, mut lag): (Projection, f64)) -> Option<(Projection, f64)> {
         /// First step of a lag's logarithm, half an octave, and the smallest.
         const STEPS: [f64; 2] = [0.35, 1e-5];
         let mut step = STEPS[0];
@@ -211,15 +228,10 @@ impl Lags {
         Some((projection, lag))
     }
 
-    /// The `column` behind a lag that was found, one sample of the record standing for `factor`.
-    fn change(
-        &self,
-        column: &[f64],
-        factor: usize,
-        (projection, lag): (Projection, f64),
-    ) -> SlowChange {
-        let mean = column.iter().sum::<f64>() / column.len() as f64;
-        let full = behind(column, lag * factor as f64, mean);
+    /// The column behind a lag that was found.
+    fn change(&self, (projection, lag): (Projection, f64)) -> SlowChange {
+        let mean = self.column.iter().sum::<f64>() / self.column.len() as f64;
+        let full = behind(self.column, lag, mean);
         let full: Vec<f32> = full.into_iter().map(|value| value as f32).collect();
         let z = projection.z();
         SlowChange {
