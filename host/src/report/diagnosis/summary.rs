@@ -67,7 +67,7 @@ fn verdict(verdict: &Verdict) -> String {
 fn filled(axis: &AxisDiagnosis) -> Option<String> {
     (axis.filled_samples > 0).then(|| {
         format!(
-            "In short gaps {} missing samples were drawn as the noise of the rest has them.",
+            "In short gaps {} samples that were not measured were drawn as the noise of the rest has them.",
             grouped(axis.filled_samples as u64)
         )
     })
