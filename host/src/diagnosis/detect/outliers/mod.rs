@@ -100,6 +100,8 @@ fn named(look: &Look<'_>, found: Found, powers: &Powers) -> Vec<Proposal> {
 /// Whether most of them lie in one stretch that is noisier as a whole, and more than chance would put there: then they are no
 /// outliers.
 fn is_within_burst(found: &[Outlier], powers: &Powers, level: f64) -> bool {
+    /// Probability below which chance would not put so many there: a choice, as the stretch is known for noisy.
+    const CROWDED: f64 = 0.05;
     let Some(burst) = burst::burst(powers, level) else {
         return false;
     };
@@ -108,7 +110,7 @@ fn is_within_burst(found: &[Outlier], powers: &Powers, level: f64) -> bool {
     let inside = found.iter().filter(|one| stretch.contains(&one.index));
     let within = inside.count();
     let share = stretch.len() as f64 / (powers.powers.len() * BLOCK) as f64;
-    let crowded = p_value::poisson(within as u64, share * found.len() as f64) < level;
+    let crowded = p_value::poisson(within as u64, share * found.len() as f64) < CROWDED;
     crowded && 3 * within >= 2 * found.len()
 }
 
