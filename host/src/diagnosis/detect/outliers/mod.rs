@@ -16,12 +16,11 @@ use crate::diagnosis::detect::burst;
 use crate::diagnosis::detect::look::{Lesson, Look, Proposal};
 use crate::diagnosis::detect::telegraph::short_dwells::is_of_switching;
 use crate::diagnosis::explanation::{Candidate, Change};
-use crate::diagnosis::record::powers::{BLOCK, Powers};
+use crate::diagnosis::record::powers::Powers;
 use crate::diagnosis::record::wave::{Outlier, Wave};
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
 use crate::diagnosis::statistic::matched_filter::Transform;
-use crate::diagnosis::statistic::p_value;
 use crate::diagnosis::steady::band_events::is_of_excluded;
 use crate::model::kind::Kind;
 use crate::model::outliers::KIND;
@@ -97,11 +96,8 @@ fn named(look: &Look<'_>, found: Found, powers: &Powers) -> Vec<Proposal> {
     vec![Proposal::Explain(Box::new(candidate(look, found)))]
 }
 
-/// Whether most of them lie in one stretch that is noisier as a whole, and more than chance would put there: then they are no
-/// outliers.
+/// Whether most of them lie in one stretch that is noisier as a whole: then they are no outliers.
 fn is_within_burst(found: &[Outlier], powers: &Powers, level: f64) -> bool {
-    /// Probability below which chance would not put so many there: a choice, as the stretch is known for noisy.
-    const CROWDED: f64 = 0.05;
     let Some(burst) = burst::burst(powers, level) else {
         return false;
     };
@@ -109,9 +105,7 @@ fn is_within_burst(found: &[Outlier], powers: &Powers, level: f64) -> bool {
     let stretch = burst.range.start.saturating_sub(wide)..burst.range.end + wide;
     let inside = found.iter().filter(|one| stretch.contains(&one.index));
     let within = inside.count();
-    let share = stretch.len() as f64 / (powers.powers.len() * BLOCK) as f64;
-    let crowded = p_value::poisson(within as u64, share * found.len() as f64) < CROWDED;
-    crowded && 3 * within >= 2 * found.len()
+    within > 0 && 3 * within >= 2 * found.len()
 }
 
 fn candidate(look: &Look<'_>, found: Found) -> Candidate {

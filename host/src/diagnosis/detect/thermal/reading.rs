@@ -75,10 +75,11 @@ mod tests {
             let off = range.map(|n| (found[n] - is[n]).abs());
             off.fold(0.0, f64::max)
         };
-        // Waves of height 1. Where the ring closes they bend.
+        // Waves of height 1. The ring closes on the line through the means of 256 samples at either end, which they miss by what
+        // they rise in half as many, 0.04: half of that is off at the last.
         let [inside, all] = [off(2500..47_500), off(0..50_000)];
         assert!(
-            inside < 1e-4 && all < 0.01,
+            inside < 1e-4 && all < 0.04,
             "{inside:e} inside, {all:e} in all"
         );
         assert_eq!(without_noise(&[20.0; 1000]), [20.0; 1000]);
