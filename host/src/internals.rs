@@ -21,6 +21,13 @@ pub mod bins {
     }
 }
 
+pub mod calibrate {
+    pub use crate::calibrate::{
+        Doubt, FEWEST, Fit, NAMES, PARAMETERS, Position, Stretch, Unfit, Unsteady, alike_deg,
+        doubts, fit,
+    };
+}
+
 pub mod capture {
     pub use crate::capture::{
         CaptureError, ClockSource, Durable, Header, Reader, RegistersOf, SYNC_PERIOD, Writer,
@@ -139,5 +146,6 @@ pub mod spectrum {
 }
 
 pub mod virtual_board {
+    pub use crate::virtual_board::turned::{Hand, Truth, Turned};
     pub use crate::virtual_board::{AxisWitness, Misfortune, VirtualConnect, Witness};
 }

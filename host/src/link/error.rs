@@ -134,6 +134,11 @@ impl LinkError {
                 Refusal::Converter { .. } => {
                     "check supply, clock and SPI wiring of that converter".to_owned()
                 }
+                Refusal::Unsound => "calibrate again (`inm calibrate`)".to_owned(),
+                Refusal::NotKept => {
+                    "try again; if it stays so, the flash of its microcontroller is worn or write-protected"
+                        .to_owned()
+                }
             },
             Self::WrongAnswer { .. } => "restart the board and try again".to_owned(),
         }
