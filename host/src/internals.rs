@@ -23,8 +23,8 @@ pub mod bins {
 
 pub mod calibrate {
     pub use crate::calibrate::{
-        Doubt, FEWEST, Fit, NAMES, PARAMETERS, Position, Stretch, Unfit, Unsteady, alike_deg,
-        doubts, fit,
+        BLOCK_S, Doubt, FEWEST, Fit, NAMES, PARAMETERS, Position, Stretch, Unfit, Unsteady,
+        alike_deg, doubts, fit,
     };
 }
 
@@ -39,6 +39,11 @@ pub mod export {
     pub mod input {
         pub use crate::export::input::Input;
     }
+}
+
+pub mod inspect {
+    pub use crate::inspect::Session;
+    pub use crate::inspect::gravity::Readings;
 }
 
 pub mod fit {

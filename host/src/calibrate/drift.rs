@@ -30,12 +30,16 @@ impl Drift {
     /// Of positions in which 1 m/s^2 of the readings adds so much to the magnitude.
     pub(super) fn new(positions: &[Position], directions: &[SVector<f64, 3>], end_s: f64) -> Self {
         let number = positions.len();
+        // One tells its variance badly, all together well.
+        let variance = [0, 1, 2].map(|axis| {
+            positions.iter().map(|one| one.variance[axis]).sum::<f64>() / number as f64
+        });
         let own = DMatrix::from_fn(number, number, |row, column| {
             if row != column {
                 return 0.0;
             }
             let squared = directions[row].map(|part| part * part);
-            squared.dot(&SVector::from(positions[row].variance))
+            squared.dot(&SVector::from(variance))
         });
         let wander = DMatrix::from_fn(number, number, |row, column| {
             let later_s = positions[row].time_s.max(positions[column].time_s);

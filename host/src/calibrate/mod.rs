@@ -16,12 +16,17 @@
 
 mod doubt;
 mod drift;
+mod found;
 mod magnitude;
 mod stretch;
 
 pub use doubt::{Doubt, alike_deg, doubts};
+pub use found::{Circumstances, FRAME, Found};
 pub use magnitude::{Fit, Unfit, fit};
 pub use stretch::{BLOCK_S, Stretch, Unsteady};
+
+#[cfg(test)]
+mod tests;
 
 /// Parameters: xx, yx, yy, zx, zy, zz of `M`, then the zeros of X, Y, Z.
 pub const PARAMETERS: usize = 9;

@@ -5,8 +5,8 @@ use std::io::{self, ErrorKind};
 use std::time::{Duration, Instant};
 
 use inm_protocol::{
-    Answer, Command, FRAME_END, Hello, Identity, MAX_FRAME, REGISTERS, Reply, Request, Settings,
-    ToBoard, encode,
+    Answer, Command, FRAME_END, Hello, Identity, MAX_FRAME, REGISTERS, Reply, Request,
+    SensorCalibration, Settings, ToBoard, encode,
 };
 
 use super::port::is_wait;
@@ -158,7 +158,7 @@ impl Client {
         } = self.patience;
         Err(LinkError::NoReply {
             port: self.name.clone(),
-            request,
+            request: Box::new(request),
             waited,
             tries,
         }
@@ -169,7 +169,7 @@ impl Client {
         reply.result.map_err(|refusal| {
             LinkError::Refused {
                 port: self.name.clone(),
-                request,
+                request: Box::new(request),
                 refusal,
             }
             .into()
@@ -226,7 +226,7 @@ impl Client {
     pub(crate) fn wrong_answer(&self, request: Request) -> LinkError {
         LinkError::WrongAnswer {
             port: self.name.clone(),
-            request,
+            request: Box::new(request),
         }
     }
 }
@@ -271,6 +271,15 @@ impl Expect for [[u8; REGISTERS]; inm_protocol::AXES] {
     fn from_answer(answer: Answer) -> Option<Self> {
         match answer {
             Answer::Registers(registers) => Some(registers),
+            _ => None,
+        }
+    }
+}
+
+impl Expect for Option<SensorCalibration> {
+    fn from_answer(answer: Answer) -> Option<Self> {
+        match answer {
+            Answer::SensorCalibration(kept) => Some(kept),
             _ => None,
         }
     }

@@ -59,7 +59,7 @@ pub enum LinkError {
         /// Name of the port.
         port: String,
         /// What was asked.
-        request: Request,
+        request: Box<Request>,
         /// How long each time.
         waited: Duration,
         /// How often.
@@ -81,7 +81,7 @@ pub enum LinkError {
         /// Name of the port.
         port: String,
         /// What was asked.
-        request: Request,
+        request: Box<Request>,
         /// Its reason.
         refusal: Refusal,
     },
@@ -91,7 +91,7 @@ pub enum LinkError {
         /// Name of the port.
         port: String,
         /// What was asked.
-        request: Request,
+        request: Box<Request>,
     },
 }
 

@@ -167,6 +167,11 @@ impl Turned {
         self.directions.row(axis).transpose().dot(&felt)
     }
 
+    /// What the block feels, m/s^2.
+    pub fn felt(&self) -> [f64; 3] {
+        (*self.felt.lock().unwrap_or_else(PoisonError::into_inner)).into()
+    }
+
     /// Puts the block so that it feels this, m/s^2.
     pub fn put(&self, felt: [f64; 3]) {
         *self.felt.lock().unwrap_or_else(PoisonError::into_inner) = felt.into();
@@ -213,7 +218,7 @@ impl Turned {
 
 impl Hand {
     /// Puts the block into the next place; `false` if there is none.
-    pub fn next(&mut self) -> bool {
+    pub fn turn(&mut self) -> bool {
         let Some(place) = self.places.pop() else {
             return false;
         };

@@ -1,7 +1,7 @@
 //! The beginning of a recording: the board is set up and started, and the header says what it then
 //! says of itself.
 
-use inm_protocol::{AXES, Identity, REGISTERS, Request, Settings};
+use inm_protocol::{AXES, Identity, REGISTERS, Request, SensorCalibration, Settings};
 use jiff::Timestamp;
 
 use super::plan::Plan;
@@ -33,7 +33,11 @@ pub(super) fn begin(client: &mut Client, plan: &Plan) -> Result<Begun, Failed> {
     if let Some(settings) = plan.settings {
         let _: Settings = talk.ask(Request::Configure(settings))?;
     }
+    if let Some(range) = plan.range {
+        let () = talk.ask(Request::SelectRange(range))?;
+    }
     let identity: Identity = talk.ask(Request::Identify)?;
+    let kept = kept(&mut talk, &identity)?;
     let before: [[u8; REGISTERS]; AXES] = talk.ask(Request::ReadRegisters)?;
 
     // Only what comes after the start command belongs to the record.
@@ -51,7 +55,7 @@ pub(super) fn begin(client: &mut Client, plan: &Plan) -> Result<Begun, Failed> {
         Err(Failed::Link(LinkError::Refused { .. })) => (before, RegistersOf::BeforeTheStart),
         Err(failed) => return Err(failed),
     };
-    let header = Header::new(&identity, registers, created);
+    let header = Header::new(&identity, registers, created).calibrated(kept);
     frames.begin(header.board.clock);
     Ok(Begun {
         identity,
@@ -59,6 +63,15 @@ pub(super) fn begin(client: &mut Client, plan: &Plan) -> Result<Begun, Failed> {
         frames,
         early,
     })
+}
+
+/// What the board keeps of its accelerometers on the range in force. Firmware from before there was
+/// such a thing does not understand the question, and keeps nothing.
+fn kept(talk: &mut Talk<'_>, identity: &Identity) -> Result<Option<SensorCalibration>, Failed> {
+    match talk.ask(Request::ReadSensorCalibration(identity.range)) {
+        Err(Failed::Link(LinkError::NoReply { .. })) => Ok(None),
+        kept => kept,
+    }
 }
 
 /// The capture that `create` makes, with what has arrived before its header was known.
