@@ -251,6 +251,7 @@ fn finish(
     let alone = Solved::new(&noise.own, &linear.slopes).ok_or(Unfit::NoFit)?;
     let chi_squared = (linear.misfits.transpose() * alone.projector() * &linear.misfits)[(0, 0)];
     let weighted = &projector * &linear.misfits;
+    let whole = linear.misfits.dot(&weighted);
     let scaled = (0..positions.len()).map(|at| weighted[at] / projector[(at, at)].sqrt());
     Ok(Fit {
         values: values.into(),
@@ -258,16 +259,16 @@ fn finish(
         drift: drift.sqrt(),
         chi_squared,
         p_value: ChiSquared::new(freedom).map_or(f64::NAN, |law| law.sf(chi_squared)),
-        studentised: scaled.map(|one| studentised(one, freedom)).collect(),
+        studentised: scaled.map(|one| studentised(one, whole, freedom)).collect(),
         misfits_m_s2: linear.misfits.iter().copied().collect(),
         freedom: freedom - 1.0,
     })
 }
 
-/// A misfit over its deviation, by the deviation of the others: in units of what it is itself, one that is
-/// as large as all together would never stand out.
-fn studentised(scaled: f64, freedom: f64) -> f64 {
-    let left = (freedom - scaled * scaled).max(1e-3);
+/// A misfit over its deviation, by what is left of the sum of all weighted squares (`whole`) without it: in
+/// units of the covariance as it was found, which it has enlarged, one that is wrong would never stand out.
+fn studentised(scaled: f64, whole: f64, freedom: f64) -> f64 {
+    let left = (whole - scaled * scaled).max(f64::MIN_POSITIVE);
     scaled * ((freedom - 1.0) / left).sqrt()
 }
 
