@@ -92,20 +92,25 @@ impl<P: Platform> Instrument<P> {
             // would cost their words.
             Request::ReadRegisters if streaming => Ok(Answer::Registers(self.registers)),
             Request::ReadRegisters => self.read_registers().map(Answer::Registers),
-            Request::SelectRange(range) => {
-                self.platform.select_range(range);
-                self.board.range = range;
-                Ok(Answer::Done)
-            }
-            Request::ReadSensorCalibration(range) => {
-                let kept = Kept::load(self.platform.sectors());
-                Ok(Answer::SensorCalibration(kept.calibration(range)))
-            }
+            Request::SelectRange(range) => Ok(self.select(range)),
+            Request::ReadSensorCalibration(range) => Ok(self.kept(range)),
             Request::WriteSensorCalibration(found) if !found.is_sound() => Err(Refusal::Unsound),
             Request::WriteSensorCalibration(found) => self.keep(found.range, Some(found)),
             Request::EraseSensorCalibration(range) => self.keep(range, None),
         };
         self.outbox.reply(Reply { id, result });
+    }
+
+    fn select(&mut self, range: SensorRange) -> Answer {
+        self.platform.select_range(range);
+        self.board.range = range;
+        Answer::Done
+    }
+
+    #[inline(never)]
+    fn kept(&mut self, range: SensorRange) -> Answer {
+        let kept = Kept::load(self.platform.sectors());
+        Answer::SensorCalibration(kept.calibration(range))
     }
 
     /// Keeps a calibration, or none any more. The only thing that stops the board while it is

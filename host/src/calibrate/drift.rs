@@ -8,7 +8,7 @@
 use nalgebra::{DMatrix, SVector};
 
 use super::Position;
-use super::magnitude::{Linear, Solved};
+use super::weighted::{Linear, Solved};
 
 /// Strengths looked through, (m/s^2)^2 per second: from one that no session shows to one that would be
 /// 10 mg after a minute.

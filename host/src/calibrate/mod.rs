@@ -19,6 +19,7 @@ mod drift;
 mod found;
 mod magnitude;
 mod stretch;
+mod weighted;
 
 pub use doubt::{Doubt, alike_deg, doubts};
 pub use found::{Circumstances, FRAME, Found};

@@ -3,10 +3,12 @@
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Command, Output, Stdio};
 
+use inm_emulator::Phase;
+use inm_emulator::response::Response;
 use inm_emulator::sensor::Coefficients;
 use inm_host::internals::calibrate::PARAMETERS;
 use inm_host::internals::virtual_board::{Hand, Truth, Turned, VirtualConnect};
-use inm_protocol::SensorCalibration;
+use inm_protocol::{SensorCalibration, Settings};
 use serde_json::Value;
 
 /// Sensors whose zeros stay: between the last position and the look at the truth a board that runs as fast
@@ -84,6 +86,17 @@ pub fn session(
 
 pub fn next(hand: &mut Hand) {
     assert!(hand.turn(), "another position");
+}
+
+/// The truth as words have it: the converter's filter passes 1.00003 of a steady input, as the part's own
+/// coefficients do, and what is found is of the whole channel.
+pub fn behind_the_filter(truth: [f64; PARAMETERS]) -> [f64; PARAMETERS] {
+    let gain = Response::new(Phase::Linear, Settings::default().rate.hz()).gain(0.0);
+    let mut at = 0;
+    truth.map(|value| {
+        at += 1;
+        if at <= 6 { value / gain } else { value * gain }
+    })
 }
 
 /// What was found and its half intervals.
