@@ -74,7 +74,7 @@ pub mod flash {
 }
 
 pub mod link {
-    pub use crate::link::{Client, Connect, LinkError, Patience, Port, SerialConnect};
+    pub use crate::link::{Client, Clock, Connect, LinkError, Patience, Port, SerialConnect};
 }
 
 pub mod model {

@@ -4,7 +4,7 @@ use inm_firmware::mma7331l::Scaling;
 use inm_protocol::{SensorCalibration, SensorRange};
 use serde::Serialize;
 
-use super::{Doubt, Fit, NAMES, PARAMETERS};
+use super::{Doubt, Fit, NAMES, PARAMETERS, Since};
 
 /// The frame of the result, in words.
 pub const FRAME: &str = "x along the sensitive axis of X, y in the plane of X and Y";
@@ -51,6 +51,8 @@ pub struct Found {
     pub p_value: f64,
     /// Positions that the others do not bear out, the worst first.
     pub doubts: Vec<Doubt>,
+    /// Against what the board kept for this range until now, if it did.
+    pub since: Option<Since>,
     /// Whether the board keeps it.
     pub stored: bool,
     /// As a board keeps it.
@@ -70,6 +72,8 @@ pub struct Circumstances {
     pub session_s: f64,
     /// Wall clock, seconds since 1970-01-01 UTC.
     pub unix_s: i64,
+    /// What the board kept for this range until now.
+    pub before: Option<SensorCalibration>,
 }
 
 impl Found {
@@ -81,6 +85,7 @@ impl Found {
             half_width: fit.half_widths[at],
             unit: if at < 6 { "1" } else { "m/s^2" },
         };
+        let record = record(fit, scaling, of);
         Self {
             range: of.range,
             frame: FRAME,
@@ -93,8 +98,9 @@ impl Found {
             chi_squared: fit.chi_squared,
             p_value: fit.p_value,
             doubts,
+            since: of.before.map(|old| Since::new(&old, &record, scaling)),
             stored: false,
-            record: record(fit, scaling, of),
+            record,
         }
     }
 }

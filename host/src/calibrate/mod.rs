@@ -14,6 +14,7 @@
 //! plane of X and Y. Nothing else is known of a frame, since gravity's magnitude is the same in all of
 //! them. Zeros are those at the end of the session, after which they are used.
 
+mod change;
 mod doubt;
 mod drift;
 mod found;
@@ -21,6 +22,7 @@ mod magnitude;
 mod stretch;
 mod weighted;
 
+pub use change::Since;
 pub use doubt::{Doubt, alike_deg, doubts};
 pub use found::{Circumstances, FRAME, Found};
 pub use magnitude::{Fit, Unfit, fit};

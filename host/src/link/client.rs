@@ -146,7 +146,7 @@ impl Client {
                     handed += part.len();
                     if let Some(reply) = arrived(part, id)? {
                         self.behind.splice(..0, buf[handed..len].iter().copied());
-                        return self.answer(request, reply);
+                        return Ok(self.answer(request, reply)?);
                     }
                 }
             }
@@ -165,24 +165,23 @@ impl Client {
         .into())
     }
 
-    fn answer<E: From<LinkError>>(&self, request: Request, reply: Reply) -> Result<Answer, E> {
-        reply.result.map_err(|refusal| {
-            LinkError::Refused {
-                port: self.name.clone(),
-                request: Box::new(request),
-                refusal,
-            }
-            .into()
+    /// What a reply to a request says; a refusal is an error.
+    pub(crate) fn answer(&self, request: Request, reply: Reply) -> Result<Answer, LinkError> {
+        reply.result.map_err(|refusal| LinkError::Refused {
+            port: self.name.clone(),
+            request: Box::new(request),
+            refusal,
         })
     }
 
-    /// Sends a request whose answer the caller finds among what arrives.
+    /// Sends a request whose answer the caller finds among what arrives, by the number returned.
     ///
     /// # Errors
     /// [`LinkError::Gone`] if the port went away.
-    pub fn tell(&mut self, request: Request) -> Result<(), LinkError> {
+    pub fn tell(&mut self, request: Request) -> Result<u16, LinkError> {
         let id = self.number();
-        self.send(id, request)
+        self.send(id, request)?;
+        Ok(id)
     }
 
     /// Number of the next command; never 0, which stands for a stream of no number.

@@ -6,6 +6,7 @@ mod pty;
 
 mod bench;
 mod program;
+mod told;
 
 use inm_emulator::Signal;
 use inm_emulator::filter::DECIMATION;

@@ -200,6 +200,34 @@ fn what_was_kept_stays_where_a_session_is_given_up() {
     assert_eq!(show(&board.port, "4"), kept, "seed {SEED}");
 }
 
+#[test]
+fn a_second_session_tells_what_became_of_the_first() {
+    const SEED: u64 = 16;
+    let Bench { block, connect, .. } = bench(SEED);
+    let board = PtyBoard::start(connect);
+    let options = ["--positions", "12"];
+    let [first, second] = [SEED, SEED + 1].map(|seed| {
+        let mut hand = block.hand(12, GRAVITY_M_S2, seed);
+        session(&board.port, &options, 0, |_| next(&mut hand))
+    });
+    assert!(first.0["since"].is_null(), "seed {SEED}: {:#}", first.0);
+    let since = &second.0["since"];
+    assert_eq!(since["unix_s"], first.0["record"]["unix_s"], "seed {SEED}");
+    let [was, is] = [&first.0, &second.0].map(parameters);
+    for (at, (was, is)) in was.into_iter().zip(is).enumerate() {
+        let change = &since["changes"][at];
+        let number = |key: &str| change[key].as_f64().expect("a number");
+        // What is kept is rounded to 1e-16 m/s^2 per count and to counts, some 1e-8 each.
+        let difference = is[0] - was[0];
+        assert!(
+            (number("difference") - difference).abs() < 1e-7,
+            "seed {SEED}: {change}, {difference}"
+        );
+        // The sensors are the same: one parameter of nine is beyond five deviations once in 190 000 sessions.
+        assert!(number("deviations").abs() < 5.0, "seed {SEED}: {change}");
+    }
+}
+
 /// As it is shown to who has no board.
 #[test]
 fn the_virtual_board_calibrates_itself() {
@@ -224,28 +252,4 @@ fn the_virtual_board_calibrates_itself() {
             "seed 3, parameter {at}: {off} half intervals"
         );
     }
-}
-
-#[test]
-fn help_and_refusals_say_what_is_meant() {
-    let help = inm(&["calibrate", "--help"]);
-    let mut transcript = text(&help.stdout);
-    for arguments in [
-        &["--positions", "11"][..],
-        &["--seconds", "1"],
-        &["--gravity", "1"],
-        &["--range", "8"],
-        &["--show", "--erase"],
-        &["--port", "/dev/ttyNOPE"],
-    ] {
-        let mut command = vec!["calibrate"];
-        if !arguments.contains(&"--port") {
-            command.extend(["--port", "virtual"]);
-        }
-        command.extend(arguments);
-        let output = inm(&command);
-        assert_eq!(output.status.code(), Some(2), "{command:?}");
-        transcript += &format!("\n$ inm {}\n{}", command.join(" "), text(&output.stderr));
-    }
-    insta::assert_snapshot!(transcript);
 }

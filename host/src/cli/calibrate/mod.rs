@@ -103,6 +103,7 @@ impl CalibrateCommand {
         let health = board.session.health(crate::inspect::info::NEXT_HEALTH);
         let health = health.map_err(SourceError::from)?;
         let identity: Identity = board.identity.clone();
+        let before = kept(board, self.range)?.calibration;
         let begun = Readings::begin(
             &mut board.session,
             board.port.clone(),
@@ -125,6 +126,7 @@ impl CalibrateCommand {
             centi_celsius: health.and_then(|(_, health)| health.mcu_centi_celsius),
             session_s: end_s,
             unix_s: Timestamp::now().as_second(),
+            before,
         };
         Ok(Found::new(&fit, doubts(&fit), readings.scaling(), of))
     }

@@ -6,7 +6,7 @@ use inm_protocol::{SensorCalibration, SensorRange};
 use jiff::Timestamp;
 
 use super::Kept;
-use crate::calibrate::{FRAME, Found};
+use crate::calibrate::{FRAME, Found, Since};
 
 /// A range in words.
 fn range(range: SensorRange) -> &'static str {
@@ -44,6 +44,9 @@ pub(super) fn found(found: &Found) -> String {
          zeros wander by {:.1e} m/s^2 in a second.",
         found.chi_squared, found.p_value, found.drift_m_s2_per_root_s
     );
+    if let Some(before) = &found.since {
+        text += &since(before);
+    }
     for doubt in &found.doubts {
         let _ = writeln!(
             text,
@@ -59,6 +62,27 @@ pub(super) fn found(found: &Found) -> String {
     text
 }
 
+/// What became of the parameters.
+fn since(since: &Since) -> String {
+    let celsius = since.mcu_celsius.map_or_else(String::new, |celsius| {
+        format!(", microcontroller {celsius:.2} degC")
+    });
+    let mut text = format!(
+        "\nagainst the one of {} that the board keeps, gravity {} m/s^2{celsius}; sd: standard deviations of both\n",
+        moment(since.unix_s),
+        since.gravity_m_s2
+    );
+    for change in &since.changes {
+        let _ = writeln!(
+            text,
+            "{:<8}{:>+13.6} {:<6}{:>+8.1} sd",
+            change.name, change.difference, change.unit, change.deviations
+        );
+    }
+    text.push('\n');
+    text
+}
+
 /// What a board keeps.
 pub(super) fn kept(kept: &Kept) -> String {
     let of = format!("board {}, range {}", kept.serial, range(kept.range));
@@ -69,8 +93,7 @@ pub(super) fn kept(kept: &Kept) -> String {
 }
 
 fn record(record: &SensorCalibration) -> String {
-    let when = Timestamp::from_second(record.unix_s)
-        .map_or_else(|_| "at an unknown time".to_owned(), |time| time.to_string());
+    let when = moment(record.unix_s);
     let celsius = record.centi_celsius.map_or_else(String::new, |centi| {
         format!(", microcontroller {:.2} degC", f64::from(centi) / 100.0)
     });
@@ -98,4 +121,10 @@ fn record(record: &SensorCalibration) -> String {
         let _ = writeln!(text, "zero {name}  {zero:>14} sd {deviation} counts");
     }
     text
+}
+
+/// A time of the wall clock.
+fn moment(unix_s: i64) -> String {
+    Timestamp::from_second(unix_s)
+        .map_or_else(|_| "an unknown time".to_owned(), |time| time.to_string())
 }
