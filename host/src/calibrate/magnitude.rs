@@ -2,12 +2,13 @@
 //!
 //! Gauss and Newton's steps with the covariance of the magnitudes as weights. That has two parts: the
 //! noise that each stretch shows, and the wander of the zeros between the positions, which no stretch
-//! shows, of a strength that the magnitudes themselves tell ([`super::drift`]).
+//! shows ([`super::drift`]), of a strength over which is averaged ([`super::average`]).
 
 use nalgebra::{DMatrix, SVector};
-use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use super::drift::{Drift, strength};
+use super::average::Average;
+use super::drift::{Drift, published_walk};
 use super::weighted::{Solved, linear};
 use super::{FEWEST, PARAMETERS, Position};
 
@@ -21,9 +22,6 @@ const SMALL: f64 = 1e-11;
 /// the positions are too much alike. Twelve well spread ones have some 0.2, positions about one axis none.
 const SPREAD: f64 = 0.02;
 
-/// What the intervals hold.
-const LEVEL: f64 = 0.95;
-
 /// What was found.
 #[derive(Debug, Clone)]
 pub struct Fit {
@@ -31,7 +29,7 @@ pub struct Fit {
     pub values: [f64; PARAMETERS],
     /// Half the 95 % interval of each.
     pub half_widths: [f64; PARAMETERS],
-    /// Wander of the zeros, m/s^2 per root second; 0 where the stretches' own noise explains all.
+    /// Wander of the zeros, m/s^2 per root second.
     pub drift: f64,
     /// Sum of the squared misfits by the stretches' own noise alone, and the chance of a larger one if
     /// nothing wandered.
@@ -69,8 +67,8 @@ pub enum Unfit {
     NoFit,
 }
 
-/// Fits the parameters to positions, `gravity_m_s2` being what each should have; the session ends at
-/// `end_s` on the clock of the positions.
+/// Fits the parameters to positions, `gravity_m_s2` being what each should have; zeros are means about
+/// `end_s` on the clock of the positions, over as long as one of these.
 ///
 /// # Errors
 /// [`Unfit`].
@@ -84,23 +82,18 @@ pub fn fit(positions: &[Position], gravity_m_s2: f64, end_s: f64) -> Result<Fit,
     for diagonal in [0, 2, 5] {
         values[diagonal] = 1.0;
     }
-    let mut drift = 0.0;
-    for step in 0..MOST_STEPS {
+    for _ in 0..MOST_STEPS {
         let linear = linear(positions, &values, gravity_m_s2);
         spread(&linear.slopes)?;
         let noise = Drift::new(positions, &linear.directions, end_s);
-        // Far from the answer the misfits are no noise.
-        if step > 2 {
-            drift = strength(&noise, &linear);
-        }
-        let solved = Solved::new(&noise.covariance(drift), &linear.slopes).ok_or(Unfit::NoFit)?;
-        let change = solved.step(&linear.misfits);
-        values += &change;
+        let average = Average::new(&noise, &linear).ok_or(Unfit::NoFit)?;
+        let change = average.step();
+        values += change;
         if !values.iter().all(|value| value.is_finite()) {
             return Err(Unfit::NoFit);
         }
-        if step > 3 && change.amax() < SMALL * (1.0 + values.amax()) {
-            return finish(positions, values, drift, gravity_m_s2, end_s);
+        if change.amax() < SMALL * (1.0 + values.amax()) {
+            return finish(positions, values, gravity_m_s2, end_s);
         }
     }
     Err(Unfit::NoFit)
@@ -124,7 +117,6 @@ fn spread(slopes: &DMatrix<f64>) -> Result<(), Unfit> {
 fn finish(
     positions: &[Position],
     values: SVector<f64, PARAMETERS>,
-    drift: f64,
     gravity_m_s2: f64,
     end_s: f64,
 ) -> Result<Fit, Unfit> {
@@ -133,29 +125,19 @@ fn finish(
     }
     let linear = linear(positions, &values, gravity_m_s2);
     let noise = Drift::new(positions, &linear.directions, end_s);
-    let solved = Solved::new(&noise.covariance(drift), &linear.slopes).ok_or(Unfit::NoFit)?;
-    let projector = solved.projector();
-    // How well the strength of the drift is known (Fisher information of the restricted likelihood).
-    let moved = &projector * &noise.wander;
-    let information = 0.5 * (&moved * &moved).trace();
-    let grows = solved.grows_with(&noise.wander);
-    let half_widths = std::array::from_fn(|at| {
-        let variance = solved.covariance[(at, at)];
-        let spread = grows[(at, at)].powi(2) / information;
-        // Satterthwaite: the freedom of a variance that is known so well.
-        let freedom = (2.0 * variance * variance / spread).clamp(1.0, 1e6);
-        quantile(freedom) * variance.sqrt()
-    });
+    let average = Average::new(&noise, &linear).ok_or(Unfit::NoFit)?;
+    let likeliest = average.likeliest().ok_or(Unfit::NoFit)?;
+    let projector = likeliest.projector();
     let freedom = (positions.len() - PARAMETERS) as f64;
-    let alone = Solved::new(&noise.own, &linear.slopes).ok_or(Unfit::NoFit)?;
+    let alone = Solved::new(noise.own(), &linear.slopes).ok_or(Unfit::NoFit)?;
     let chi_squared = (linear.misfits.transpose() * alone.projector() * &linear.misfits)[(0, 0)];
     let weighted = &projector * &linear.misfits;
     let whole = linear.misfits.dot(&weighted);
     let scaled = (0..positions.len()).map(|at| weighted[at] / projector[(at, at)].sqrt());
     Ok(Fit {
         values: values.into(),
-        half_widths,
-        drift: drift.sqrt(),
+        half_widths: std::array::from_fn(|at| average.half_width(at)),
+        drift: average.times() * published_walk(),
         chi_squared,
         p_value: ChiSquared::new(freedom).map_or(f64::NAN, |law| law.sf(chi_squared)),
         studentised: scaled.map(|one| studentised(one, whole, freedom)).collect(),
@@ -169,10 +151,4 @@ fn finish(
 fn studentised(scaled: f64, whole: f64, freedom: f64) -> f64 {
     let left = (whole - scaled * scaled).max(f64::MIN_POSITIVE);
     scaled * ((freedom - 1.0) / left).sqrt()
-}
-
-/// Half the interval over the deviation.
-fn quantile(freedom: f64) -> f64 {
-    StudentsT::new(0.0, 1.0, freedom)
-        .map_or(f64::INFINITY, |law| law.inverse_cdf(0.5 + 0.5 * LEVEL))
 }

@@ -6,14 +6,15 @@
 //!                                                          v
 //!   gravity ------------------------------------> magnitude: weighted fit of nine parameters
 //!                                                          |   ^
-//!                                                          v   | drift: how far zeros wander meanwhile
+//!                                                          v   | drift, average: how far zeros wander meanwhile
 //!                                    doubt: a position that fits no others; too few different ones
 //! ```
 //!
 //! `acceleration = M (reading - zero)`, `M` lower triangular: x is the sensitive axis of X, y lies in the
 //! plane of X and Y. Nothing else is known of a frame, since gravity's magnitude is the same in all of
-//! them. Zeros are those at the end of the session, after which they are used.
+//! them. Zeros are means over as long as a stretch, at the end of the session, after which they are used.
 
+mod average;
 mod change;
 mod doubt;
 mod drift;

@@ -59,11 +59,11 @@ fn matrix(values: &SVector<f64, PARAMETERS>) -> SMatrix<f64, 3, 3> {
 
 /// A weighted least-squares problem, solved.
 pub(super) struct Solved {
-    pub inverse: DMatrix<f64>,
-    pub log_determinant: f64,
+    inverse: DMatrix<f64>,
+    log_determinant: f64,
     /// Of the parameters.
     pub covariance: DMatrix<f64>,
-    pub log_information: f64,
+    log_information: f64,
     /// Slopes times the inverse.
     weighted: DMatrix<f64>,
 }
@@ -95,10 +95,12 @@ impl Solved {
         &self.inverse - self.weighted.transpose() * &self.covariance * &self.weighted
     }
 
-    /// How the covariance of the parameters grows with a part of that of the magnitudes.
-    pub(super) fn grows_with(&self, part: &DMatrix<f64>) -> DMatrix<f64> {
-        let gain = &self.covariance * &self.weighted;
-        &gain * part * gain.transpose()
+    /// Restricted likelihood of the misfits by this covariance, in the logarithm, but for a constant.
+    pub(super) fn log_likelihood(&self, misfits: &DVector<f64>) -> f64 {
+        let weighted = &self.weighted * misfits;
+        let explained = weighted.dot(&(&self.covariance * &weighted));
+        let left = misfits.dot(&(&self.inverse * misfits)) - explained;
+        -0.5 * (self.log_determinant + self.log_information + left)
     }
 }
 

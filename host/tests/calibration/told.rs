@@ -49,6 +49,7 @@ fn a_result_is_told_as_text_and_as_json() {
         std::fs::remove_file(file).expect("its own");
     }
     let mut steady = insta::Settings::clone_current();
-    steady.add_filter(r" *-?\b\d+(\.\d+)?(e-?\d+)?\b", " [n]");
+    steady.add_filter(" +", " ");
+    steady.add_filter(r"([^\^\w.-])[-+]?\d+(\.\d+)?(e-?\d+)?\b", "$1[n]");
     steady.bind(|| insta::assert_snapshot!(transcript));
 }

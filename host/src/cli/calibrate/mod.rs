@@ -119,7 +119,8 @@ impl CalibrateCommand {
         );
         let positions = self.read(&mut readings, &mut guide)?;
         let end_s = readings.end_s();
-        let fit = fit(&positions, self.gravity, end_s)?;
+        // The zeros of the seconds behind the last position, as many as one takes.
+        let fit = fit(&positions, self.gravity, end_s + 0.5 * self.seconds)?;
         let of = Circumstances {
             range: self.range,
             gravity_m_s2: self.gravity,
