@@ -14,7 +14,7 @@ use inm_protocol::{SensorCalibration, SensorRange};
 use serde_json::Value;
 
 use crate::bench::{
-    Bench, STEADY, behind_the_filter, bench, inm, next, parameters, session, show, text,
+    Bench, STEADY, behind_the_filter, bench, inm, next, parameters, session, show, sound, text,
 };
 use crate::pty::PtyBoard;
 
@@ -31,10 +31,9 @@ fn both_ranges_are_found_kept_and_used_by_every_record() {
     } = bench(SEED);
     for (name, range) in [("12", SensorRange::G12), ("4", SensorRange::G4)] {
         let board = PtyBoard::start(connect.clone());
-        let mut hand = block.hand(14, GRAVITY_M_S2, SEED);
         let options = ["--range", name, "--positions", "14"];
-        let (found, words) = session(&board.port, &options, 0, |_| next(&mut hand));
-        assert_eq!(found["stored"], true, "seed {SEED}: {words}");
+        let hand = || block.hand(14, GRAVITY_M_S2, SEED);
+        let (found, _) = sound(&board.port, &options, hand);
         let expected = behind_the_filter(truth.parameters(range));
         for (at, [value, half_width]) in parameters(&found).into_iter().enumerate() {
             let off = (value - expected[at]).abs() / half_width;
@@ -113,7 +112,7 @@ fn a_position_that_is_wrong_is_named_and_nothing_is_kept() {
     let Bench { block, connect, .. } = bench(SEED);
     let board = PtyBoard::start(connect);
     let mut hand = block.hand(18, GRAVITY_M_S2, SEED);
-    let (found, words) = session(&board.port, &[], 1, |number| {
+    let (found, words) = session(&board.port, &[], &[1], |number| {
         next(&mut hand);
         if number == WRONG {
             // Something pulls: half a thousandth of gravity, some fifty deviations.
@@ -136,7 +135,7 @@ fn a_position_that_was_there_already_is_asked_for_again() {
     let mut hand = block.hand(12, GRAVITY_M_S2, SEED);
     let options = ["--positions", "12", "--dry-run"];
     let mut prompts = 0;
-    let (found, words) = session(&board.port, &options, 0, |number| {
+    let (found, words) = session(&board.port, &options, &[0, 1], |number| {
         prompts = number;
         // The third time the block stays where it is.
         if number != 3 {
@@ -186,8 +185,8 @@ fn what_was_kept_stays_where_a_session_is_given_up() {
     const SEED: u64 = 15;
     let Bench { block, connect, .. } = bench(SEED);
     let board = PtyBoard::start(connect);
-    let mut hand = block.hand(12, GRAVITY_M_S2, SEED);
-    session(&board.port, &["--positions", "12"], 0, |_| next(&mut hand));
+    let hand = || block.hand(12, GRAVITY_M_S2, SEED);
+    sound(&board.port, &["--positions", "12"], hand);
     let kept = show(&board.port, "4");
     assert!(kept.is_some(), "seed {SEED}");
     let given_up = inm(&["calibrate", "--port", &board.port]);
@@ -206,10 +205,8 @@ fn a_second_session_tells_what_became_of_the_first() {
     let Bench { block, connect, .. } = bench(SEED);
     let board = PtyBoard::start(connect);
     let options = ["--positions", "12"];
-    let [first, second] = [SEED, SEED + 1].map(|seed| {
-        let mut hand = block.hand(12, GRAVITY_M_S2, seed);
-        session(&board.port, &options, 0, |_| next(&mut hand))
-    });
+    let [first, second] = [SEED, SEED + 1]
+        .map(|seed| sound(&board.port, &options, || block.hand(12, GRAVITY_M_S2, seed)));
     assert!(first.0["since"].is_null(), "seed {SEED}: {:#}", first.0);
     let since = &second.0["since"];
     assert_eq!(since["unix_s"], first.0["record"]["unix_s"], "seed {SEED}");
