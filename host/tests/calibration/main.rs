@@ -163,7 +163,7 @@ fn intervals_hold_the_truth_of_wandering_zeros() {
 /// The study: `cargo test -p inm-host --test calibration -- --ignored --nocapture`. Last, sensors that wander in other
 /// proportions than the published ones: X as the quiet Y, and Y as X.
 #[test]
-#[ignore = "a study: an hour of processor time"]
+#[ignore = "a study: a quarter of an hour of processor time"]
 fn coverage_of_two_thousand_sessions() {
     let published = Coefficients::PUBLISHED;
     let [x, y, z] = published;
