@@ -100,6 +100,12 @@ impl Channel {
         self.outside = acceleration;
     }
 
+    /// How far the zero has wandered since the channel was built, ramp and walk together: in 2^-32 steps
+    /// of the code. For who calibrates, the truth of this moment.
+    pub fn wandered(&self) -> i64 {
+        self.ramp.saturating_add(self.walk)
+    }
+
     /// The slow terms of the next conversion.
     fn step_slow(&mut self) {
         self.left = DECIMATION;

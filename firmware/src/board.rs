@@ -29,8 +29,8 @@ use ads1281::{Ads1281, DataReady};
 use cortex_m::peripheral::NVIC;
 use embedded_hal::digital::{ErrorType, InputPin};
 use inm_firmware::proof::ProofBins;
-use inm_protocol::AXES;
-use stm32f4xx_hal::gpio::{Edge, ErasedPin, ExtiPin, GpioExt, Input, Output, PB0, PB10};
+use inm_protocol::{AXES, SensorRange};
+use stm32f4xx_hal::gpio::{Edge, ErasedPin, ExtiPin, GpioExt, Input, Output, PB0, PB1, PB10};
 use stm32f4xx_hal::pac::{self, EXTI, Interrupt, interrupt};
 use stm32f4xx_hal::prelude::_fugit_RateExtU32 as _;
 use stm32f4xx_hal::signature::Uid;
@@ -38,6 +38,7 @@ use stm32f4xx_hal::spi::{Mode, Phase, Polarity, Spi};
 use stm32f4xx_hal::syscfg::SysCfgExt;
 
 use crate::image::clock;
+use crate::image::flash::Flash;
 use crate::image::machine::{Machine, Sensors};
 use crate::image::{SPI_HZ, describe, once, restart, stamps, start_link, start_watchdog};
 use analog::Analog;
@@ -62,6 +63,7 @@ static TRIGGER: AtomicUsize = AtomicUsize::new(0);
 /// The accelerometers and what measures around them.
 pub struct Attached {
     self_test: PB10<Output>,
+    range: PB1<Output>,
     analog: Analog,
 }
 
@@ -158,10 +160,15 @@ pub fn start(bins: &'static mut ProofBins) -> (Machine<Attached>, [Axis; 3], PB0
 
     let machine = Machine {
         board: describe(serial_number(), timer_hz, reason),
-        sensors: Attached { self_test, analog },
+        sensors: Attached {
+            self_test,
+            range,
+            analog,
+        },
         link,
         bins,
         watchdog,
+        flash: Flash::new(chip.FLASH),
     };
     let [drdy_x, drdy_y, drdy_z] = drdy;
     let axes = [
@@ -258,6 +265,11 @@ impl Sensors for Attached {
 
     fn self_test(&mut self, on: bool) {
         self.self_test.set_state(on.into());
+    }
+
+    fn select_range(&mut self, range: SensorRange) {
+        let coarse = range == SensorRange::G12;
+        self.range.set_state(coarse.into());
     }
 }
 

@@ -20,11 +20,13 @@ use inm_emulator::{Bench, Converter, Delay, Signal, Spi, SyncPin};
 use inm_firmware::emulated::{self, Latched};
 use inm_firmware::platform::LONGEST_SLEEP_US;
 use inm_firmware::proof::ProofBins;
+use inm_protocol::SensorRange;
 use stm32f4xx_hal::gpio::GpioExt;
 use stm32f4xx_hal::pac::{self, Interrupt, TIM3, interrupt};
 use stm32f4xx_hal::rcc::{Enable, RccExt};
 
 use crate::image::clock;
+use crate::image::flash::Flash;
 use crate::image::handover::Handover;
 use crate::image::machine::{Machine, Sensors};
 use crate::image::{describe, once, restart, stack, stamps, start_link, start_watchdog};
@@ -133,6 +135,7 @@ pub fn start(
         link,
         bins,
         watchdog,
+        flash: Flash::new(chip.FLASH),
     };
     let axes = [0, 1, 2].map(|axis| emulated::converter(bench, axis));
     (machine, axes, bench.sync())
@@ -214,4 +217,7 @@ impl Sensors for Emulated {
 
     /// The emulated accelerometers have no self-test.
     fn self_test(&mut self, _on: bool) {}
+
+    /// Nor a second range.
+    fn select_range(&mut self, _range: SensorRange) {}
 }

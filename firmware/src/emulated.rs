@@ -9,6 +9,7 @@
 //! The host's virtual board and the tests stand on this file; the code above it is that of the
 //! real board.
 
+mod flash;
 mod link;
 
 use core::convert::Infallible;
@@ -20,10 +21,12 @@ use inm_emulator::{Bench, Delay, Drdy, Signal, Spi, SyncPin};
 use inm_protocol::{AXES, Restart, SensorRange};
 
 use crate::acquire::Converter;
+use crate::keep::Sectors;
 use crate::platform::Stack;
 use crate::proof::ProofBins;
 use crate::{Board, Instrument, Platform};
 
+pub use flash::VirtualFlash;
 pub use link::VirtualLink;
 
 /// Ticks of the virtual board's timer in a second.
@@ -102,6 +105,9 @@ pub trait Environment {
     /// Drives the accelerometers' self-test pin.
     fn self_test(&mut self, _on: bool) {}
 
+    /// Drives the accelerometers' g-Select pin.
+    fn select_range(&mut self, _range: SensorRange) {}
+
     /// Stack of the program.
     fn stack(&self) -> Stack {
         Stack::default()
@@ -125,6 +131,7 @@ pub struct VirtualBoard<'b, S, E> {
     /// Latest edge that was stamped, picoseconds.
     stamped_ps: Option<u64>,
     bins: ProofBins,
+    flash: VirtualFlash,
 }
 
 impl<'b, S: Signal, E: Environment> VirtualBoard<'b, S, E> {
@@ -141,6 +148,7 @@ impl<'b, S: Signal, E: Environment> VirtualBoard<'b, S, E> {
             trigger: 0,
             stamped_ps: None,
             bins: ProofBins::new(),
+            flash: VirtualFlash::default(),
         }
     }
 
@@ -159,6 +167,11 @@ impl<'b, S: Signal, E: Environment> VirtualBoard<'b, S, E> {
     /// The environment.
     pub fn environment(&self) -> &E {
         &self.environment
+    }
+
+    /// What is kept while the board is off.
+    pub fn flash_mut(&mut self) -> &mut VirtualFlash {
+        &mut self.flash
     }
 
     /// The environment, to drive it from outside.
@@ -243,6 +256,14 @@ impl<'b, S: Signal, E: Environment> Platform for VirtualBoard<'b, S, E> {
 
     fn self_test(&mut self, on: bool) {
         self.environment.self_test(on);
+    }
+
+    fn select_range(&mut self, range: SensorRange) {
+        self.environment.select_range(range);
+    }
+
+    fn sectors(&mut self) -> &mut dyn Sectors {
+        &mut self.flash
     }
 
     fn stack(&self) -> Stack {

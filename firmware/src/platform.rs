@@ -11,6 +11,7 @@ use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::SpiBus;
 use inm_protocol::{Restart, SensorRange};
 
+use crate::keep::Sectors;
 use crate::proof::ProofBins;
 
 /// Longest sleep between two steps, microseconds: a deadline alone wakes nobody. As long as the
@@ -32,7 +33,7 @@ pub trait Platform {
     /// Blocking delay, exact to a microsecond or so upwards.
     type Delay: DelayNs;
 
-    /// What the board is; constant from start to restart.
+    /// What the board is; constant from start to restart, and its range as it was at the start.
     fn board(&self) -> Board;
 
     /// Free-running timer, ticks of [`Board::timer_hz`] since some moment before the start.
@@ -78,6 +79,13 @@ pub trait Platform {
 
     /// Drives the accelerometers' self-test pin.
     fn self_test(&mut self, on: bool);
+
+    /// Drives the accelerometers' g-Select pin.
+    fn select_range(&mut self, range: SensorRange);
+
+    /// The flash for what is kept while the board is off. To erase it may take seconds, in which
+    /// nothing else happens and the watchdog has to wait.
+    fn sectors(&mut self) -> &mut dyn Sectors;
 
     /// Stack of the program; zeros where it is not measured.
     fn stack(&self) -> Stack {
@@ -134,7 +142,7 @@ pub struct Board {
     pub spi_hz: u32,
     /// Speed of the link, bit/s; ten bits make a byte.
     pub baud: u32,
-    /// Range of the accelerometers.
+    /// Range of the accelerometers at the start.
     pub range: SensorRange,
     /// Reference voltage of the converters, microvolts.
     pub reference_uv: u32,

@@ -21,6 +21,13 @@ pub mod bins {
     }
 }
 
+pub mod calibrate {
+    pub use crate::calibrate::{
+        BLOCK_S, Doubt, FEWEST, Fit, NAMES, PARAMETERS, Position, Stretch, Unfit, Unsteady,
+        alike_deg, doubts, fit,
+    };
+}
+
 pub mod capture {
     pub use crate::capture::{
         CaptureError, ClockSource, Durable, Header, Reader, RegistersOf, SYNC_PERIOD, Writer,
@@ -32,6 +39,11 @@ pub mod export {
     pub mod input {
         pub use crate::export::input::Input;
     }
+}
+
+pub mod inspect {
+    pub use crate::inspect::Session;
+    pub use crate::inspect::gravity::Readings;
 }
 
 pub mod fit {
@@ -62,7 +74,7 @@ pub mod flash {
 }
 
 pub mod link {
-    pub use crate::link::{Client, Connect, LinkError, Patience, Port, SerialConnect};
+    pub use crate::link::{Client, Clock, Connect, LinkError, Patience, Port, SerialConnect};
 }
 
 pub mod model {
@@ -139,5 +151,6 @@ pub mod spectrum {
 }
 
 pub mod virtual_board {
+    pub use crate::virtual_board::turned::{Hand, Truth, Turned};
     pub use crate::virtual_board::{AxisWitness, Misfortune, VirtualConnect, Witness};
 }

@@ -15,6 +15,7 @@
 
 mod analyse;
 mod bins;
+mod calibrate;
 mod capture;
 mod chain;
 mod cli;

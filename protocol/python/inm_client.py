@@ -51,6 +51,10 @@ TYPES = {
         ("ReadRegisters", None),
         ("Reset", None),
         ("RestartBins", None),
+        ("SelectRange", "SensorRange"),
+        ("ReadSensorCalibration", "SensorRange"),
+        ("WriteSensorCalibration", "SensorCalibration"),
+        ("EraseSensorCalibration", "SensorRange"),
     ]),
     "Settings": ("struct", [("rate", "Rate"), ("filter", "Filter")]),
     "Rate": ("enum", [
@@ -69,6 +73,11 @@ TYPES = {
         ("Linear", None),
         ("Minimum", None),
     ]),
+    "SensorRange": ("enum", [
+        ("G4", None),
+        ("G12", None),
+    ]),
+    "SensorCalibration": ("struct", [("range", "SensorRange"), ("unix_s", "i64"), ("centi_celsius", ("option", "i16")), ("gravity_um_s2", "u32"), ("positions", "u16"), ("rows", ("array", 6, "i32")), ("row_deviations", ("array", 6, "u32")), ("zero", ("array", 3, "i32")), ("zero_deviations", ("array", 3, "u32"))]),
     "ToHost": ("enum", [
         ("Samples", "Batch"),
         ("Health", "Health"),
@@ -97,12 +106,9 @@ TYPES = {
         ("Calibration", ("array", 3, "i32")),
         ("SelfTest", ("array", 3, "SelfTestStep")),
         ("BinsEpoch", [("index", "u64")]),
+        ("SensorCalibration", ("option", "SensorCalibration")),
     ]),
     "Identity": ("struct", [("serial", ("array", 3, "u32")), ("firmware", "text"), ("platform", "text"), ("timer_hz", "u32"), ("converter_clock_hz", "u32"), ("baud", "u32"), ("range", "SensorRange"), ("reference_uv", "u32"), ("sensor_supply_uv", "u32"), ("converters", ("array", 3, ("option", "u8"))), ("settings", "Settings"), ("restart", "Restart")]),
-    "SensorRange": ("enum", [
-        ("G4", None),
-        ("G12", None),
-    ]),
     "Restart": ("enum", [
         ("Power", None),
         ("Command", None),
@@ -119,6 +125,8 @@ TYPES = {
         ("LinkTooSlow", [("needed", "u32"), ("available", "u32")]),
         ("BusTooSlow", [("asked", "u32"), ("readable", "u32")]),
         ("Converter", [("axis", "u8"), ("trouble", "Trouble")]),
+        ("Unsound", None),
+        ("NotKept", None),
     ]),
     "Trouble": ("enum", [
         ("Stalled", None),

@@ -3,7 +3,7 @@
 use heapless::{String, Vec};
 use serde::{Deserialize, Serialize};
 
-use crate::{AXES, REGISTERS, SensorRange, Settings, Trouble};
+use crate::{AXES, REGISTERS, SensorCalibration, SensorRange, Settings, Trouble};
 
 /// A request with the number by which its reply is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -44,6 +44,16 @@ pub enum Request {
     /// Begin the board's bins anew at a conversion to come, so that a host that has lost a
     /// batch can compare again. Answered by [`Answer::BinsEpoch`].
     RestartBins,
+    /// Switch the accelerometers to a range, until the board restarts. Refused while streaming.
+    SelectRange(SensorRange),
+    /// Tell the calibration of the accelerometers that is kept for a range. Answered by
+    /// [`Answer::SensorCalibration`], in any state.
+    ReadSensorCalibration(SensorRange),
+    /// Keep this calibration in place of that of its range. Refused while streaming; takes up to 5 s on
+    /// the board, which does nothing else meanwhile.
+    WriteSensorCalibration(SensorCalibration),
+    /// Keep no calibration of this range any more. As [`Self::WriteSensorCalibration`].
+    EraseSensorCalibration(SensorRange),
 }
 
 /// Answer to the [`Command`] with the same number.
@@ -76,6 +86,8 @@ pub enum Answer {
         /// since the bins of every stream begin with it.
         index: u64,
     },
+    /// To [`Request::ReadSensorCalibration`]: `None` where none is kept.
+    SensorCalibration(Option<SensorCalibration>),
 }
 
 /// Mean code of one axis with the self-test pin low and high.
@@ -115,6 +127,10 @@ pub enum Refusal {
         /// What happened.
         trouble: Trouble,
     },
+    /// What was to be kept is no calibration: a scale or gravity is not above zero.
+    Unsound,
+    /// The memory for what is kept could not be erased or written. What was kept before, is.
+    NotKept,
 }
 
 /// Who the board is. The host asks before anything else.

@@ -13,6 +13,11 @@ type Tables = crc::Table<1>;
 /// CRC-32 of Ethernet and zlib (ISO-HDLC), over version byte and message.
 pub(crate) const CRC: crc::Crc<u32, Tables> = crc::Crc::<u32, Tables>::new(&crc::CRC_32_ISO_HDLC);
 
+/// CRC-32 of the frames, over these bytes: for what is kept as carefully as a frame is sent.
+pub fn crc32(bytes: &[u8]) -> u32 {
+    CRC.checksum(bytes)
+}
+
 /// Bytes of the CRC at the end of the payload.
 pub(crate) const CRC_LEN: usize = 4;
 

@@ -18,6 +18,7 @@
 #![forbid(unsafe_code)]
 
 mod budget;
+mod calibration;
 mod command;
 mod decoder;
 mod frame;
@@ -29,9 +30,10 @@ mod sample;
 mod settings;
 
 pub use budget::{Load, link_bytes_per_s, samples_load};
+pub use calibration::{SensorCalibration, TRIANGLE};
 pub use command::{Answer, Command, Identity, Refusal, Reply, Request, Restart, SelfTestStep};
 pub use decoder::{Counts, Decoder, Fault};
-pub use frame::{EncodeError, FRAME_END, MAX_FRAME, MAX_PAYLOAD, encode};
+pub use frame::{EncodeError, FRAME_END, MAX_FRAME, MAX_PAYLOAD, crc32, encode};
 pub use health::{AxisCounters, BinsMark, Health, LinkCounters};
 pub use hello::{HELLO, Hello};
 pub use message::{Event, MAX_MARK, Note, ToBoard, ToHost, Trouble, UNPROVEN_PERIODS};

@@ -1,9 +1,9 @@
 //! The bytes of WIRE.md. A change here is a new protocol version.
 
 use inm_protocol::{
-    Batch, BinsMark, Code, Command, Decoder, Event, Fault, Filter, Flag, Flags, HELLO, Health,
-    Hello, Identity, MAX_FRAME, Phase, Rate, Refusal, Reply, Request, Restart, SensorRange,
-    Settings, ToBoard, ToHost, Trouble, VERSION, encode,
+    Answer, Batch, BinsMark, Code, Command, Decoder, Event, Fault, Filter, Flag, Flags, HELLO,
+    Health, Hello, Identity, MAX_FRAME, Phase, Rate, Refusal, Reply, Request, Restart,
+    SensorCalibration, SensorRange, Settings, ToBoard, ToHost, Trouble, VERSION, encode,
 };
 use serde::Serialize;
 
@@ -64,6 +64,49 @@ fn configure() {
     assert_documented("Configure", &ToBoard::Command(command));
 }
 
+/// The calibration that the examples hold.
+fn calibration() -> SensorCalibration {
+    SensorCalibration {
+        range: SensorRange::G12,
+        unix_s: 1_795_435_200,
+        centi_celsius: Some(2875),
+        gravity_um_s2: 9_815_000,
+        positions: 12,
+        rows: [
+            1_366_000_000,
+            -2_700_000,
+            1_380_000_000,
+            410_000,
+            0,
+            1_350_000_000,
+        ],
+        row_deviations: [2000, 3000, 2100, 3100, 2900, 2200],
+        zero: [-1_234_567, 890_123, 45],
+        zero_deviations: [110, 120, 130],
+    }
+}
+
+#[test]
+fn a_calibration_to_be_kept() {
+    let command = Command {
+        id: 301,
+        request: Request::WriteSensorCalibration(calibration()),
+    };
+    assert_documented("Keep a calibration", &ToBoard::Command(command));
+}
+
+#[test]
+fn the_calibration_that_is_kept() {
+    let answer = Answer::SensorCalibration(Some(calibration()));
+    assert_documented(
+        "Kept calibration",
+        &ToHost::Reply(Reply {
+            id: 302,
+            result: Ok(answer),
+        }),
+    );
+}
+
 #[test]
 fn refused() {
     let refusal = Refusal::LinkTooSlow {
@@ -95,7 +138,7 @@ fn identity() {
         settings: Settings::default(),
         restart: Restart::Power,
     };
-    let answer = inm_protocol::Answer::Identity(identity);
+    let answer = Answer::Identity(identity);
     assert_documented(
         "Identity",
         &ToHost::Reply(Reply {

@@ -1,14 +1,22 @@
 //! What the header of a capture says is what was: of the record itself, not of a time before it.
 
+use std::io::{self, Read, Write};
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::Duration;
 
-use inm_host::internals::capture::{ClockSource, Reader, RegistersOf};
+use inm_firmware::keep::Kept;
+use inm_host::internals::capture::{ClockSource, Header, Reader, RegistersOf};
+use inm_host::internals::link::{Clock, Connect, LinkError, Patience, Port};
 use inm_host::internals::source::Source;
 use inm_host::internals::source::board::{BoardSource, Plan, Stop};
 use inm_host::internals::source::capture::CaptureSource;
 use inm_host::internals::virtual_board::VirtualConnect;
 use inm_host::{AnalysisOptions, Report, analyse};
-use inm_protocol::{Decoder, Filter, Phase, Rate, Restart, Settings, ToHost};
+use inm_protocol::{
+    Decoder, Filter, Phase, Rate, Request, Restart, SensorCalibration, Settings, ToBoard, ToHost,
+};
 use inm_tests::record::Record;
 
 /// Not the board's own: its registers differ from those of a board that has just been switched on.
@@ -143,4 +151,111 @@ fn the_rate_by_the_stamps_is_measured_and_compared() {
         "{told}"
     );
     assert!(off.page().contains("+1000 ppm from the rate"));
+}
+
+/// A board with firmware from before calibrations were kept, which does not understand the question for one.
+struct Unaware {
+    board: VirtualConnect,
+    asked: Arc<AtomicU32>,
+}
+
+struct UnawarePort {
+    board: Box<dyn Port>,
+    asked: Arc<AtomicU32>,
+}
+
+impl Connect for Unaware {
+    fn name(&self) -> String {
+        "unaware".to_owned()
+    }
+
+    fn waits(&self) -> bool {
+        true
+    }
+
+    fn clock(&self) -> Clock {
+        self.board.clock()
+    }
+
+    fn open(&mut self) -> Result<Box<dyn Port>, LinkError> {
+        Ok(Box::new(UnawarePort {
+            board: self.board.open()?,
+            asked: Arc::clone(&self.asked),
+        }))
+    }
+}
+
+impl Read for UnawarePort {
+    fn read(&mut self, buf: &mut [u8]) -> io::Result<usize> {
+        self.board.read(buf)
+    }
+}
+
+impl Write for UnawarePort {
+    fn write(&mut self, buf: &[u8]) -> io::Result<usize> {
+        let mut decoder: Decoder = Decoder::default();
+        let mut frame = buf;
+        let mut told = buf.to_vec();
+        while let Some(message) = decoder.next(&mut frame) {
+            if let Ok(ToBoard::Command(command)) = message
+                && matches!(command.request, Request::ReadSensorCalibration(_))
+            {
+                self.asked.fetch_add(1, Ordering::Relaxed);
+                // Ahead of the end of the frame: as little of it is understood as of one that is damaged.
+                let last = told.len() - 2;
+                told[last] ^= 1;
+            }
+        }
+        self.board.write_all(&told)?;
+        Ok(buf.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.board.flush()
+    }
+}
+
+/// The header of a record, and the board's time until it began.
+fn begun(asked: Option<&Arc<AtomicU32>>, kept: &SensorCalibration) -> (Header, Duration) {
+    let board = VirtualConnect::published(4, 0.0);
+    let mut flash = board.kept.lock().expect("nobody panics with it");
+    Kept::replace(&mut *flash, kept.range, Some(*kept)).expect("the flash is sound");
+    drop(flash);
+    let clock = board.clock();
+    let connect: Box<dyn Connect> = match asked {
+        Some(asked) => Box::new(Unaware {
+            board,
+            asked: Arc::clone(asked),
+        }),
+        None => Box::new(board),
+    };
+    let plan = Plan {
+        samples: Some(100),
+        ..Plan::default()
+    };
+    let before = clock.now();
+    let live = BoardSource::start(connect, plan, None, Stop::default());
+    let took = clock.now().duration_since(before);
+    let header = live.expect("the board starts").header().clone();
+    (header, took)
+}
+
+#[test]
+fn a_board_that_keeps_no_calibrations_does_not_delay_the_start() {
+    let kept = SensorCalibration {
+        gravity_um_s2: 9_810_000,
+        rows: [370_000_000, 1, 370_000_000, 2, 3, 370_000_000],
+        ..SensorCalibration::default()
+    };
+    let (aware, usual) = begun(None, &kept);
+    assert_eq!(aware.calibration, Some(kept));
+    let asked = Arc::default();
+    let (unaware, took) = begun(Some(&asked), &kept);
+    assert_eq!(unaware.calibration, None);
+    assert!(unaware.axes.iter().all(|axis| axis.zero == 0.0));
+    let asked = asked.load(Ordering::Relaxed);
+    assert!(asked > 1, "a question that was lost is asked again");
+    // A command is 0.4 s on its way to a virtual board; not one reply was waited for in vain.
+    let more = took.saturating_sub(usual);
+    assert!(more < Patience::default().wait, "{took:?}, {usual:?}");
 }

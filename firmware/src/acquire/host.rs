@@ -4,8 +4,8 @@
 use ads1281::CLOCK_HZ;
 use heapless::String;
 use inm_protocol::{
-    AXES, Answer, Command, Fault, Hello, Identity, REGISTERS, Refusal, Reply, Request, Settings,
-    ToBoard, VERSION, samples_load,
+    AXES, Answer, Command, Fault, Hello, Identity, REGISTERS, Refusal, Reply, Request,
+    SensorCalibration, SensorRange, Settings, ToBoard, VERSION, samples_load,
 };
 
 use super::clock::{Clock, readable_hz};
@@ -13,6 +13,7 @@ use super::job::{Kind, Task};
 use super::{Instrument, RESTART_US, Stage};
 use crate::Platform;
 use crate::converters::{conversions_hz, trouble};
+use crate::keep::Kept;
 
 /// Bytes taken from the link in one step.
 const BYTES_A_STEP: u32 = 64;
@@ -73,6 +74,9 @@ impl<P: Platform> Instrument<P> {
             | Request::CalibrateOffset
             | Request::CalibrateGain
             | Request::SelfTest
+            | Request::SelectRange(_)
+            | Request::WriteSensorCalibration(_)
+            | Request::EraseSensorCalibration(_)
                 if streaming =>
             {
                 Err(Refusal::Streaming)
@@ -88,8 +92,38 @@ impl<P: Platform> Instrument<P> {
             // would cost their words.
             Request::ReadRegisters if streaming => Ok(Answer::Registers(self.registers)),
             Request::ReadRegisters => self.read_registers().map(Answer::Registers),
+            Request::SelectRange(range) => Ok(self.select(range)),
+            Request::ReadSensorCalibration(range) => Ok(self.kept(range)),
+            Request::WriteSensorCalibration(found) if !found.is_sound() => Err(Refusal::Unsound),
+            Request::WriteSensorCalibration(found) => self.keep(found.range, Some(found)),
+            Request::EraseSensorCalibration(range) => self.keep(range, None),
         };
         self.outbox.reply(Reply { id, result });
+    }
+
+    fn select(&mut self, range: SensorRange) -> Answer {
+        self.platform.select_range(range);
+        self.board.range = range;
+        Answer::Done
+    }
+
+    #[inline(never)]
+    fn kept(&mut self, range: SensorRange) -> Answer {
+        let kept = Kept::load(self.platform.sectors());
+        Answer::SensorCalibration(kept.calibration(range))
+    }
+
+    /// Keeps a calibration, or none any more. The only thing that stops the board while it is
+    /// done, up to seconds for an erase of its flash: nothing streams, and nobody else waits.
+    #[inline(never)]
+    fn keep(
+        &mut self,
+        range: SensorRange,
+        calibration: Option<SensorCalibration>,
+    ) -> Result<Answer, Refusal> {
+        Kept::replace(self.platform.sectors(), range, calibration)
+            .map(|()| Answer::Done)
+            .map_err(|_| Refusal::NotKept)
     }
 
     /// Begins the bins anew about a second ahead. A reply that a full link holds up for longer

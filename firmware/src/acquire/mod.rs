@@ -47,8 +47,9 @@ use stream::Position;
 pub type Converter<P> =
     Ads1281<<P as Platform>::Spi, <P as Platform>::Drdy, <P as Platform>::Delay>;
 
-/// Longest frame that the host sends; the longest command takes 20 bytes.
-const COMMAND_FRAME: usize = 64;
+/// Longest frame that the host sends: the longest command, a calibration to be kept, takes up to 125
+/// bytes.
+const COMMAND_FRAME: usize = 128;
 
 /// What the instrument is doing. `until` and the like are ticks of the board's timer.
 #[derive(Debug, Clone, Copy)]

@@ -8,10 +8,11 @@ use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::{self, InputPin, OutputPin};
 use embedded_hal::spi::{self, SpiBus};
 use heapless::Vec;
+use inm_firmware::keep::Sectors;
 use inm_firmware::platform::Stack;
 use inm_firmware::proof::ProofBins;
 use inm_firmware::{Board, Part, Platform};
-use inm_protocol::{Command, Filter, Rate, Request, Settings, ToBoard, encode};
+use inm_protocol::{Command, Filter, Rate, Request, SensorRange, Settings, ToBoard, encode};
 
 use super::counter::Counter;
 use crate::board::Emulated;
@@ -188,6 +189,14 @@ impl Platform for Counted {
 
     fn self_test(&mut self, on: bool) {
         self.machine.self_test(on);
+    }
+
+    fn select_range(&mut self, range: SensorRange) {
+        self.machine.select_range(range);
+    }
+
+    fn sectors(&mut self) -> &mut dyn Sectors {
+        self.machine.sectors()
     }
 
     fn stack(&self) -> Stack {

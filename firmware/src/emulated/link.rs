@@ -2,6 +2,7 @@
 
 use heapless::Deque;
 use inm_emulator::link::Link;
+use inm_protocol::SensorRange;
 
 use super::Environment;
 
@@ -19,6 +20,7 @@ pub struct VirtualLink<const N: usize> {
     most_waiting: usize,
     restarts: u32,
     self_test: bool,
+    range: SensorRange,
 }
 
 impl<const N: usize> VirtualLink<N> {
@@ -31,6 +33,7 @@ impl<const N: usize> VirtualLink<N> {
             most_waiting: 0,
             restarts: 0,
             self_test: false,
+            range: SensorRange::default(),
         }
     }
 
@@ -58,6 +61,11 @@ impl<const N: usize> VirtualLink<N> {
     /// Whether the board drives the accelerometers' self-test pin.
     pub fn self_test_is_on(&self) -> bool {
         self.self_test
+    }
+
+    /// The range that the board has selected since its start; that of its start is the 4 g range.
+    pub fn range(&self) -> SensorRange {
+        self.range
     }
 
     /// How often the board has asked to be restarted.
@@ -94,6 +102,10 @@ impl<const N: usize> Environment for VirtualLink<N> {
 
     fn self_test(&mut self, on: bool) {
         self.self_test = on;
+    }
+
+    fn select_range(&mut self, range: SensorRange) {
+        self.range = range;
     }
 
     fn restart(&mut self) {

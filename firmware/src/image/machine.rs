@@ -4,14 +4,16 @@ use ads1281::DataReady;
 use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::SpiBus;
+use inm_firmware::keep::{NotWritten, Sectors};
 use inm_firmware::platform::Stack;
 use inm_firmware::proof::ProofBins;
 use inm_firmware::{Board, Platform};
-use inm_protocol::Restart;
+use inm_protocol::{Restart, SensorRange};
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
+use super::flash::Flash;
 use super::link::Link;
-use super::{restart, stack, stamps};
+use super::{patient_watchdog, restart, stack, stamps};
 
 /// What differs between the board and QEMU's model of it: the converters, and time as they
 /// see it.
@@ -46,6 +48,9 @@ pub trait Sensors {
 
     /// See [`Platform::self_test`].
     fn self_test(&mut self, on: bool);
+
+    /// See [`Platform::select_range`].
+    fn select_range(&mut self, range: SensorRange);
 }
 
 /// The microcontroller, with its converters' side `S`.
@@ -60,6 +65,8 @@ pub struct Machine<S> {
     pub bins: &'static mut ProofBins,
     /// Resets the board when the loop hangs.
     pub watchdog: IndependentWatchdog,
+    /// What is kept while the board is off.
+    pub flash: Flash,
 }
 
 impl<S> Machine<S> {
@@ -131,6 +138,14 @@ impl<S: Sensors> Platform for Machine<S> {
         self.sensors.self_test(on);
     }
 
+    fn select_range(&mut self, range: SensorRange) {
+        self.sensors.select_range(range);
+    }
+
+    fn sectors(&mut self) -> &mut dyn Sectors {
+        self
+    }
+
     fn stack(&self) -> Stack {
         stack::measure()
     }
@@ -145,5 +160,24 @@ impl<S: Sensors> Platform for Machine<S> {
 
     fn restart(&mut self) {
         restart::on_command()
+    }
+}
+
+impl<S> Sectors for Machine<S> {
+    fn read(&self, copy: usize, word: usize) -> u32 {
+        self.flash.read(copy, word)
+    }
+
+    /// The core stands still, since its program is in the flash that is erased: the watchdog gets
+    /// time for that before.
+    fn erase(&mut self, copy: usize) -> Result<(), NotWritten> {
+        let Self {
+            flash, watchdog, ..
+        } = self;
+        patient_watchdog(watchdog, || flash.erase(copy))
+    }
+
+    fn write(&mut self, copy: usize, word: usize, value: u32) -> Result<(), NotWritten> {
+        self.flash.write(copy, word, value)
     }
 }

@@ -4,6 +4,7 @@
 //!   clock     64-bit time from a 32-bit timer; the heartbeat that wakes the loop
 //!   stamps    DRDY edges of the axis that triggers: interrupt to loop
 //!   link      USART: two queues and their interrupt
+//!   flash     the sectors for what is kept while the board is off
 //!   restart   why the board started; the panic and fault handlers
 //!   stack     the program's own, and how deep it went
 //!   machine   all of it as the instrument's platform
@@ -11,6 +12,7 @@
 //! ```
 
 pub mod clock;
+pub mod flash;
 pub mod handover;
 pub mod link;
 pub mod machine;
@@ -74,6 +76,27 @@ pub fn start_watchdog(iwdg: IWDG) -> IndependentWatchdog {
     let mut watchdog = IndependentWatchdog::new(iwdg);
     watchdog.start(WATCHDOG_MS.millis());
     watchdog
+}
+
+/// While a sector of 128 KB is erased, milliseconds: that takes 4 s at most, and the watchdog's own
+/// clock may be half as fast again as it should be.
+const ERASE_WATCHDOG_MS: u32 = 10_000;
+
+/// Does something during which the watchdog cannot be fed, such as to erase the flash that holds the
+/// program.
+pub fn patient_watchdog<T>(watchdog: &mut IndependentWatchdog, work: impl FnOnce() -> T) -> T {
+    set_watchdog(watchdog, ERASE_WATCHDOG_MS);
+    let done = work();
+    set_watchdog(watchdog, WATCHDOG_MS);
+    done
+}
+
+/// Begins the watchdog's count anew with another time, milliseconds.
+fn set_watchdog(watchdog: &mut IndependentWatchdog, time_ms: u32) {
+    watchdog.start(time_ms.millis());
+    // Returns once the watchdog's own clock has taken the new time over.
+    let _ = watchdog.interval();
+    watchdog.feed();
 }
 
 /// Sets the USART up and starts the link.

@@ -3,8 +3,10 @@
 
 use inm_emulator::{Bench, Delay, Spi, SyncPin};
 use inm_firmware::emulated::{Latched, VirtualBoard, describe};
+use inm_firmware::keep::Sectors;
 use inm_firmware::proof::ProofBins;
 use inm_firmware::{Board, Part, Platform};
+use inm_protocol::SensorRange;
 
 use super::rig::{Link, Noisy};
 
@@ -162,6 +164,14 @@ impl<'b> Platform for TimedBoard<'b> {
 
     fn self_test(&mut self, on: bool) {
         self.inner.self_test(on);
+    }
+
+    fn select_range(&mut self, range: SensorRange) {
+        self.inner.select_range(range);
+    }
+
+    fn sectors(&mut self) -> &mut dyn Sectors {
+        self.inner.sectors()
     }
 
     fn bins(&mut self) -> &mut ProofBins {

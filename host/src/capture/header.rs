@@ -4,7 +4,9 @@ use std::path::Path;
 
 use inm_firmware::mma7331l::Scaling;
 use inm_protocol::image::BOARD;
-use inm_protocol::{AXES, Filter, Identity, REGISTERS, Restart, SensorRange, Settings, VERSION};
+use inm_protocol::{
+    AXES, Filter, Identity, REGISTERS, Restart, SensorCalibration, SensorRange, Settings, VERSION,
+};
 use serde::{Deserialize, Serialize};
 
 use super::CaptureError;
@@ -31,6 +33,10 @@ pub struct Header {
     /// What they are of.
     #[serde(default)]
     pub registers_of: RegistersOf,
+    /// What the board keeps of its accelerometers on this range, if the axes are by it: their scale is the
+    /// diagonal of its rows and their zero its own. `None` where they are by the data sheets.
+    #[serde(default)]
+    pub calibration: Option<SensorCalibration>,
     /// The axes in the order of the codes.
     pub axes: Vec<AxisHeader>,
 }
@@ -128,6 +134,18 @@ pub struct AxisHeader {
     pub chain: String,
 }
 
+/// First of the registers of a converter's own offset and gain (OFC, FSC), and what they hold where it
+/// corrects nothing.
+const CORRECTION: usize = 5;
+const NO_CORRECTION: [u8; REGISTERS - CORRECTION] = [0, 0, 0, 0, 0, 0x40];
+
+/// Whether a converter corrects its words by a calibration of its own.
+pub(crate) fn corrects(registers: &[[u8; REGISTERS]; AXES]) -> bool {
+    registers
+        .iter()
+        .any(|registers| registers[CORRECTION..] != NO_CORRECTION)
+}
+
 /// Corner of the MMA7331L's own low-pass, hertz (data sheet, typical: 400 in plane, 300 across).
 const SENSOR_POLE_HZ: [f64; AXES] = [400.0, 400.0, 300.0];
 
@@ -185,8 +203,27 @@ impl Header {
             settings,
             registers,
             registers_of,
+            calibration: None,
             axes: axes.collect(),
         }
+    }
+
+    /// The same with axes by what the board keeps. A converter that corrects its words by a calibration of
+    /// its own makes other codes than those that were calibrated: then all stays by the data sheets.
+    #[must_use]
+    pub fn calibrated(mut self, kept: Option<SensorCalibration>) -> Self {
+        let fits = |kept: &SensorCalibration| {
+            kept.is_sound() && kept.range == self.board.range && !corrects(&self.registers)
+        };
+        self.calibration = kept.filter(fits);
+        if let Some(kept) = &self.calibration {
+            let diagonal = SensorCalibration::DIAGONAL.map(|at| kept.rows[at]);
+            for (axis, (row, zero)) in self.axes.iter_mut().zip(diagonal.iter().zip(kept.zero)) {
+                axis.scale = f64::from(*row) * SensorCalibration::ROW_UNIT;
+                axis.zero = f64::from(zero);
+            }
+        }
+        self
     }
 
     /// The record that a capture with this header is one of.

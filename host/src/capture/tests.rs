@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use inm_protocol::image::BOARD;
-use inm_protocol::{Identity, Restart, SensorRange, Settings};
+use inm_protocol::{Identity, Restart, SensorCalibration, SensorRange, Settings};
 use serde_json::Value;
 
 use super::{ClockSource, Header, RegistersOf};
@@ -49,6 +49,54 @@ fn fields(path: &str, value: &Value, found: &mut BTreeSet<String>) {
             found.insert(path.to_owned());
         }
     }
+}
+
+/// What is kept is used as it is, for its own range and for words that no converter corrects.
+#[test]
+fn axes_are_by_the_calibration_that_is_kept_where_it_fits() {
+    let kept = SensorCalibration {
+        range: SensorRange::G4,
+        gravity_um_s2: 9_810_000,
+        rows: [370_000_000, -5, 380_000_000, 6, 7, 390_000_000],
+        zero: [1000, -2000, 3000],
+        ..SensorCalibration::default()
+    };
+    let with = |registers: [u8; 11], kept| {
+        let registers = ([registers; 3], RegistersOf::Record);
+        Header::new(&identity(Restart::Power), registers, String::new()).calibrated(Some(kept))
+    };
+    let mut registers = [0; 11];
+    registers[10] = 0x40;
+    let sheets = with(
+        registers,
+        SensorCalibration {
+            range: SensorRange::G12,
+            ..kept
+        },
+    );
+    assert_eq!(sheets.calibration, None);
+    let used = with(registers, kept);
+    assert_eq!(used.calibration, Some(kept));
+    for (axis, (row, zero)) in [(370e6, 1000.0), (380e6, -2000.0), (390e6, 3000.0)]
+        .into_iter()
+        .enumerate()
+    {
+        assert_eq!(used.axes[axis].scale, row * 1e-16, "axis {axis}");
+        assert_eq!(used.axes[axis].zero, zero, "axis {axis}");
+        // Within a tenth of the sheets, or the unit is wrong.
+        let off = used.axes[axis].scale / sheets.axes[axis].scale - 1.0;
+        assert!(off.abs() < 0.1, "axis {axis}: {off}");
+    }
+    let unsound = with(
+        registers,
+        SensorCalibration {
+            rows: [0; 6],
+            ..kept
+        },
+    );
+    assert_eq!(unsound.axes, sheets.axes);
+    registers[5] = 1;
+    assert_eq!(with(registers, kept).axes, sheets.axes);
 }
 
 #[test]

@@ -1,10 +1,11 @@
 //! The command line: one file per subcommand.
 //!
 //! Exit status: 0 done; 1 `diagnose` left something unexplained, `record` or `live` lost samples, or a
-//! board is not as it should be (`board selftest`, `board reset`); 2 bad usage or input, with a message that names the place and the remedy.
+//! board is not as it should be (`board selftest`, `board reset`, `calibrate`); 2 bad usage or input, with a message that names the place and the remedy.
 
 pub mod analyze;
 pub mod board;
+pub mod calibrate;
 pub mod column;
 pub mod demo;
 pub mod diagnose;
@@ -59,6 +60,8 @@ enum Command {
     Replay(replay::ReplayCommand),
     /// Which boards there are, what they are, whether they measure, what goes wrong on them.
     Board(board::BoardCommand),
+    /// Scale, misalignment and zero of a board's accelerometers from gravity in many positions.
+    Calibrate(calibrate::CalibrateCommand),
     /// Program the board through a debug probe.
     #[cfg(feature = "flash")]
     Flash(flash::FlashCommand),
@@ -76,6 +79,7 @@ pub fn main() -> ExitCode {
         Command::Export(command) => command.run(),
         Command::Replay(command) => command.run(),
         Command::Board(command) => return finish(command.run()),
+        Command::Calibrate(command) => return finish(command.run()),
         #[cfg(feature = "flash")]
         Command::Flash(command) => command.run(),
     };

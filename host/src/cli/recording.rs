@@ -5,7 +5,7 @@ use std::process::ExitCode;
 use std::time::Duration;
 
 use clap::Args;
-use inm_protocol::{Filter, Phase, Rate, Settings};
+use inm_protocol::{Filter, Phase, Rate, SensorRange, Settings};
 
 use crate::link::{Connect, Patience, SerialConnect};
 use crate::source::board::{Plan, parse_rate, parse_word};
@@ -21,6 +21,10 @@ pub struct BoardOptions {
     /// Samples a second: 250, 500, 1000, 2000 (default) or 4000.
     #[arg(long, value_name = "HZ", value_parser = parse_rate)]
     pub rate: Option<Rate>,
+
+    /// Range of the accelerometers, g: 4 or 12; the board's own where not given.
+    #[arg(long, value_name = "G", value_parser = parse_range)]
+    pub range: Option<SensorRange>,
 
     /// Converter filter: linear phase, or minimum phase for a shorter delay.
     #[arg(long, value_enum, default_value_t)]
@@ -90,6 +94,7 @@ impl BoardOptions {
         let rate_hz = f64::from(settings.rate.hz());
         Plan {
             settings: Some(settings),
+            range: self.range,
             samples: self.duration.map(|s| (s * rate_hz).round() as u64),
             patience: Patience::default(),
             reconnect: (self.reconnect > 0.0).then(|| Duration::from_secs_f64(self.reconnect)),
@@ -130,6 +135,18 @@ pub fn parse_speed(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(speed) if speed == 0.0 || SPEED.contains(&speed) => Ok(speed),
         _ => Err("a factor from 1e-6 to 1e6 is expected, or 0 for as fast as it goes".to_owned()),
+    }
+}
+
+/// A range of the accelerometers, g.
+///
+/// # Errors
+/// In words, if the sensors do not have it.
+pub fn parse_range(text: &str) -> Result<SensorRange, String> {
+    match text {
+        "4" => Ok(SensorRange::G4),
+        "12" => Ok(SensorRange::G12),
+        _ => Err("the accelerometers have 4 and 12 g".to_owned()),
     }
 }
 

@@ -4,17 +4,22 @@ use std::ops::Range;
 
 use super::FLASH_ORIGIN;
 
-/// The flash for programs: 1 MB on an STM32F405RG (RM0090, table 5).
-pub const FLASH: Range<u64> = FLASH_ORIGIN..FLASH_ORIGIN + (1 << 20);
+/// The flash for programs: 1 MB on an STM32F405RG (RM0090, table 5) without its last two sectors of 128 KB,
+/// in which the board keeps its calibration.
+pub const FLASH: Range<u64> = FLASH_ORIGIN..FLASH_ORIGIN + 768 * 1024;
 
 /// The RAM of 128 KB that stack and variables are in.
 pub const RAM: Range<u64> = 0x2000_0000..0x2002_0000;
 
 /// What else there is, with what writing there would do (RM0090, table 5 and sections 2.3 and 3.6).
-const ELSEWHERE: [(Range<u64>, &str); 7] = [
+const ELSEWHERE: [(Range<u64>, &str); 8] = [
     (0..FLASH_ORIGIN, "below the flash"),
     (
-        FLASH.end..0x1000_0000,
+        FLASH.end..FLASH_ORIGIN + (1 << 20),
+        "the sectors in which the board keeps its calibration",
+    ),
+    (
+        FLASH_ORIGIN + (1 << 20)..0x1000_0000,
         "beyond the end of the flash, which has 1 MB",
     ),
     (
@@ -50,9 +55,9 @@ mod tests {
     fn the_map_is_that_of_the_linker() {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../memory.x");
         let text = std::fs::read_to_string(path).expect("the memory map");
-        let flash = format!("FLASH : ORIGIN = {:#010x}, LENGTH = 1024K", FLASH.start);
+        let flash = format!("FLASH : ORIGIN = {:#010x}, LENGTH = 768K", FLASH.start);
         assert!(text.contains(&flash), "{text}");
-        assert_eq!(FLASH.end - FLASH.start, 1024 * 1024);
+        assert_eq!(FLASH.end - FLASH.start, 768 * 1024);
         // The stack lies at the start of the RAM, the variables at its end.
         let stack = format!("STACK : ORIGIN = {:#010x}, LENGTH = 32K", RAM.start);
         let variables = format!(

@@ -15,7 +15,7 @@ use crate::link::{LinkError, restarted};
 
 /// How long to wait for a health record: two of the seconds between them, and slack for one that is
 /// lost on the way.
-const NEXT_HEALTH: Duration = Duration::from_millis(2500);
+pub(crate) const NEXT_HEALTH: Duration = Duration::from_millis(2500);
 
 /// First of the three registers of the offset word (OFC), lowest byte first.
 const OFFSET_WORD: usize = 5;

@@ -5,9 +5,11 @@
 //!   Session (command, reply, and what the board says unasked)
 //!      |
 //!      +--> info, self_test, reset, log      each a question and its answer as plain data
+//!      +--> gravity                          what the sensors read at rest, for a calibration
 //!   ports: what this machine has, without a byte sent
 //! ```
 
+pub mod gravity;
 pub mod info;
 pub mod log;
 pub mod ports;

@@ -67,7 +67,7 @@ impl Session {
     ///
     /// # Errors
     /// What the link says, or the board.
-    pub fn ask<T: Expect>(&mut self, request: Request) -> Result<T, LinkError> {
+    pub(crate) fn ask<T: Expect>(&mut self, request: Request) -> Result<T, LinkError> {
         let Self {
             client,
             clock,

@@ -5,8 +5,8 @@ use std::io::{self, ErrorKind};
 use std::time::{Duration, Instant};
 
 use inm_protocol::{
-    Answer, Command, FRAME_END, Hello, Identity, MAX_FRAME, REGISTERS, Reply, Request, Settings,
-    ToBoard, encode,
+    Answer, Command, FRAME_END, Hello, Identity, MAX_FRAME, REGISTERS, Reply, Request,
+    SensorCalibration, Settings, ToBoard, encode,
 };
 
 use super::port::is_wait;
@@ -146,7 +146,7 @@ impl Client {
                     handed += part.len();
                     if let Some(reply) = arrived(part, id)? {
                         self.behind.splice(..0, buf[handed..len].iter().copied());
-                        return self.answer(request, reply);
+                        return Ok(self.answer(request, reply)?);
                     }
                 }
             }
@@ -158,31 +158,30 @@ impl Client {
         } = self.patience;
         Err(LinkError::NoReply {
             port: self.name.clone(),
-            request,
+            request: Box::new(request),
             waited,
             tries,
         }
         .into())
     }
 
-    fn answer<E: From<LinkError>>(&self, request: Request, reply: Reply) -> Result<Answer, E> {
-        reply.result.map_err(|refusal| {
-            LinkError::Refused {
-                port: self.name.clone(),
-                request,
-                refusal,
-            }
-            .into()
+    /// What a reply to a request says; a refusal is an error.
+    pub(crate) fn answer(&self, request: Request, reply: Reply) -> Result<Answer, LinkError> {
+        reply.result.map_err(|refusal| LinkError::Refused {
+            port: self.name.clone(),
+            request: Box::new(request),
+            refusal,
         })
     }
 
-    /// Sends a request whose answer the caller finds among what arrives.
+    /// Sends a request whose answer the caller finds among what arrives, by the number returned.
     ///
     /// # Errors
     /// [`LinkError::Gone`] if the port went away.
-    pub fn tell(&mut self, request: Request) -> Result<(), LinkError> {
+    pub fn tell(&mut self, request: Request) -> Result<u16, LinkError> {
         let id = self.number();
-        self.send(id, request)
+        self.send(id, request)?;
+        Ok(id)
     }
 
     /// Number of the next command; never 0, which stands for a stream of no number.
@@ -226,7 +225,7 @@ impl Client {
     pub(crate) fn wrong_answer(&self, request: Request) -> LinkError {
         LinkError::WrongAnswer {
             port: self.name.clone(),
-            request,
+            request: Box::new(request),
         }
     }
 }
@@ -271,6 +270,15 @@ impl Expect for [[u8; REGISTERS]; inm_protocol::AXES] {
     fn from_answer(answer: Answer) -> Option<Self> {
         match answer {
             Answer::Registers(registers) => Some(registers),
+            _ => None,
+        }
+    }
+}
+
+impl Expect for Option<SensorCalibration> {
+    fn from_answer(answer: Answer) -> Option<Self> {
+        match answer {
+            Answer::SensorCalibration(kept) => Some(kept),
             _ => None,
         }
     }

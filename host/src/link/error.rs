@@ -59,7 +59,7 @@ pub enum LinkError {
         /// Name of the port.
         port: String,
         /// What was asked.
-        request: Request,
+        request: Box<Request>,
         /// How long each time.
         waited: Duration,
         /// How often.
@@ -81,7 +81,7 @@ pub enum LinkError {
         /// Name of the port.
         port: String,
         /// What was asked.
-        request: Request,
+        request: Box<Request>,
         /// Its reason.
         refusal: Refusal,
     },
@@ -91,7 +91,7 @@ pub enum LinkError {
         /// Name of the port.
         port: String,
         /// What was asked.
-        request: Request,
+        request: Box<Request>,
     },
 }
 
@@ -133,6 +133,11 @@ impl LinkError {
                 }
                 Refusal::Converter { .. } => {
                     "check supply, clock and SPI wiring of that converter".to_owned()
+                }
+                Refusal::Unsound => "calibrate again (`inm calibrate`)".to_owned(),
+                Refusal::NotKept => {
+                    "try again; if it stays so, the flash of its microcontroller is worn or write-protected"
+                        .to_owned()
                 }
             },
             Self::WrongAnswer { .. } => "restart the board and try again".to_owned(),

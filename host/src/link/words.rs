@@ -15,6 +15,12 @@ pub(super) fn why(refusal: Refusal) -> String {
         Refusal::Converter { axis, trouble } => {
             format!("converter {}: {}", axis_name(axis), describe(trouble))
         }
+        Refusal::Unsound => {
+            "what it was to keep is no calibration: a scale or gravity is not above zero".to_owned()
+        }
+        Refusal::NotKept => {
+            "its flash could not be erased or written; it keeps what it kept before".to_owned()
+        }
     }
 }
 

@@ -1,17 +1,17 @@
 //! The lives of a board, from power on to the restart that ends each, with what happens to it on the way.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use inm_emulator::{Bench, Converter};
 use inm_firmware::emulated::{VirtualBoard, VirtualLink, describe};
 use inm_firmware::{Board, Instrument};
-use inm_protocol::{AXES, Restart};
+use inm_protocol::{AXES, Restart, SensorRange};
 
 use super::line::{Line, PARCEL};
-use super::shaken::Shaken;
+use super::shaken::{Pins, Shaken};
 use super::witness::{note_by_axis, note_words};
 use super::{Misfortune, VirtualConnect};
 use crate::link::Clock;
@@ -28,16 +28,19 @@ pub(super) fn power_on(plan: &VirtualConnect, line: &mut Line) {
     let mut restart = Restart::Power;
     let mut misfortunes = plan.restarts.iter();
     loop {
-        let pin = Arc::default();
-        let bench = Bench::new(plan.sensors(&pin).map(Converter::new));
+        let pins = Arc::default();
+        let bench = Bench::new(plan.sensors(&pins).map(Converter::new));
         let board = Board {
             restart,
             serial: plan.serial,
             ..describe("virtual")
         };
-        let instrument = VirtualBoard::instrument(&bench, VirtualLink::new(Some(plan.baud)), board);
+        let mut instrument =
+            VirtualBoard::instrument(&bench, VirtualLink::new(Some(plan.baud)), board);
+        let flash = instrument.platform_mut().flash_mut();
+        flash.clone_from(&plan.kept.lock().unwrap_or_else(PoisonError::into_inner));
         let misfortune = misfortunes.as_slice().first();
-        restart = match run(instrument, plan, &pin, misfortune, line) {
+        restart = match run(instrument, plan, &pins, misfortune, line) {
             Some(End::Command) => Restart::Command,
             Some(End::Misfortune(Misfortune { cause, dark, .. })) => {
                 misfortunes.next();
@@ -72,7 +75,7 @@ enum End<'p> {
 fn run<'p>(
     mut instrument: Running<'_>,
     plan: &VirtualConnect,
-    pin: &AtomicBool,
+    pins: &Pins,
     misfortune: Option<&'p Misfortune>,
     line: &mut Line,
 ) -> Option<End<'p>> {
@@ -106,9 +109,13 @@ fn run<'p>(
         }
         let now_ps = bench.now_ps();
         let link = instrument.platform_mut().environment_mut();
-        pin.store(link.self_test_is_on(), Ordering::Relaxed);
+        pins.self_test
+            .store(link.self_test_is_on(), Ordering::Relaxed);
+        let coarse = link.range() == SensorRange::G12;
+        pins.coarse.store(coarse, Ordering::Relaxed);
         link.take(now_ps, |byte| parcel.push(byte));
         if link.restarts() > 0 {
+            keep(&mut instrument, plan);
             // Its reply is on the line by then. What the host writes meanwhile finds nobody.
             line.exchange(parcel)?;
             return Some(End::Command);
@@ -117,8 +124,19 @@ fn run<'p>(
             continue;
         }
         steps = 0;
+        keep(&mut instrument, plan);
+        let link = instrument.platform_mut().environment_mut();
         link.send(&line.exchange(std::mem::take(&mut parcel))?);
         keep_pace(started, now_ps, plan.speed);
+    }
+}
+
+/// What the board keeps stays when it is off.
+fn keep(instrument: &mut Running<'_>, plan: &VirtualConnect) {
+    let flash = instrument.platform_mut().flash_mut();
+    let mut kept = plan.kept.lock().unwrap_or_else(PoisonError::into_inner);
+    if *kept != *flash {
+        kept.clone_from(flash);
     }
 }
 

@@ -22,24 +22,26 @@ mod life;
 mod line;
 mod port;
 mod shaken;
+pub mod turned;
 mod witness;
 
-use std::sync::atomic::AtomicBool;
-use std::sync::{Arc, mpsc};
+use std::sync::{Arc, Mutex, mpsc};
 use std::thread;
 use std::time::Duration;
 
 use inm_emulator::Fault;
 use inm_emulator::channel::{self, Channel};
-use inm_emulator::sensor::Sensor;
-use inm_protocol::{AXES, Restart};
+use inm_emulator::sensor::{Sensor, Unfit};
+use inm_firmware::emulated::VirtualFlash;
+use inm_protocol::{AXES, Restart, SensorRange};
 
 pub use shaken::Hidden;
 pub use witness::{AxisWitness, Witness};
 
 use self::line::Line;
 use self::port::VirtualPort;
-use self::shaken::Shaken;
+use self::shaken::{Pins, Shaken};
+use self::turned::{Truth, Turned};
 use crate::link::{Clock, Connect, LinkError, Port};
 
 /// Typical step of a sound sensor's self-test, g (the MMA7331L's sheet as remembered, `data_sheet.rs`).
@@ -62,6 +64,10 @@ pub struct Misfortune {
 pub struct VirtualConnect {
     /// The accelerometers in front of the converters X, Y, Z, with their noise.
     pub channels: [Channel; AXES],
+    /// The same on their coarse range.
+    pub coarse: [Channel; AXES],
+    /// Steps of the code in 1 m/s^2 of X, Y, Z, on the fine range and on the coarse one.
+    pub steps_per_m_s2: [[f64; AXES]; 2],
     /// Seconds of board time in a second; 0 for as fast as it goes.
     pub speed: f64,
     /// Unique number of the microcontroller.
@@ -77,6 +83,10 @@ pub struct VirtualConnect {
     pub self_test_g: [f64; AXES],
     /// What else acts on a sensor.
     pub hidden: Option<Hidden>,
+    /// The block that the sensors are on, if it is turned.
+    pub block: Option<Turned>,
+    /// What is kept while the board is off, whoever opens it again.
+    pub kept: Arc<Mutex<VirtualFlash>>,
     /// Where the converters' words are noted down, if anywhere.
     pub witness: Option<Witness>,
     /// The same, for each axis by itself.
@@ -90,6 +100,15 @@ impl VirtualConnect {
     pub fn published(seed: u64, speed: f64) -> Self {
         Self {
             channels: [0, 1, 2].map(|axis| channel::published(axis, seed)),
+            coarse: [0, 1, 2].map(|axis| {
+                let sensor = turned::at(&Sensor::PUBLISHED[axis], SensorRange::G12);
+                // What fits on the fine range does on the coarse one.
+                Channel::new(&sensor, seed, axis as u64)
+                    .unwrap_or_else(|_| channel::published(axis, seed))
+            }),
+            steps_per_m_s2: [SensorRange::G4, SensorRange::G12].map(|range| {
+                Sensor::PUBLISHED.map(|sensor| turned::at(&sensor, range).steps_per_m_s2())
+            }),
             speed,
             serial: [0; 3],
             baud: 921_600,
@@ -97,21 +116,44 @@ impl VirtualConnect {
             restarts: Vec::new(),
             self_test_g: SELF_TEST_G,
             hidden: None,
+            block: None,
+            kept: Arc::default(),
             witness: None,
             axis_witness: None,
             clock: Clock::counted(),
         }
     }
 
-    /// The sensors with all that acts on them; `pin` is their self-test pin.
-    fn sensors(&self, pin: &Arc<AtomicBool>) -> [Shaken; AXES] {
+    /// The same with sensors of this truth on a block that is turned.
+    ///
+    /// # Errors
+    /// [`Unfit`] if their noise is none that a channel can make.
+    pub fn turning(self, truth: &Truth, seed: u64) -> Result<(Self, Turned), Unfit> {
+        let block = truth.block();
+        let ranges = [SensorRange::G4, SensorRange::G12];
+        let turning = Self {
+            channels: truth.channels(SensorRange::G4, seed)?,
+            coarse: truth.channels(SensorRange::G12, seed)?,
+            steps_per_m_s2: ranges.map(|range| truth.steps_per_m_s2(range)),
+            block: Some(block.clone()),
+            ..self
+        };
+        Ok((turning, block))
+    }
+
+    /// The sensors with all that acts on them, at these pins.
+    fn sensors(&self, pins: &Arc<Pins>) -> [Shaken; AXES] {
         let mut axis = 0;
         self.channels.clone().map(|channel| {
-            let sensor = &Sensor::PUBLISHED[axis];
+            let [fine, coarse] = self.steps_per_m_s2.map(|steps| steps[axis]);
+            let ranges = [(channel, fine), (self.coarse[axis].clone(), coarse)];
             let hidden = self.hidden.as_ref().filter(|hidden| hidden.axis == axis);
-            let step_g = self.self_test_g[axis];
+            let sensor = Shaken::new(ranges, hidden).at(pins, self.self_test_g[axis]);
             axis += 1;
-            Shaken::new(channel, sensor, hidden).tested_by(pin, sensor, step_g)
+            match &self.block {
+                Some(block) => sensor.on(block.clone(), axis - 1),
+                None => sensor,
+            }
         })
     }
 }

@@ -6,8 +6,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use inm_emulator::Signal;
 use inm_emulator::channel::Channel;
 use inm_emulator::filter::DECIMATION;
-use inm_emulator::sensor::{GRAVITY_M_S2, Sensor};
+use inm_emulator::sensor::GRAVITY_M_S2;
 
+use super::turned::Turned;
 use crate::model::Seed;
 use crate::model::axis::ModelEffect;
 use crate::model::effect::Part;
@@ -33,57 +34,100 @@ pub struct Hidden {
     pub seed: u64,
 }
 
+/// Pins from the board to its sensors.
+#[derive(Debug, Default)]
+pub(super) struct Pins {
+    /// Whether the board drives the self-test pin.
+    pub(super) self_test: AtomicBool,
+    /// Whether it selects the coarse range.
+    pub(super) coarse: AtomicBool,
+}
+
 /// A channel, and what acts on its sensing element: held for a conversion, as the channel's own
 /// slow terms are, so that a line keeps its height within 1 % up to a twelfth of the data rate.
 pub struct Shaken {
-    channel: Channel,
+    /// On the fine and on the coarse range.
+    ranges: [OnRange; 2],
+    /// The one that is selected.
+    range: usize,
     /// Inputs left of the conversion under way.
     left: usize,
     outside: Option<Outside>,
-    /// Whether the board drives the sensors' self-test pin.
-    pin: Arc<AtomicBool>,
-    /// What the sensing element moves by then, 2^-32 steps of the code.
-    self_test: i64,
+    pins: Arc<Pins>,
+    /// What the sensing element moves by while its self-test pin is driven, m/s^2.
+    self_test_m_s2: f64,
+    block: Option<(Turned, usize)>,
+}
+
+/// A sensor on one of its ranges.
+struct OnRange {
+    channel: Channel,
+    /// 2^-32 steps of the code in 1 m/s^2.
+    scale: f64,
 }
 
 struct Outside {
     hidden: Hidden,
-    /// 2^-32 steps of the code in 1 m/s^2.
-    scale: f64,
     generator: Option<Box<dyn Generator>>,
     ready: Vec<f64>,
 }
 
 impl Shaken {
-    /// The channel of `sensor`, and what acts on it; its self-test pin is low.
-    pub fn new(channel: Channel, sensor: &Sensor, hidden: Option<&Hidden>) -> Self {
+    /// The channels of a sensor on its fine and its coarse range with the steps of the code in 1 m/s^2,
+    /// and what acts on it; both pins are low.
+    pub fn new(ranges: [(Channel, f64); 2], hidden: Option<&Hidden>) -> Self {
         Self {
-            channel,
+            ranges: ranges.map(|(channel, steps_per_m_s2)| OnRange {
+                channel,
+                scale: steps_per_m_s2 * FRACTION,
+            }),
+            range: 0,
             left: 0,
-            pin: Arc::default(),
-            self_test: 0,
+            pins: Arc::default(),
+            self_test_m_s2: 0.0,
+            block: None,
             outside: hidden.map(|hidden| Outside {
                 hidden: hidden.clone(),
-                scale: sensor.steps_per_m_s2() * FRACTION,
                 generator: None,
                 ready: Vec::new(),
             }),
         }
     }
 
-    /// The same, where `pin` is the self-test pin of `sensor`, which then moves by `step_g`.
+    /// The same at these pins, where the sensing element moves by `step_g` in the self-test.
     #[must_use]
-    pub fn tested_by(mut self, pin: &Arc<AtomicBool>, sensor: &Sensor, step_g: f64) -> Self {
-        self.pin = Arc::clone(pin);
-        self.self_test = (step_g * GRAVITY_M_S2 * sensor.steps_per_m_s2() * FRACTION) as i64;
+    pub(super) fn at(mut self, pins: &Arc<Pins>, step_g: f64) -> Self {
+        self.pins = Arc::clone(pins);
+        self.self_test_m_s2 = step_g * GRAVITY_M_S2;
+        self
+    }
+
+    /// The same as the sensor of `axis` on a block that is turned.
+    #[must_use]
+    pub(super) fn on(mut self, block: Turned, axis: usize) -> Self {
+        self.block = Some((block, axis));
         self
     }
 
     fn act(&mut self) {
-        let outside = self.outside.as_mut().map_or(0, Outside::next);
-        let driven = self.pin.load(Ordering::Relaxed);
-        let self_test = if driven { self.self_test } else { 0 };
-        self.channel.act(outside + self_test);
+        self.range = usize::from(self.pins.coarse.load(Ordering::Relaxed));
+        let OnRange { channel, scale } = &mut self.ranges[self.range];
+        let driven = self.pins.self_test.load(Ordering::Relaxed);
+        let parts = [
+            self.outside.as_mut().map_or(0.0, Outside::next),
+            if driven { self.self_test_m_s2 } else { 0.0 },
+            self.block
+                .as_ref()
+                .map_or(0.0, |(block, axis)| block.along(*axis)),
+        ];
+        channel.act(parts.map(|part| (*scale * part) as i64).iter().sum());
+        if let Some((block, axis)) = &self.block {
+            block.note(*axis, channel.wandered() as f64 / FRACTION);
+        }
+    }
+
+    fn channel(&mut self) -> &mut Channel {
+        &mut self.ranges[self.range].channel
     }
 }
 
@@ -102,8 +146,8 @@ impl Outside {
         };
     }
 
-    /// The next acceleration, 2^-32 steps of the code.
-    fn next(&mut self) -> i64 {
+    /// The next acceleration, m/s^2.
+    fn next(&mut self) -> f64 {
         if self.ready.is_empty() {
             self.ready.resize(BLOCK, 0.0);
             if let Some(generator) = &mut self.generator {
@@ -111,13 +155,15 @@ impl Outside {
             }
             self.ready.reverse();
         }
-        (self.scale * self.ready.pop().unwrap_or(0.0)) as i64
+        self.ready.pop().unwrap_or(0.0)
     }
 }
 
 impl Signal for Shaken {
     fn set_rate(&mut self, input_hz: u32) {
-        self.channel.set_rate(input_hz);
+        for range in &mut self.ranges {
+            range.channel.set_rate(input_hz);
+        }
         if let Some(outside) = &mut self.outside {
             outside.set_rate(f64::from(input_hz) / DECIMATION as f64);
         }
@@ -129,7 +175,7 @@ impl Signal for Shaken {
             self.left = DECIMATION;
         }
         self.left -= 1;
-        self.channel.next()
+        self.channel().next()
     }
 
     fn fill(&mut self, inputs: &mut [i32; DECIMATION]) {
@@ -138,13 +184,14 @@ impl Signal for Shaken {
             return;
         }
         self.act();
-        self.channel.fill(inputs);
+        self.channel().fill(inputs);
     }
 }
 
 #[cfg(test)]
 mod tests {
     use inm_emulator::channel;
+    use inm_emulator::sensor::Sensor;
 
     use super::*;
 
@@ -160,8 +207,10 @@ mod tests {
             seed: 1,
         };
         let sensor = &Sensor::PUBLISHED[0];
-        let [mut quiet, mut shaken] =
-            [None, Some(&hidden)].map(|one| Shaken::new(channel::published(0, 3), sensor, one));
+        let [mut quiet, mut shaken] = [None, Some(&hidden)].map(|one| {
+            let range = (channel::published(0, 3), sensor.steps_per_m_s2());
+            Shaken::new([range.clone(), range], one)
+        });
         let mut inputs = [[0; DECIMATION]; 2];
         for sensor in [&mut quiet, &mut shaken] {
             sensor.set_rate(2000 * DECIMATION as u32);

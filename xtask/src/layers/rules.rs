@@ -16,11 +16,12 @@ pub struct Import {
     pub why: &'static str,
 }
 
-pub const NEVER: [Never; 13] = [
+pub const NEVER: [Never; 14] = [
     Never {
         from: &[
             "host::analyse",
             "host::bins",
+            "host::calibrate",
             "host::capture",
             "host::chain",
             "host::data_sheet",
@@ -128,6 +129,17 @@ pub const NEVER: [Never; 13] = [
             "host::spectrum",
         ],
         why: "data are made without looking at them",
+    },
+    Never {
+        from: &["host::calibrate"],
+        to: &[
+            "host::capture",
+            "host::inspect",
+            "host::link",
+            "host::source",
+            "host::virtual_board",
+        ],
+        why: "a calibration is made of readings at rest, whoever reads them",
     },
     Never {
         from: &["host::export"],

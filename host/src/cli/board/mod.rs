@@ -5,7 +5,7 @@ mod log;
 mod ports;
 mod reset;
 mod selftest;
-mod which;
+pub(super) mod which;
 
 use std::process::ExitCode;
 
@@ -54,7 +54,7 @@ impl BoardCommand {
 
 /// Where a result goes besides the terminal.
 #[derive(Debug, Clone, Args)]
-struct JsonOption {
+pub(super) struct JsonOption {
     /// Write the result as JSON to this file; - is standard output, in place of the text.
     #[arg(long, value_name = "OUT")]
     json: Option<String>,
@@ -62,12 +62,12 @@ struct JsonOption {
 
 impl JsonOption {
     /// Refuses a file that must not be replaced, before the board is asked for anything.
-    fn check(&self) -> anyhow::Result<()> {
+    pub(super) fn check(&self) -> anyhow::Result<()> {
         output::check(&[self.json.as_deref()], &[])
     }
 
     /// Writes the file that was asked for, and the text.
-    fn write(&self, result: &impl Serialize, text: &str) -> anyhow::Result<()> {
+    pub(super) fn write(&self, result: &impl Serialize, text: &str) -> anyhow::Result<()> {
         if let Some(path) = &self.json {
             write_to(path, |mut output| report::json::write(result, &mut output))?;
         }
@@ -82,7 +82,7 @@ impl JsonOption {
 const NOT_AS_IT_SHOULD_BE: u8 = 1;
 
 /// Status of the process for a board that is as it should be, or not.
-fn status(good: bool) -> ExitCode {
+pub(super) fn status(good: bool) -> ExitCode {
     if good {
         ExitCode::SUCCESS
     } else {

@@ -20,7 +20,7 @@ const SEED: u64 = 1;
 
 /// The option that names a board, for subcommands that speak to one.
 #[derive(Debug, Clone, Args)]
-pub(super) struct Which {
+pub(in crate::cli) struct Which {
     /// Serial port of the board (`/dev/ttyUSB0`, `COM3`), or `virtual` for one without hardware;
     /// repeated for several to look for --serial on.
     #[arg(long, value_name = "PORT")]
@@ -46,10 +46,10 @@ pub(super) const WHO_ARE_YOU: Patience = Patience {
 };
 
 /// A board that was found and has said who it is.
-pub(super) struct Found {
-    pub(super) port: String,
-    pub(super) session: Session,
-    pub(super) identity: Identity,
+pub(in crate::cli) struct Found {
+    pub(in crate::cli) port: String,
+    pub(in crate::cli) session: Session,
+    pub(in crate::cli) identity: Identity,
 }
 
 impl Which {
@@ -57,7 +57,7 @@ impl Which {
     ///
     /// # Errors
     /// What the port says; which boards there are, if none or several are meant.
-    pub(super) fn find(&self) -> anyhow::Result<Found> {
+    pub(in crate::cli) fn find(&self) -> anyhow::Result<Found> {
         let names = self.names()?;
         if let ([name], None) = (&names[..], &self.serial) {
             return self
@@ -104,6 +104,19 @@ impl Which {
         })
     }
 
+    /// Whether it is the board without hardware, and no other.
+    pub(in crate::cli) fn is_virtual(&self) -> bool {
+        self.port == [VIRTUAL] && self.serial.is_none() && !self.ask
+    }
+
+    /// Opens a board without hardware.
+    ///
+    /// # Errors
+    /// What its link says.
+    pub(in crate::cli) fn open_virtual(connect: &mut VirtualConnect) -> anyhow::Result<Found> {
+        open(connect, Patience::default()).map_err(|error| SourceError::from(error).into())
+    }
+
     /// How to open the port of a board that was found, once more.
     pub(super) fn connect(&self, name: &str) -> Box<dyn Connect> {
         if name == VIRTUAL {
@@ -114,13 +127,7 @@ impl Which {
     }
 
     fn open(&self, name: &str, patience: Patience) -> Result<Found, LinkError> {
-        let mut connect = self.connect(name);
-        let (session, identity) = Session::open(connect.as_mut(), patience)?;
-        Ok(Found {
-            port: connect.name(),
-            session,
-            identity,
-        })
+        open(self.connect(name).as_mut(), patience)
     }
 
     fn is_meant(&self, identity: &Identity) -> bool {
@@ -149,4 +156,14 @@ impl Which {
         );
         Ok(self.port.clone())
     }
+}
+
+/// Opens a port and asks who is there.
+fn open(connect: &mut dyn Connect, patience: Patience) -> Result<Found, LinkError> {
+    let (session, identity) = Session::open(connect, patience)?;
+    Ok(Found {
+        port: connect.name(),
+        session,
+        identity,
+    })
 }

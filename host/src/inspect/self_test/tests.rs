@@ -77,7 +77,7 @@ fn a_converter_that_does_not_answer_fails_and_leaves_the_others_open() {
     };
     let error = LinkError::Refused {
         port: "port".to_owned(),
-        request: Request::SelfTest,
+        request: Box::new(Request::SelfTest),
         refusal,
     };
     let checks = not_measured(&identity(), refusal, &error);

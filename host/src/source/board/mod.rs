@@ -194,7 +194,7 @@ impl BoardSource {
         }
         self.asked = Some(Instant::now());
         match self.client.tell(Request::RestartBins) {
-            Ok(()) => Ok(()),
+            Ok(_) => Ok(()),
             Err(gone) => self.begin_search(Broken::Port(gone)),
         }
     }

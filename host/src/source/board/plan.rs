@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use inm_protocol::Settings;
+use inm_protocol::{SensorRange, Settings};
 
 use crate::link::Patience;
 
@@ -13,6 +13,8 @@ use crate::link::Patience;
 pub struct Plan {
     /// Settings to ask for; `None` leaves the board's.
     pub settings: Option<Settings>,
+    /// Range of the accelerometers to select; `None` leaves the board's.
+    pub range: Option<SensorRange>,
     /// Samples an axis after which to stop; `None` runs until told to.
     pub samples: Option<u64>,
     /// Waits for replies.

@@ -174,10 +174,16 @@ impl BoardSource {
     fn ask_to_stream(&mut self) -> Result<(), Failed> {
         let identity: Identity = self.talk().ask(Request::Identify)?;
         self.check_identity(&identity)?;
-        if !self.frames.status().stopped && self.hears_samples()? {
+        let range = self.header.board.range;
+        let same = identity.range == range;
+        if same && !self.frames.status().stopped && self.hears_samples()? {
             return Ok(());
         }
         let () = self.talk().ask(Request::Stop)?;
+        if !same {
+            // A board that started again is on its fine range.
+            let () = self.talk().ask(Request::SelectRange(range))?;
+        }
         let wanted = self.header.settings;
         let _: Settings = self.talk().ask(Request::Configure(wanted))?;
         let registers = self.talk().ask(Request::ReadRegisters)?;

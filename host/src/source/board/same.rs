@@ -9,7 +9,7 @@ use crate::link::{LinkError, axis_name};
 const CALIBRATION: usize = 5;
 
 impl BoardSource {
-    /// Refuses a board whose samples would mean something else.
+    /// Refuses a board whose samples would mean something else. Its range can be selected again.
     pub(super) fn check_identity(&self, found: &Identity) -> Result<(), LinkError> {
         let recorded = &self.identity;
         let what = if found.serial != recorded.serial {
@@ -41,11 +41,6 @@ impl BoardSource {
                 "sensor supply, uV,",
                 &found.sensor_supply_uv,
                 &recorded.sensor_supply_uv,
-            )
-        } else if found.range != recorded.range {
-            format!(
-                "its range is {:?}, the recording is of {:?}",
-                found.range, recorded.range
             )
         } else {
             return Ok(());

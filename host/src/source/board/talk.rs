@@ -74,6 +74,12 @@ impl Talk<'_> {
         T::from_answer(answer).ok_or_else(|| client.wrong_answer(request).into())
     }
 
+    /// What the reply to a request that was told says.
+    pub(super) fn said<T: Expect>(&self, request: Request, reply: Reply) -> Result<T, Failed> {
+        let answer = self.client.answer(request, reply)?;
+        T::from_answer(answer).ok_or_else(|| self.client.wrong_answer(request).into())
+    }
+
     pub(super) fn arrived(&mut self, bytes: &[u8]) -> Result<(), Failed> {
         keep(bytes, self.frames, &mut self.capture)
     }

@@ -1,0 +1,56 @@
+//! The two sectors of flash that keep what stays while the board is off: the last two of the chip,
+//! which memory.x leaves out of what the linker fills and `inm flash` writes to.
+//!
+//! The sectors of 16 KB would be erased sooner, but lie where the program begins. Not tried on hardware.
+
+use inm_firmware::keep::{COPIES, NotWritten};
+use stm32f4xx_hal::flash::{FlashExt, LockedFlash};
+use stm32f4xx_hal::pac::FLASH;
+
+/// Numbers of the sectors and where they begin, bytes from the start of the flash (RM0090, table 5).
+const SECTORS: [(u8, usize); COPIES] = [(10, 0xC_0000), (11, 0xE_0000)];
+
+/// Bytes of a word.
+const WORD: usize = size_of::<u32>();
+
+/// Words of a sector of 128 KB.
+const SECTOR_WORDS: usize = 128 * 1024 / WORD;
+
+/// The flash controller, in so far as something is kept.
+pub struct Flash(LockedFlash);
+
+impl Flash {
+    /// Takes the controller; nothing is erased or written yet.
+    pub fn new(controller: FLASH) -> Self {
+        Self(LockedFlash::new(controller))
+    }
+
+    /// A word of a copy; all ones beyond its sector.
+    #[allow(unsafe_code)]
+    pub fn read(&self, copy: usize, word: usize) -> u32 {
+        let Some((_, start)) = SECTORS.get(copy).filter(|_| word < SECTOR_WORDS) else {
+            return u32::MAX;
+        };
+        let address = self.0.address() + start + WORD * word;
+        // SAFETY: the sector is flash of the chip, readable at any time but during an erase, for which
+        // this program waits; the address is aligned, any bits are a word. Volatile, because erasing and
+        // writing change it behind the compiler's back.
+        unsafe { core::ptr::with_exposed_provenance::<u32>(address).read_volatile() }
+    }
+
+    /// Erases the sector of a copy: 2 s typically and 4 s at most, a byte at a time (STM32F405 data sheet,
+    /// tERASE128KB, as remembered).
+    pub fn erase(&mut self, copy: usize) -> Result<(), NotWritten> {
+        let (sector, _) = SECTORS.get(copy).ok_or(NotWritten)?;
+        let erased = self.0.unlocked().erase(*sector);
+        erased.map_err(|_| NotWritten)
+    }
+
+    /// Writes a word of a copy whose sector is erased.
+    pub fn write(&mut self, copy: usize, word: usize, value: u32) -> Result<(), NotWritten> {
+        let (_, start) = SECTORS.get(copy).ok_or(NotWritten)?;
+        let bytes = value.to_le_bytes();
+        let written = self.0.unlocked().program(start + WORD * word, bytes.iter());
+        written.map_err(|_| NotWritten)
+    }
+}
