@@ -1,19 +1,16 @@
 //! The list of an axis's explanations, and how residual, spectrum and fit follow from it.
 
 use std::ops::Range;
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
 use crate::diagnosis::axis::{AxisState, NoFit, fill};
 use crate::diagnosis::explanation::{Candidate, Change, Explanation, Snapshot};
 use crate::diagnosis::laws::{Law, search};
 use crate::diagnosis::record::bins::SpectralBins;
 use crate::diagnosis::record::residual::TakenOut;
-use crate::diagnosis::record::wave::Wave;
 use crate::diagnosis::result::estimate::Estimate;
-use crate::diagnosis::result::value::Value;
 use crate::fit::likelihood::{Data, Fit};
 use crate::model::kind::Kind;
-use crate::model::motion;
 
 /// Samples over which a converter's filter spreads a jump, on either side: those of the ADS1281
 /// settle within 63 conversions.
@@ -114,79 +111,6 @@ impl AxisState {
         Ok(())
     }
 
-    /// Takes the explanations of a kind off the list; whether there were any. What follows from the list is
-    /// brought up to date by [`Self::refresh`].
-    pub fn withdraw(&mut self, kind: Kind) -> bool {
-        self.withdraw_where(|one| one.kind() == kind)
-    }
-
-    /// The same for all explanations of which `is_gone` is true.
-    pub fn withdraw_where(&mut self, is_gone: impl Fn(&Explanation) -> bool) -> bool {
-        let gone: Vec<Kind> = self
-            .explanations
-            .iter()
-            .filter(|one| is_gone(one))
-            .map(Explanation::kind)
-            .collect();
-        self.explanations.retain(|one| !is_gone(one));
-        for one in &mut self.explanations {
-            for &kind in &gone {
-                one.with.forget(kind);
-                one.without.forget(kind);
-            }
-        }
-        !gone.is_empty()
-    }
-
-    /// Takes the explanation off the list whose law has this number; its place among the explanations.
-    pub fn withdraw_law(&mut self, number: usize) -> Option<usize> {
-        let places = self.explanations.iter().enumerate();
-        let mut laws = places.filter(|(_, one)| one.law().is_some());
-        let (place, _) = laws.nth(number)?;
-        self.explanations.remove(place);
-        Some(place)
-    }
-
-    /// Takes the explanations off the list whose laws have these `numbers`.
-    pub fn withdraw_laws(&mut self, numbers: &[usize]) {
-        let mut number = 0;
-        self.explanations.retain(|one| {
-            let is_law = one.law().is_some();
-            number += usize::from(is_law);
-            !(is_law && numbers.contains(&(number - 1)))
-        });
-    }
-
-    /// Takes the levels back that stretches of motion leave; they stay what they are otherwise.
-    pub fn withdraw_levels(&mut self) {
-        let motions = self.explanations.iter_mut();
-        for one in motions.filter(|one| one.kind() == motion::KIND) {
-            if let Change::Happened { waves, .. } = &mut one.change {
-                waves.clear();
-            }
-            for row in one.effect.values.chunks_mut(motion::ROW) {
-                row[motion::STEP] = Some(Value::exact(0.0));
-            }
-        }
-    }
-
-    /// Leaves out of an explanation's waveforms those of which `is_gone` is true, and the explanation with its last
-    /// one; whether there were any.
-    pub fn withdraw_waves(&mut self, is_gone: impl Fn(&Wave) -> bool) -> bool {
-        let mut any = false;
-        for one in &mut self.explanations {
-            if let Change::Waves(waves) = &mut one.change {
-                let before = waves.len();
-                waves.retain(|wave| !is_gone(wave));
-                any |= waves.len() < before;
-            }
-        }
-        let is_empty =
-            |one: &Explanation| matches!(&one.change, Change::Waves(waves) if waves.is_empty());
-        self.explanations.retain(|one| !is_empty(one));
-        any
-    }
-
     /// Takes over what the last fit knows of the laws among the explanations.
     pub fn set_laws(&mut self, estimates: impl Fn(usize, &Explanation) -> Estimate) {
         let mut number = 0;
@@ -199,17 +123,10 @@ impl AxisState {
     }
 
     /// Numbers of the explanations that are tones which no fit looks at.
-    fn tones(&self) -> Vec<usize> {
+    pub(super) fn tones(&self) -> Vec<usize> {
         let places = self.explanations.iter().enumerate();
         let tones = places.filter(|(_, one)| one.is_tone());
         tones.map(|(place, _)| place).collect()
-    }
-
-    /// Takes the tone of a number among the tones off the list; its number among the explanations.
-    pub fn withdraw_tone(&mut self, number: usize) -> Option<usize> {
-        let place = *self.tones().get(number)?;
-        self.explanations.remove(place);
-        Some(place)
     }
 
     /// Gives the tones that no fit looks at the power that they have beside all else, each over that with which it was
@@ -244,11 +161,7 @@ impl AxisState {
         let spread = self.is_filtered().then_some(SPREAD);
         let replaced = self.residual.replaced();
         self.residual = self.residual.after(self.taken_out(), spread);
-        let other_gaps = self.residual.replaced() != replaced;
-        if other_gaps {
-            self.short_gaps = self.residual.short_gaps().map(Arc::new);
-            self.residual.fill_only(self.short_gaps.as_deref());
-        }
+        let other_gaps = self.has_other_gaps(&replaced);
         let values = self.residual.values();
         let left_out: Vec<Range<usize>> = self.residual.left_out().cloned().collect();
         if self.left_out == left_out && !other_gaps {
@@ -287,25 +200,6 @@ impl AxisState {
             }
         }
         Ok(())
-    }
-
-    /// Keeps what was drawn in the place of samples that are no measurement with what says so.
-    fn keep_replaced(&mut self) {
-        let mut drawn = self
-            .residual
-            .waves()
-            .iter()
-            .filter(|wave| wave.replaced().is_some());
-        let changes = self.explanations.iter_mut().map(|one| &mut one.change);
-        let waves = changes.filter_map(|change| match change {
-            Change::Waves(waves) | Change::Happened { waves, .. } => Some(waves),
-            _ => None,
-        });
-        for wave in waves.flatten().filter(|wave| wave.replaced().is_some()) {
-            if let Some(drawn) = drawn.next() {
-                wave.clone_from(drawn);
-            }
-        }
     }
 
     /// What the explanations do to the record.

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::diagnosis::axis::{AxisState, NoFit};
+use crate::diagnosis::explanation::Change;
 use crate::diagnosis::laws::search;
 use crate::diagnosis::record::short_gaps::ShortGaps;
 
@@ -57,6 +58,36 @@ impl AxisState {
             }
         }
         Ok(())
+    }
+
+    /// Takes over the gaps that there are since other samples count as no measurement than those at `before`; whether there are
+    /// others.
+    pub(super) fn has_other_gaps(&mut self, before: &[usize]) -> bool {
+        if self.residual.replaced() == before {
+            return false;
+        }
+        self.short_gaps = self.residual.short_gaps().map(Arc::new);
+        self.residual.fill_only(self.short_gaps.as_deref());
+        true
+    }
+
+    /// Keeps what was drawn in the place of samples that are no measurement with what says so.
+    pub(super) fn keep_replaced(&mut self) {
+        let mut drawn = self
+            .residual
+            .waves()
+            .iter()
+            .filter(|wave| wave.replaced().is_some());
+        let changes = self.explanations.iter_mut().map(|one| &mut one.change);
+        let waves = changes.filter_map(|change| match change {
+            Change::Waves(waves) | Change::Happened { waves, .. } => Some(waves),
+            _ => None,
+        });
+        for wave in waves.flatten().filter(|wave| wave.replaced().is_some()) {
+            if let Some(drawn) = drawn.next() {
+                wave.clone_from(drawn);
+            }
+        }
     }
 
     /// Fills the gaps once and fits anew. `course` has the densities of up to two laws before.

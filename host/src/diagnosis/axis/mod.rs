@@ -10,6 +10,7 @@ mod moments;
 pub mod profile;
 pub mod ramp;
 mod whitening;
+mod withdraw;
 
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};

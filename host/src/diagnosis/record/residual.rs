@@ -7,7 +7,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::diagnosis::record::short_gaps::ShortGaps;
-use crate::diagnosis::record::wave::{Jump, Outlier, Replaced, Wave};
+use crate::diagnosis::record::wave::{Jump, Outlier, Wave};
 use crate::model::shock::Shock;
 
 /// What is done to a record.
@@ -95,7 +95,7 @@ impl Residual {
             let by = left[place] - before[place];
             if !self.measured[place].is_finite() {
                 whole[place] += by;
-            } else if let Some(size) = size_of(&mut self.taken.waves, place) {
+            } else if let Some(size) = Wave::size_at(&mut self.taken.waves, place) {
                 *size -= by;
             }
         }
@@ -234,17 +234,6 @@ impl Residual {
             jump.index.saturating_sub(reach)..(jump.index + reach).min(self.measured.len())
         })
     }
-}
-
-/// What is taken out of a sample that was replaced.
-fn size_of(waves: &mut [Wave], place: usize) -> Option<&mut f64> {
-    waves.iter_mut().find_map(|wave| match wave {
-        Wave::Replaced(Replaced(all)) => {
-            let at = all.binary_search_by_key(&place, |one| one.index).ok()?;
-            Some(&mut Arc::make_mut(all)[at].size)
-        }
-        _ => None,
-    })
 }
 
 #[cfg(test)]

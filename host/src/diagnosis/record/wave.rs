@@ -114,6 +114,17 @@ impl Wave {
         }
     }
 
+    /// What some waves take out of the sample at `place`, where one of them replaces it.
+    pub fn size_at(waves: &mut [Self], place: usize) -> Option<&mut f64> {
+        waves.iter_mut().find_map(|wave| match wave {
+            Self::Replaced(Replaced(all)) => {
+                let at = all.binary_search_by_key(&place, |one| one.index).ok()?;
+                Some(&mut Arc::make_mut(all)[at].size)
+            }
+            _ => None,
+        })
+    }
+
     /// Takes the waveform out of `values`, whose first sample has index 0.
     pub fn take_out(&self, values: &mut [f64]) {
         match self {
