@@ -58,6 +58,8 @@ fn steady() -> Settings {
         (r"program is \d+\.\d+\.\d+", "program is [release]"),
         (r"up for \d+\.\d s", "up for [time] s"),
         (r#""up_s": \d+\.\d+"#, r#""up_s": "[time]""#),
+        // The board counts what it has sent until it is asked, which is sooner or later.
+        (r#""frames_sent": \d+"#, r#""frames_sent": "[count]""#),
         (r#""group": ("[^"]*"|null)"#, r#""group": "[group]""#),
         (r#""at":"[^"]*""#, r#""at":"[time]""#),
         (r"after \d+\.\d s", "after [time] s"),
