@@ -38,13 +38,19 @@ pub fn search(
     Search::new(axis, context).follow_plan(&plan)
 }
 
-/// Takes what happened out of an axis, and looks for nothing else.
+/// Takes what happened out of an axis, and single samples that do not belong, and looks for nothing else.
 ///
 /// # Errors
 /// [`NoFit`] where what is left of the record cannot be fitted.
 pub fn take_events_out(axis: &mut AxisState, context: &Context<'_>) -> Result<(), NoFit> {
     let mut search = Search::new(axis, context);
     while search.ask(&detect::shock::DETECTOR)? {}
+    // Noise that they had raised hides further ones.
+    for _ in 0..ROUNDS {
+        if !search.ask(&detect::outliers::DETECTOR)? {
+            break;
+        }
+    }
     Ok(())
 }
 

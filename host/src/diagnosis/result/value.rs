@@ -27,6 +27,11 @@ impl Value {
         }
     }
 
+    /// The standard deviation that [`Value::normal`] was given; 0 where there is no interval.
+    pub fn sd(&self) -> f64 {
+        self.hi.map_or(0.0, |hi| (hi - self.value) / SIGMAS)
+    }
+
     /// With the standard deviation `sd` of the logarithm.
     pub fn log_normal(value: f64, sd: f64) -> Self {
         let end = |end: f64| end.is_finite().then_some(end);

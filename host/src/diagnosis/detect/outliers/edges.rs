@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use super::filter::Found;
+use super::filter::{Found, together};
 use crate::diagnosis::record::runs::runs_of;
 use crate::diagnosis::record::wave::Outlier;
 use crate::diagnosis::statistic::p_value;
@@ -16,9 +16,12 @@ use crate::numeric::order::{median, quantile};
 /// Samples that one is held against: a choice. The median of sixteen is known to a third of the deviation of one.
 const NEIGHBOURS: usize = 16;
 
-/// Samples within which another that stands out makes both of them part of something longer: a choice, four times as
-/// many as neighbours.
+/// Samples within which another that stands out makes both of them part of something longer, unless so many stand out
+/// all over the record that some come together: a choice, four times as many as neighbours.
 const ALONE: usize = 64;
+
+/// Chance from which as many come together by themselves: a choice. Two alone in 5000 samples do with less.
+const BY_CHANCE: f64 = 0.05;
 
 /// Places whose distances say what is usual, about: the share below is then known from forty.
 const PLACES: usize = 4096;
@@ -54,9 +57,13 @@ pub fn with_edges(
     let far: Vec<Outlier> = far
         .filter(|one| one.size.abs() > threshold * one.size_sd)
         .collect();
+    let all = [found.outliers.as_slice(), far.as_slice()];
+    let by_chance = together(&sorted(all.concat()), values.len()) > BY_CHANCE;
     for (place, one) in far.iter().enumerate() {
         let near = |other: &Outlier| one.index.abs_diff(other.index) <= ALONE;
-        if far[..place].last().is_some_and(near) || far.get(place + 1).is_some_and(near) {
+        let is_alone =
+            !far[..place].last().is_some_and(near) && !far.get(place + 1).is_some_and(near);
+        if !(is_alone || by_chance) {
             continue;
         }
         let z = one.size.abs() / one.size_sd;
@@ -70,8 +77,13 @@ pub fn with_edges(
         found.nats += 0.5 * z * z - 1.0;
         found.outliers.push(*one);
     }
-    found.outliers.sort_by_key(|one| one.index);
+    found.outliers = sorted(found.outliers);
     found
+}
+
+fn sorted(mut outliers: Vec<Outlier>) -> Vec<Outlier> {
+    outliers.sort_by_key(|one| one.index);
+    outliers
 }
 
 /// How far the samples of a record lie from their neighbours.
@@ -159,6 +171,33 @@ mod tests {
         let mut values = noise(50);
         values[..3].iter_mut().for_each(|value| *value += 15.0);
         assert!(places(&values).is_empty());
+    }
+
+    #[test]
+    fn two_that_came_together_by_chance_are_two() {
+        for seed in 60..63 {
+            let mut values = noise(seed);
+            values[10] += 15.0;
+            values[40] -= 15.0;
+            assert!(
+                places(&values).is_empty(),
+                "seed {seed}: alone in the record"
+            );
+            // Among so many more than half a pair is expected within 64 samples.
+            let len = values.len();
+            let many = (1..=16).map(|n| Outlier {
+                index: n * len / 17,
+                size: 15.0,
+                size_sd: 1.0,
+            });
+            let found = Found {
+                outliers: many.collect(),
+                ..Found::default()
+            };
+            let all = with_edges(found, &values, |n| n >= 100, LEVEL).outliers;
+            let first: Vec<usize> = all.iter().map(|one| one.index).take(2).collect();
+            assert_eq!(first, [10, 40], "seed {seed}");
+        }
     }
 
     #[test]

@@ -4,6 +4,7 @@
 //! standard deviations of that prediction (the interpolation error; A. N. Kolmogorov 1941). In
 //! differenced noise it is far smaller than the noise itself.
 
+use super::nearby::Height;
 use super::pursuit::Pursuit;
 use crate::diagnosis::record::wave::Outlier;
 use crate::diagnosis::statistic::matched_filter::{Impulse, Transform, matched};
@@ -17,8 +18,8 @@ const MOST_OUTLIERS: usize = 1 << 14;
 /// the density rises with the frequency the filter sums up, and remembers long.
 const ANSWER_REACH: usize = 1 << 14;
 
-/// Share of the answer's peak that does not matter any more: an outlier of a thousand standard
-/// deviations leaves one.
+/// Share of the answer's peak that does not matter any more, at most: an outlier of a thousand standard
+/// deviations leaves one. A larger one leaves as much of a smaller share.
 const NOTHING: f64 = 1e-3;
 
 /// The outliers of a record, ascending, and the p-value of the largest.
@@ -69,7 +70,7 @@ pub fn outliers(
             nats: 0.0,
         };
     }
-    let answer = answer(whole, density);
+    let answer = answer(whole, density, highest);
     let filter = matched(whole, density, &Impulse);
     let mut pursuit = Pursuit::new(filter.z, answer);
     // Largest first; each takes its own answer out of its neighbours.
@@ -79,18 +80,14 @@ pub fn outliers(
             pursuit.take(index, &usable);
         }
     }
-    pursuit.settle();
-    let outlier = |(index, height): (usize, f64)| Outlier {
+    // One that was moved to a neighbouring sample may have nothing left to explain.
+    let settled = pursuit.settle(|index, z| z.abs() > threshold * spread(index));
+    let outlier = |(index, Height { height, sd }): (usize, Height)| Outlier {
         index,
         size: height * size_sd,
-        size_sd: size_sd * spread(index),
+        size_sd: sd * size_sd * spread(index),
     };
-    // One that was moved to a neighbouring sample may have nothing left to explain.
-    let found: Vec<Outlier> = pursuit
-        .heights()
-        .filter(|&(index, height)| height.abs() > threshold * spread(index))
-        .map(outlier)
-        .collect();
+    let found: Vec<Outlier> = settled.into_iter().map(outlier).collect();
     drop(pursuit);
     Found {
         p_value: p_value::highest(highest, whole.len(), f64::INFINITY),
@@ -136,7 +133,7 @@ pub fn sizes_at(whole: &Transform, density: &[f64], indices: &[usize]) -> Vec<Ou
     /// Samples to either side that count as such: a choice.
     const NEIGHBOURS: usize = 512;
     let indices = &indices[..indices.partition_point(|&index| index < whole.len())];
-    let mut answer = answer(whole, density);
+    let mut answer = answer(whole, density, 0.0);
     answer.truncate(NEIGHBOURS);
     let filter = matched(whole, density, &Impulse);
     let mut heights = vec![0.0; indices.len()];
@@ -165,12 +162,13 @@ pub fn sizes_at(whole: &Transform, density: &[f64], indices: &[usize]) -> Vec<Ou
 }
 
 /// The filter's answer to one sample of size one, from that moment on, over its peak, as far as it
-/// matters.
-fn answer(whole: &Transform, density: &[f64]) -> Vec<f64> {
+/// matters to a sample of `highest` standard deviations.
+fn answer(whole: &Transform, density: &[f64], highest: f64) -> Vec<f64> {
     let answer = whole.answer(|k| density[k].recip());
     let peak = answer[0];
     let mut answer = answer[..ANSWER_REACH.min(answer.len() / 2)].to_vec();
-    let matters = |value: &f64| value.abs() > NOTHING * peak;
+    let nothing = NOTHING.min(highest.recip());
+    let matters = |value: &f64| value.abs() > nothing * peak;
     let end = answer.iter().rposition(matters).map_or(0, |last| last + 1);
     answer.truncate(end);
     answer.iter_mut().for_each(|value| *value /= peak);

@@ -2,6 +2,7 @@
 
 mod edges;
 pub mod filter;
+mod nearby;
 mod pursuit;
 mod size_law;
 #[cfg(test)]
@@ -58,7 +59,11 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
         // for again. What the record is without them makes room meanwhile.
         let density = axis.whitened().density.clone();
         axis.forget_whitened();
-        found = sought(look, &axis.with(old, &density), &density, &powers);
+        // Those that the filter does not look for stay out of what it sees.
+        let is_filtered = filtered(axis);
+        let back = old.iter().filter(|one| is_filtered(one.index));
+        let back: Vec<Outlier> = back.copied().collect();
+        found = sought(look, &axis.with(&back, &density), &density, &powers);
         proposals.push(Proposal::Learn(Lesson::OutliersSoughtAmong(among)));
         let places = |all: &[Outlier]| -> Vec<usize> { all.iter().map(|one| one.index).collect() };
         if places(&found.outliers) == places(old) {
@@ -90,28 +95,27 @@ fn named(look: &Look<'_>, found: Found, powers: &Powers) -> Vec<Proposal> {
             Proposal::Withdraw(vec![KIND]),
         ];
     }
-    if is_within_burst(&found.outliers, powers, look.level()) {
+    if is_within_burst(&found, powers, look.level()) {
         return Vec::new();
     }
     vec![Proposal::Explain(Box::new(candidate(look, found)))]
 }
 
-/// Whether most of them lie in one stretch that is noisier as a whole: then they are no outliers.
-fn is_within_burst(found: &[Outlier], powers: &Powers, level: f64) -> bool {
+/// Whether most of them are what the noise of one louder stretch reaches: then they are no outliers.
+fn is_within_burst(found: &Found, powers: &Powers, level: f64) -> bool {
     let Some(burst) = burst::burst(powers, level) else {
         return false;
     };
     let wide = (3.0 * burst.end_sd) as usize;
     let stretch = burst.range.start.saturating_sub(wide)..burst.range.end + wide;
-    let inside = found.iter().filter(|one| stretch.contains(&one.index));
-    let within = inside.count();
-    within > 0 && 3 * within >= 2 * found.len()
+    let reached = burst.factor * found.threshold;
+    let is_of_it = |one: &&Outlier| stretch.contains(&one.index) && one.size.abs() <= reached;
+    let within = found.outliers.iter().filter(is_of_it).count();
+    within > 0 && 3 * within >= 2 * found.outliers.len()
 }
 
 fn candidate(look: &Look<'_>, found: Found) -> Candidate {
-    let law = size_law::law_of(&found.outliers, found.threshold, look.axis.residual.len());
-    let rate_hz = Value::log_normal(law.count / look.duration_s(), law.count_log_sd);
-    let size = Value::log_normal(law.size, law.size_log_sd);
+    let [rate_hz, size] = law(look, &found);
     let freedom = 2.0 * found.outliers.len() as f64;
     let dated = dated(&found.outliers, look.axis.rate_hz);
     let waves = vec![Wave::Outliers(Arc::new(found.outliers))];
@@ -126,6 +130,27 @@ fn candidate(look: &Look<'_>, found: Found) -> Candidate {
             Change::Waves(waves),
         )
     }
+}
+
+/// How many come a second and how large they are: by the law of those that the filter sees whole, among the samples at
+/// which it would, with neighbours that were not drawn to be like them; where these are too few for a law, all that were found, without an interval.
+fn law(look: &Look<'_>, found: &Found) -> [Value; 2] {
+    let axis = look.axis;
+    let is_sought = |n: usize| axis.usable(n) && !axis.is_beside_filled(n, 1);
+    let sought = (0..axis.residual.len()).filter(|n| is_sought(*n)).count();
+    let seen = found.outliers.iter().filter(|one| is_sought(one.index));
+    let seen: Vec<Outlier> = seen.copied().collect();
+    let Some(law) = size_law::law_of(&seen, found.threshold, sought) else {
+        let squares = found.outliers.iter().map(|one| one.size * one.size);
+        let count = found.outliers.len() as f64;
+        let size = (squares.sum::<f64>() / count).sqrt();
+        return [Value::told(count / look.duration_s()), Value::told(size)];
+    };
+    let sought_s = sought as f64 / axis.rate_hz;
+    [
+        Value::log_normal(law.count / sought_s, law.count_log_sd),
+        Value::log_normal(law.size, law.size_log_sd),
+    ]
 }
 
 /// Time and height of each, where there are few.
@@ -159,35 +184,34 @@ fn single_shocks(look: &Look<'_>) -> Option<Kind> {
 /// Samples of `whole` that stand out of noise of this `density`, whose strength over time is known.
 fn sought(look: &Look<'_>, whole: &Transform, density: &[f64], powers: &Powers) -> Found {
     let local = look.character.strength_moves.then(|| powers.local());
-    let mut found = filter::outliers(
-        whole,
-        density,
-        look.level(),
-        |n| look.axis.usable(n),
-        |n| {
-            let local = local.as_ref().map_or(1.0, |local| MOVING * local(n));
-            // Where the noise is weak by what is known of it, other noise may be there still.
-            local * look.axis.envelope(n).max(1.0)
-        },
-    );
+    let mut found = filter::outliers(whole, density, look.level(), filtered(look.axis), |n| {
+        let local = local.as_ref().map_or(1.0, |local| MOVING * local(n));
+        // Where the noise is weak by what is known of it, other noise may be there still.
+        local * look.axis.envelope(n).max(1.0)
+    });
     if !look.character.level_switches {
-        let usable = |n| look.axis.usable(n);
+        // Where few were drawn none is seen there. Else what was drawn beside an outlier was drawn to be like it.
+        let many = !few_are_drawn(look.axis);
+        let is_filtered = filtered(look.axis);
+        let usable = |n| is_filtered(n) || many && look.axis.is_beside_filled(n, 0);
         found = edges::with_edges(found, &with_outliers(look), usable, look.level());
     } else if !found.outliers.is_empty() {
         // A jump is larger as a jump than as a single sample.
         let jumps = steps::statistic(look.axis, whole, density);
         found.outliers.retain(|one| !steps::is_jump(&jumps, one));
     }
-    if few_are_drawn(look.axis) {
-        let is_beside = |one: &Outlier| look.axis.is_beside_filled(one.index, NEAR);
-        found.outliers.retain(|one| !is_beside(one));
-    }
     found
 }
 
-/// Samples on either side of one that was drawn that a sample tells by itself, where few were drawn: a choice, as far as a
+/// Samples on either side of one that was drawn that the filter leaves out, where few were drawn: a choice, as far as a
 /// jump is misplaced. What was drawn is known as well as the law, which may be wrong far below the noise.
 const NEAR: usize = 4;
+
+/// Which samples the filter looks at. Others are held against their neighbours, whatever the law.
+fn filtered(axis: &AxisState) -> impl Fn(usize) -> bool {
+    let few = few_are_drawn(axis);
+    move |n| axis.usable(n) && !(few && axis.is_beside_filled(n, NEAR))
+}
 
 /// Whether so few samples were drawn that hardly one has a neighbour that was: a choice, one in a hundred.
 fn few_are_drawn(axis: &AxisState) -> bool {

@@ -8,10 +8,10 @@ use crate::diagnosis::record::wave::Outlier;
 /// scatters by 63 %.
 const LEAST_OUTLIERS: usize = 5;
 
-/// Law of all outliers, those too small to be seen included.
+/// Law of all outliers among the samples that were looked at, those too small to be seen included.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SizeLaw {
-    /// How many outliers there are in the record.
+    /// How many outliers there are.
     pub count: f64,
     /// Standard deviation of the logarithm of their number.
     pub count_log_sd: f64,
@@ -23,8 +23,11 @@ pub struct SizeLaw {
 
 /// Normal sizes, seen from `threshold` up: the mean square of those seen gives the law's variance,
 /// and that the share which is seen (A. C. Cohen, *Truncated and Censored Samples*, 1991, ch. 2). There are no more
-/// than the record has `samples`.
-pub fn law_of(seen: &[Outlier], threshold: f64, samples: usize) -> SizeLaw {
+/// than the `samples` that were looked at. `None` of too few to say how many more there are below the threshold.
+pub fn law_of(seen: &[Outlier], threshold: f64, samples: usize) -> Option<SizeLaw> {
+    if seen.len() < LEAST_OUTLIERS {
+        return None;
+    }
     let normal = Normal::standard();
     let count = seen.len() as f64;
     let square = seen.iter().map(|one| one.size * one.size).sum::<f64>() / count;
@@ -33,15 +36,6 @@ pub fn law_of(seen: &[Outlier], threshold: f64, samples: usize) -> SizeLaw {
         .map(|one| one.size_sd * one.size_sd)
         .sum::<f64>()
         / count;
-    // Too few to say how many more there are below the threshold.
-    if seen.len() < LEAST_OUTLIERS {
-        return SizeLaw {
-            count,
-            count_log_sd: count.sqrt().recip(),
-            size: square.sqrt(),
-            size_log_sd: (2.0 * count).sqrt().recip(),
-        };
-    }
     // Mean square beyond the threshold for a variance.
     let beyond = |variance: f64| {
         let t = threshold / variance.sqrt();
@@ -66,12 +60,12 @@ pub fn law_of(seen: &[Outlier], threshold: f64, samples: usize) -> SizeLaw {
     let square_log_sd = ((fourth / (square * square) - 1.0).max(0.1) / count).sqrt();
     let variance_log_sd = square_log_sd / slope.max(0.05);
     let share_slope = (share(variance * step) / share(variance / step)).ln() / (2.0 * step.ln());
-    SizeLaw {
+    Some(SizeLaw {
         count: count / share(variance),
         count_log_sd: count.sqrt().recip().hypot(share_slope * variance_log_sd),
         size: (variance - own).max(0.01 * variance).sqrt(),
         size_log_sd: 0.5 * variance_log_sd,
-    }
+    })
 }
 
 #[cfg(test)]
@@ -89,7 +83,7 @@ mod tests {
             })
             .collect();
         for samples in [9263, 1 << 20] {
-            let law = law_of(&seen, 5.0, samples);
+            let law = law_of(&seen, 5.0, samples).expect("fourteen are enough");
             assert!(law.count <= 1.001 * samples as f64, "{law:?} of {samples}");
             assert!(law.count > 100.0 && law.size < 5.0, "{law:?} of {samples}");
         }

@@ -21,7 +21,7 @@ use crate::diagnosis::detect::burst::Burst;
 const NOTHING: f64 = 4.0;
 
 /// Samples up to which a stretch may be one moment: two of the shortest windows, and what joins them.
-const MOMENT: usize = 64;
+pub const MOMENT: usize = 64;
 
 /// Samples that are whitened, at most: a choice between time and place.
 const WHITENED: usize = 1 << 20;
@@ -39,6 +39,8 @@ pub enum What {
     Louder(Burst),
     /// A jump of the level, or whatever else changes at one moment.
     Jump,
+    /// Single samples that do not belong, few enough to come together by chance.
+    Singles,
     /// Something else.
     Other,
 }
@@ -89,7 +91,7 @@ impl<'a> Event<'a> {
     /// What it is.
     pub fn what(&self) -> What {
         if self.is_one_sample() {
-            return What::Other;
+            return What::Singles;
         }
         if self.is_cut() || course::is_between_levels(self.values(), self.samples(), &self.own) {
             return What::Jump;
@@ -239,21 +241,29 @@ impl<'a> Event<'a> {
         })
     }
 
-    /// Whether nothing is left without one sample of it.
+    /// Whether nothing is left without one sample of it, and what was bridged beside that.
     fn is_one_sample(&self) -> bool {
         let Some((values, place)) = self.moment() else {
             return false;
         };
-        let mut without = values.to_vec();
         let Some(largest) = course::largest(values, &place) else {
             return false;
         };
-        let before = largest.checked_sub(1).map(|before| values[before]);
-        let after = values.get(largest + 1).copied();
-        let Some(level) = before.or(after) else {
+        let first = self.samples().start - place.start;
+        let is_seen = |n: &usize| self.scan.is_seen(first + n);
+        let before = (0..largest).rev().find(is_seen);
+        let after = (largest + 1..values.len()).find(is_seen);
+        let Some(level) = before.or(after).map(|n| values[n]) else {
             return false;
         };
-        without[largest] = 0.5 * (before.unwrap_or(level) + after.unwrap_or(level));
+        let ends = [before, after].map(|n| n.map_or(level, |n| values[n]));
+        let gone = before.map_or(0, |n| n + 1)..after.unwrap_or(values.len());
+        let parts = (gone.len() + 1) as f64;
+        let mut without = values.to_vec();
+        for (part, value) in without[gone].iter_mut().enumerate() {
+            let share = (part + 1) as f64 / parts;
+            *value = ends[0] + share * (ends[1] - ends[0]);
+        }
         self.is_nothing(0..without.len(), &place, &without)
     }
 
@@ -275,6 +285,6 @@ impl<'a> Event<'a> {
                 let (score, largest) = about.single_samples(count);
                 largest < NO_ERROR && score - ONE_SAMPLE * (count - 1) as f64 > worth
             });
-        is_samples.then_some(What::Other)
+        is_samples.then_some(What::Singles)
     }
 }

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use super::course::Course;
+use super::event::MOMENT;
 use super::moved::Moved;
 use super::scan::{Scan, Stretch};
 use crate::diagnosis::axis::SPREAD;
@@ -64,6 +65,11 @@ impl Happened {
             Known::Motion(moved) => moved.samples = samples,
             Known::Louder(burst) => burst.range = samples,
         }
+    }
+
+    /// Whether it is a shock no longer than some single samples that came together.
+    pub fn is_short(&self) -> bool {
+        matches!(&self.what, Known::Shock(course) if course.samples.len() <= 2 * MOMENT)
     }
 
     /// Whether it goes to one side and comes back.

@@ -133,7 +133,7 @@ fn events(scan: &Scan<'_>, stretches: &[Stretch], level: f64) -> Option<Vec<Happ
         let mut louder = louder.iter();
         louder.any(|wide| wide.samples.contains(&stretch.samples.start))
     };
-    let mut jumps: Vec<f64> = Vec::new();
+    let (mut jumps, mut singles): (Vec<f64>, Vec<f64>) = Default::default();
     for stretch in stretches {
         if is_in_louder(stretch) || is_foretold(stretch) {
             continue;
@@ -143,13 +143,15 @@ fn events(scan: &Scan<'_>, stretches: &[Stretch], level: f64) -> Option<Vec<Happ
             What::Motion(moved) => events.push(Happened::new(stretch, Known::Motion(moved))),
             What::Louder(burst) => events.push(Happened::new(stretch, Known::Louder(burst))),
             What::Jump => jumps.push(stretch.z),
+            What::Singles => singles.push(stretch.z),
             What::Other => {}
         }
         if events.len() > MOST_EVENTS {
             return None;
         }
     }
-    without_two_jumps(&mut events, &jumps);
+    without_some_of(&mut events, &jumps, Happened::is_bump);
+    without_some_of(&mut events, &singles, Happened::is_short);
     let mut events = without_echoes(events);
     let taken: usize = events.iter().map(|one| one.samples().len()).sum();
     if taken as f64 > MOST_OF_RECORD * scan.values().len() as f64 {
@@ -180,14 +182,15 @@ fn without_echoes(mut events: Vec<Happened>) -> Vec<Happened> {
     all
 }
 
-/// Leaves out bumps where the level jumps far more often than it bulges: there a bump is a jump up and one back.
-fn without_two_jumps(events: &mut Vec<Happened>, jumps: &[f64]) {
-    /// Jumps a bump, at least, and how far a bump stands out beyond the plainest of them, at most: choices.
+/// Leaves out what `could_be` one of some others that stand out as far as `heights` say, where these come far more often:
+/// a bump is a jump up and one back, a short shock some samples that came together.
+fn without_some_of(events: &mut Vec<Happened>, heights: &[f64], could_be: fn(&Happened) -> bool) {
+    /// Others for each, at least, and how far it stands out beyond the plainest of them, at most: choices.
     const OFTEN: usize = 4;
     const BEYOND: f64 = 2.0;
-    let bumps = events.iter().filter(|one| one.is_bump()).count();
-    if jumps.len() >= OFTEN * bumps {
-        let plainest = jumps.iter().copied().fold(0.0, f64::max);
-        events.retain(|one| !one.is_bump() || one.z > BEYOND * plainest);
+    let count = events.iter().filter(|one| could_be(one)).count();
+    if heights.len() >= OFTEN * count {
+        let plainest = heights.iter().copied().fold(0.0, f64::max);
+        events.retain(|one| !could_be(one) || one.z > BEYOND * plainest);
     }
 }

@@ -107,6 +107,11 @@ impl<'a> Scan<'a> {
         &self.runs
     }
 
+    /// Whether a sample was measured, not bridged.
+    pub fn is_seen(&self, index: usize) -> bool {
+        self.seen[index].is_finite()
+    }
+
     /// Share of some samples that is missing.
     pub fn missing(&self, samples: &Range<usize>) -> f64 {
         let missing = self.seen[samples.clone()].iter();

@@ -139,3 +139,57 @@ fn clean_records_hold_none() {
         .collect();
     assert!(seen.is_empty(), "seeds {seen:?}");
 }
+
+/// Places of single samples, `count` of them, evenly over a record.
+fn spread(len: usize, count: usize) -> impl Iterator<Item = usize> {
+    (1..=count).map(move |n| n * len / (count + 1))
+}
+
+#[test]
+fn a_short_shock_among_many_single_samples_is_some_that_came_together() {
+    for seed in 40..43 {
+        let with = |singles: usize, size: f64| {
+            let mut values = noise(seed);
+            let len = values.len();
+            spread(len, singles).for_each(|place| values[place] += 20.0);
+            let bump = Shock {
+                duration_s: 6.0 / RATE_HZ,
+                f_hz: 0.0,
+                decay_s: 0.0,
+                ..ringing(91.037, size)
+            };
+            add(&mut values, &[bump]);
+            told(values)
+        };
+        assert_eq!(with(0, 15.0).len(), 1, "seed {seed}: alone");
+        assert_eq!(with(3, 15.0).len(), 1, "seed {seed}: beside three");
+        assert!(with(10, 15.0).is_empty(), "seed {seed}: beside ten");
+        // One that stands out far beyond them is none of them.
+        assert_eq!(with(10, 300.0).len(), 1, "seed {seed}: far beyond ten");
+    }
+}
+
+#[test]
+fn single_samples_beside_missing_ones_are_no_shocks() {
+    for seed in 50..53 {
+        let mut values = noise(seed);
+        let len = values.len();
+        for (n, place) in spread(len, 8).enumerate() {
+            values[place] += 20.0;
+            // Beside some on one side, beside some on both.
+            values[place + 1] = f64::NAN;
+            if n % 2 == 0 {
+                values[place - 1] = f64::NAN;
+            }
+        }
+        // So many are missing that gaps are looked across.
+        for n in (0..len).step_by(7) {
+            values[n] = if values[n].abs() > 10.0 {
+                values[n]
+            } else {
+                f64::NAN
+            };
+        }
+        assert!(told(values).is_empty(), "seed {seed}");
+    }
+}
