@@ -3,10 +3,13 @@
 //! Whitened on the record's slow copy, where each settling is compared with the noise at all frequencies at
 //! once.
 
+#[cfg(test)]
+mod tests;
+
 use rayon::prelude::*;
 
-use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::axis::profile::{Noise, Profile};
+use crate::diagnosis::axis::{AxisState, SPREAD};
 use crate::diagnosis::detect::look::{Look, Proposal};
 use crate::diagnosis::detect::slow_change::{MeasuredAgain, SlowChange};
 use crate::diagnosis::detect::{telegraph, thermal};
@@ -70,10 +73,9 @@ pub fn measured_again(
         return None;
     };
     let factor = look.axis.drift_factor();
-    let (record, density) = look.axis.slow(values, factor);
-    let settling = Settlings::new(record, density);
+    let settling = Settlings::new(look.axis, values, factor);
     let known_gain = settling.at(samples / factor as f64).gain(*amplitude);
-    let change = settling.change(factor);
+    let change = settling.change(factor)?;
     let gain = change.gain_nats;
     Some((proposal(look, change)?, gain, known_gain))
 }
@@ -94,8 +96,7 @@ fn is_dwelling(axis: &AxisState, change: &SlowChange) -> bool {
 /// Exponential settling from the start.
 pub fn warm_up(axis: &AxisState, level: f64, noise: Noise) -> Option<SlowChange> {
     let factor = axis.drift_factor();
-    let (record, density) = axis.slow(&axis.filled, factor);
-    let mut settling = Settlings::new(record, density);
+    let mut settling = Settlings::new(axis, &axis.filled, factor);
     let mut z = settling.best().0;
     let mut gain_nats = 0.5 * z * z;
     if noise == Noise::Anew && settling.p_value(z) >= level {
@@ -115,14 +116,12 @@ pub fn warm_up(axis: &AxisState, level: f64, noise: Noise) -> Option<SlowChange>
         settling.density = density;
     }
     let p_value = settling.p_value(z);
-    (p_value < level).then(|| {
-        let change = settling.change(factor);
-        SlowChange {
-            z,
-            gain_nats,
-            p_value,
-            ..change
-        }
+    let change = (p_value < level).then(|| settling.change(factor))??;
+    Some(SlowChange {
+        z,
+        gain_nats,
+        p_value,
+        ..change
     })
 }
 
@@ -131,12 +130,25 @@ struct Settlings {
     record: Transform,
     density: Vec<f64>,
     transformer: Transformer,
+    /// The shortest time constant.
+    shortest: f64,
 }
 
 impl Settlings {
-    fn new(record: Transform, density: Vec<f64>) -> Self {
+    /// Of `values` of an axis in means over `factor` samples. What begins within a converter's filter is its own beginning:
+    /// one free sample and a step do not close the seam behind it.
+    fn new(axis: &AxisState, values: &[f64], factor: usize) -> Self {
+        let (record, density) = axis.slow(values, factor);
+        let spread = if axis.is_filtered() { SPREAD } else { 0 };
         Self {
             transformer: Transformer::new(record.len()),
+            shortest: [
+                8.0,
+                record.len() as f64 / 512.0,
+                spread as f64 / factor as f64,
+            ]
+            .into_iter()
+            .fold(0.0, f64::max),
             record,
             density,
         }
@@ -162,8 +174,7 @@ impl Settlings {
 
     /// The shortest and the longest time constant.
     fn ends(&self) -> [f64; 2] {
-        let length = self.record.len() as f64;
-        [(length / 512.0).max(8.0), length / 1.5]
+        [self.shortest, self.record.len() as f64 / 1.5]
     }
 
     fn octaves(&self) -> f64 {
@@ -196,7 +207,7 @@ impl Settlings {
             let moved = [f64::exp(step), f64::exp(-step)]
                 .map(|factor| (self.z_at(best.1 * factor), best.1 * factor));
             let moved = moved.into_iter().max_by(larger).unwrap_or(best);
-            if moved.0.abs() > best.0.abs() && moved.1 < longest * 1.2 && moved.1 > shortest * 0.8 {
+            if moved.0.abs() > best.0.abs() && moved.1 < longest * 1.2 && moved.1 >= shortest {
                 best = moved;
             } else {
                 step *= 0.5;
@@ -205,9 +216,13 @@ impl Settlings {
         best
     }
 
-    /// The settling that fits best, one sample of the record standing for `factor`.
-    fn change(&self, factor: usize) -> SlowChange {
+    /// The settling that fits best, one sample of the record standing for `factor`; `None` where that is the shortest: then it
+    /// is something shorter.
+    fn change(&self, factor: usize) -> Option<SlowChange> {
         let (z, samples) = self.best();
+        if samples <= self.shortest {
+            return None;
+        }
         let projection = self.at(samples);
         // The square of z falls as a parabola in the logarithm of the time constant.
         let h = 0.05_f64;
@@ -217,7 +232,7 @@ impl Settlings {
         let time_log_sd = bend.max(1e-9).recip().sqrt();
         // The size goes with the time constant.
         let slope = (later.size() - sooner.size()) / (2.0 * h);
-        SlowChange {
+        Some(SlowChange {
             wave: Wave::WarmUp {
                 amplitude: projection.size(),
                 samples: samples * factor as f64,
@@ -228,76 +243,6 @@ impl Settlings {
             time_log_sd,
             p_value: self.p_value(z),
             nats: held_out_gain(&self.record, &self.density, &self.wave(samples)),
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use std::sync::Arc;
-
-    use super::*;
-    use crate::model::random::Gaussian;
-    use crate::model::random::Seed;
-
-    const LENGTH: usize = 1 << 15;
-    const RATE_HZ: f64 = 100.0;
-
-    /// White noise of deviation 1, a walk whose steps have this one, and a settling.
-    fn axis(seed: u64, walk: f64, amplitude: f64) -> AxisState {
-        let mut noise = Gaussian::new(Seed { seed, stream: 0 }, 1.0);
-        let mut level = 0.0;
-        let values = (0..LENGTH).map(|n| {
-            level += walk * noise.draw();
-            level + noise.draw() + amplitude * (-(n as f64) / 3000.0).exp()
-        });
-        AxisState::new(Arc::new(values.collect()), RATE_HZ, None).expect("long enough")
-    }
-
-    #[test]
-    fn walk_settles_by_chance_alone() {
-        // At 2 % of 30 records five or more have a probability of 3e-4.
-        for walk in [0.0, 1e-3, 1e-2] {
-            let alarms = (0..30)
-                .filter(|&seed| warm_up(&axis(seed, walk, 0.0), 0.02, Noise::Anew).is_some());
-            let alarms: Vec<u64> = alarms.collect();
-            assert!(alarms.len() < 5, "walk {walk}: seeds {alarms:?}");
-        }
-    }
-
-    #[test]
-    fn a_settling_taken_for_walk_is_found_beside_it() {
-        let level = 2e-4;
-        let mut hidden = 0;
-        for seed in 100..108 {
-            let axis = axis(seed, 0.0, 1.0);
-            hidden += u32::from(warm_up(&axis, level, Noise::Fitted).is_none());
-            let found = warm_up(&axis, level, Noise::Anew);
-            let found = found.unwrap_or_else(|| panic!("seed {seed}: nothing"));
-            let Wave::WarmUp { amplitude, .. } = found.wave else {
-                panic!("seed {seed}: another waveform");
-            };
-            // Four deviations: once in 16 000.
-            assert!(
-                (amplitude - 1.0).abs() < 4.0 * found.size_sd,
-                "seed {seed}: {amplitude} within {}",
-                found.size_sd
-            );
-        }
-        assert!(hidden > 0, "the walk hides none of them");
-    }
-
-    #[test]
-    fn a_settling_as_quick_as_the_level_switches_is_a_dwell() {
-        use crate::diagnosis::detect::trial::{self, Trial, noise};
-        use crate::model::telegraph;
-        for (dwell_s, is_found) in [(2.0, true), (15.0, false)] {
-            let mut values = noise(0);
-            trial::add(&mut values, &trial::settling(4.0, 30.0));
-            let mut trial = Trial::new(values);
-            trial.know(telegraph::KIND, [1.0, dwell_s], trial::steps(&[]));
-            let found = trial.look(|look| find(look, Noise::Anew));
-            assert_eq!(found.is_some(), is_found, "seed 0, {dwell_s} s");
-        }
+        })
     }
 }

@@ -1,0 +1,98 @@
+//! Settlings that are there, and what looks like one.
+
+use std::sync::Arc;
+
+use super::*;
+use crate::chain::Chain;
+use crate::model::random::{Gaussian, Seed};
+
+const LENGTH: usize = 1 << 15;
+const RATE_HZ: f64 = 100.0;
+
+/// White noise of deviation 1, a walk whose steps have this one, and a settling.
+fn axis(seed: u64, walk: f64, amplitude: f64) -> AxisState {
+    let mut noise = Gaussian::new(Seed { seed, stream: 0 }, 1.0);
+    let mut level = 0.0;
+    let values = (0..LENGTH).map(|n| {
+        level += walk * noise.draw();
+        level + noise.draw() + amplitude * (-(n as f64) / 3000.0).exp()
+    });
+    AxisState::new(Arc::new(values.collect()), RATE_HZ, None).expect("long enough")
+}
+
+#[test]
+fn walk_settles_by_chance_alone() {
+    // At 2 % of 30 records five or more have a probability of 3e-4.
+    for walk in [0.0, 1e-3, 1e-2] {
+        let alarms =
+            (0..30).filter(|&seed| warm_up(&axis(seed, walk, 0.0), 0.02, Noise::Anew).is_some());
+        let alarms: Vec<u64> = alarms.collect();
+        assert!(alarms.len() < 5, "walk {walk}: seeds {alarms:?}");
+    }
+}
+
+#[test]
+fn a_settling_taken_for_walk_is_found_beside_it() {
+    let level = 2e-4;
+    let mut hidden = 0;
+    for seed in 100..108 {
+        let axis = axis(seed, 0.0, 1.0);
+        hidden += u32::from(warm_up(&axis, level, Noise::Fitted).is_none());
+        let found = warm_up(&axis, level, Noise::Anew);
+        let found = found.unwrap_or_else(|| panic!("seed {seed}: nothing"));
+        let Wave::WarmUp { amplitude, .. } = found.wave else {
+            panic!("seed {seed}: another waveform");
+        };
+        // Four deviations: once in 16 000.
+        assert!(
+            (amplitude - 1.0).abs() < 4.0 * found.size_sd,
+            "seed {seed}: {amplitude} within {}",
+            found.size_sd
+        );
+    }
+    assert!(hidden > 0, "the walk hides none of them");
+}
+
+#[test]
+fn what_is_shorter_than_any_settling_is_none() {
+    for seed in 200..203 {
+        let mut noise = Gaussian::new(Seed { seed, stream: 0 }, 1.0);
+        let with = |samples: f64, draw: &mut Gaussian| {
+            let settling = (0..LENGTH).map(|n| 30.0 * (-(n as f64) / samples).exp());
+            let values = settling.map(|value| value + draw.draw());
+            let axis = AxisState::new(Arc::new(values.collect()), RATE_HZ, None);
+            warm_up(&axis.expect("long enough"), 2e-4, Noise::Fitted)
+        };
+        // The shortest is 64 samples, a 512th of the record.
+        assert!(with(100.0, &mut noise).is_some(), "seed {seed}");
+        assert!(with(5.0, &mut noise).is_none(), "seed {seed}");
+    }
+}
+
+#[test]
+fn nothing_settles_within_a_converters_filter() {
+    let chain: Chain = "ads1281:linear".parse().expect("a chain");
+    let mut noise = Gaussian::new(Seed { seed: 7, stream: 0 }, 1.0);
+    let values: Arc<Vec<f64>> = Arc::new((0..1 << 13).map(|_| noise.draw()).collect());
+    let shortest = |chain: Option<&Chain>| {
+        let axis = AxisState::new(Arc::clone(&values), RATE_HZ, chain).expect("long enough");
+        let factor = axis.drift_factor();
+        Settlings::new(&axis, &axis.filled, factor).shortest * factor as f64
+    };
+    assert!(shortest(None) < SPREAD as f64);
+    assert!(shortest(Some(&chain)) >= SPREAD as f64);
+}
+
+#[test]
+fn a_settling_as_quick_as_the_level_switches_is_a_dwell() {
+    use crate::diagnosis::detect::trial::{self, Trial, noise};
+    use crate::model::telegraph;
+    for (dwell_s, is_found) in [(2.0, true), (15.0, false)] {
+        let mut values = noise(0);
+        trial::add(&mut values, &trial::settling(4.0, 30.0));
+        let mut trial = Trial::new(values);
+        trial.know(telegraph::KIND, [1.0, dwell_s], trial::steps(&[]));
+        let found = trial.look(|look| find(look, Noise::Anew));
+        assert_eq!(found.is_some(), is_found, "seed 0, {dwell_s} s");
+    }
+}
