@@ -135,12 +135,9 @@ pub struct VirtualBoard<'b, S, E> {
 }
 
 impl<'b, S: Signal, E: Environment> VirtualBoard<'b, S, E> {
-    /// A board on `bench`; its timer and its SPI clock are those of the bench.
+    /// A board on `bench`; its timer and its SPI clock are those of the bench. Its timer has [`TIMER_HZ`] ticks in
+    /// a second of the bench: where `board` says otherwise, that clock is off.
     pub fn new(bench: &'b Bench<S>, environment: E, board: Board) -> Self {
-        let board = Board {
-            timer_hz: TIMER_HZ,
-            ..board
-        };
         Self {
             bench,
             environment,

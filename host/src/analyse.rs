@@ -101,7 +101,8 @@ pub fn summary(signal: &Signal, account: &Account) -> SourceSummary {
     SourceSummary {
         file: signal.name.clone(),
         rate_hz: signal.rate_hz,
-        measured_rate_hz: account.measured_rate_hz,
+        measured_rate_hz: account.clocks.map(|clocks| clocks.rate_by_board_hz.value),
+        clocks: account.clocks,
         unit: signal.axes.first().map(|axis| axis.unit),
         samples: account.samples,
         duration_s: (account.samples + account.lost) as f64 / signal.rate_hz,

@@ -19,6 +19,7 @@ mod calibrate;
 mod capture;
 mod chain;
 mod cli;
+mod clocks;
 mod data_sheet;
 mod diagnosis;
 mod export;
@@ -53,6 +54,7 @@ pub use analyse::{
 pub use bins::{record::Record, taus::Taus};
 pub use chain::Chain;
 pub use cli::main as command_line;
+pub use clocks::{Clocks, Measured};
 pub use diagnosis::result::estimate::Estimate;
 pub use diagnosis::result::finding::{AxisDiagnosis, Diagnosis, Finding, Remark};
 pub use diagnosis::result::value::Value;

@@ -150,6 +150,7 @@ TYPES = {
         ("Overrun", [("unix_ms", "i64"), ("until_ms", "i64"), ("bytes", "u64")]),
         ("StreamBack", [("unix_ms", "i64")]),
         ("Mark", [("unix_ms", "i64"), ("text", "text")]),
+        ("Clock", [("unix_ms", "i64"), ("stamp", "u64"), ("host_us", "u64")]),
     ]),
 }
 CODES = ("list", ("array", 3, "Code"))

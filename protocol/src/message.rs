@@ -166,4 +166,14 @@ pub enum Note {
         /// What happened, in the person's words; may be empty.
         text: String<MAX_MARK>,
     },
+    /// A health record had arrived: both clocks at once, about once a second. What lies between is the way of the
+    /// record to the host, so that the host's time is late and never early.
+    Clock {
+        /// Wall clock, milliseconds since 1970-01-01 UTC.
+        unix_ms: i64,
+        /// `Health::stamp` of that record, ticks of the board's timer.
+        stamp: u64,
+        /// A clock of the host that runs evenly and is never set, microseconds since the recording began.
+        host_us: u64,
+    },
 }

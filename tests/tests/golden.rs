@@ -53,8 +53,14 @@ fn a_capture_of_then_is_analysed_as_it_was_then() {
         let output = inm(&path(""), &["analyze", capture, "--json", "-"]);
         let mut now: Value = serde_json::from_slice(&output.stdout).expect("JSON");
         let then = json(&path(said));
-        // Fields that came since the first: what was missing of single axes, and the rate by the stamps.
+        // Fields that came since the first: what was missing of single axes, and the rate by the stamps; its
+        // uncertainty came later than both.
         let source = now["source"].as_object_mut().expect("an object");
+        let clocks = source.remove("clocks").expect("both have stamps");
+        assert_eq!(
+            clocks["rate_by_board_hz"]["value"],
+            source["measured_rate_hz"]
+        );
         for field in ["unusable", "measured_rate_hz"] {
             assert!(!source[field].is_null(), "{field}");
             if then["source"].get(field).is_none() {

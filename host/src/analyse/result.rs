@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use crate::bins::record::Overlap;
+use crate::clocks::Clocks;
 use crate::fit::result::Fits;
 use crate::navigate::Growth;
 use crate::signal::Unit;
@@ -28,6 +29,10 @@ pub struct SourceSummary {
     /// Samples a second by the stamps of the board that recorded; `None` for other records, and for
     /// less than a second.
     pub measured_rate_hz: Option<f64>,
+    /// The same with its uncertainty, and by the clock of the host that recorded, where it noted that down; as
+    /// `measured_rate_hz`, but left out where there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clocks: Option<Clocks>,
     /// Unit of the first axis.
     pub unit: Option<Unit>,
     /// Samples an axis that arrived.

@@ -58,6 +58,6 @@ pub fn read(
         Ok::<_, SourceError>(axes.collect())
     })?;
     *record.axes_mut() = axes;
-    record.enter_rate(source.measured_rate_hz());
+    record.enter_clocks(source.clocks());
     Ok(record)
 }

@@ -5,6 +5,7 @@ mod axis;
 mod sum;
 
 use super::unusable::Unusable;
+use crate::clocks::Clocks;
 use crate::source::{Chunk, Column};
 use crate::spectrum::Plan;
 
@@ -79,8 +80,8 @@ impl Record {
     }
 
     /// Enters what the source says of its rate.
-    pub fn enter_rate(&mut self, measured_rate_hz: Option<f64>) {
-        self.account.measured_rate_hz = measured_rate_hz;
+    pub fn enter_clocks(&mut self, clocks: Option<Clocks>) {
+        self.account.clocks = clocks;
     }
 
     /// Samples, losses and gaps so far.

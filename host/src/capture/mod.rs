@@ -25,7 +25,7 @@ mod writer;
 pub use durable::Durable;
 pub use error::CaptureError;
 pub(crate) use header::corrects;
-pub use header::{ClockSource, Header, RegistersOf};
+pub use header::{BoardHeader, ClockSource, Header, RegistersOf};
 pub use reader::Reader;
 pub use writer::{SYNC_PERIOD, Writer, note_frame};
 

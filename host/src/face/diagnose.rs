@@ -1,7 +1,7 @@
 //! The diagnosis of a record: a source in, a plain result out. Reports only format it.
 
 use crate::analyse::{SCHEMA, summary};
-use crate::diagnosis::detect::timebase::clock;
+use crate::diagnosis::detect::timebase::{clock, counted};
 use crate::diagnosis::options::Options;
 use crate::diagnosis::record::samples::Samples;
 use crate::diagnosis::result::finding::{Diagnosis, Finding};
@@ -23,7 +23,8 @@ pub struct DiagnosisOptions<'a> {
     pub family_level: f64,
     /// The temperature, one value a sample; gains are stated for one unit of it.
     pub temperature: Option<Vec<f64>>,
-    /// Another record of the same axes: shows whether this one was taken at the rate that it says.
+    /// Another record of the same axes: shows whether this one was taken at the rate that it says, where no clock
+    /// has counted its samples.
     pub reference: Option<&'a mut dyn Source>,
     /// Kinds that are suspected, as [`find_kind`](crate::find_kind) gives them: of each that is not found it is told
     /// how near it comes to a name, and how large it may be. Nothing else depends on them.
@@ -93,7 +94,7 @@ pub fn diagnose(
         None => None,
     };
     let (mut samples, mut account) = Samples::read(source, |_| {})?;
-    account.measured_rate_hz = source.measured_rate_hz();
+    account.clocks = source.clocks();
     let family_level = options.family_level;
     let options = Options {
         family_level,
@@ -101,9 +102,14 @@ pub fn diagnose(
         suspects: options.suspects,
         views: options.views,
     };
-    let clock = reference.map_or_else(Vec::new, |reference| {
-        clock(&samples, &reference, level_of_one_test(&options))
-    });
+    // Two ways to ask the same share the level.
+    let ways = u32::from(reference.is_some()) + u32::from(account.clocks.is_some());
+    let level = level_of_one_test(&options) / f64::from(ways.max(1));
+    let mut clock = reference.map_or_else(Vec::new, |reference| clock(&samples, &reference, level));
+    if let Some(clocks) = &account.clocks {
+        let (nominal_hz, axes) = (samples.signal.rate_hz, samples.axes.len());
+        clock = counted(clocks, nominal_hz, axes, level, clock);
+    }
     at_clock(&mut samples, &clock);
     let signal = samples.signal.clone();
     let mut diagnosed = axes::diagnose(samples, &options, progress)?;

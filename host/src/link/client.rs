@@ -10,7 +10,7 @@ use inm_protocol::{
 };
 
 use super::port::is_wait;
-use super::{Clock, LinkError, Port};
+use super::{Arrival, Clock, LinkError, Port};
 
 /// How long to wait for a reply, and how often to ask.
 #[derive(Debug, Clone, Copy)]
@@ -69,17 +69,22 @@ impl Client {
         self
     }
 
-    /// The same, with numbers that go on behind another's: the number of a start is that of its stream,
-    /// and a record must not have two of one number.
+    /// The same, with clock and numbers that go on behind another's: two starts of a record have two numbers.
     #[must_use]
     pub fn behind(mut self, other: &Self) -> Self {
         self.next_id = other.next_id;
+        self.clock = other.clock.clone();
         self
     }
 
     /// The time by which it waits.
     pub fn now(&self) -> Instant {
         self.clock.now()
+    }
+
+    /// When what was read a moment ago had arrived, by a clock beside the board.
+    pub fn arrival(&self) -> Arrival {
+        self.clock.arrival()
     }
 
     /// Closes the port: a lock of our own on it must not keep us out when it is opened again.
@@ -102,6 +107,7 @@ impl Client {
     /// [`LinkError::Gone`] if the port went away.
     pub fn read(&mut self, buf: &mut [u8]) -> Result<usize, LinkError> {
         if !self.behind.is_empty() {
+            self.clock.forget_frames();
             let len = self.behind.len().min(buf.len());
             buf[..len].copy_from_slice(&self.behind[..len]);
             self.behind.drain(..len);

@@ -10,7 +10,7 @@ mod words;
 
 pub(crate) use client::Expect;
 pub use client::{Client, Patience};
-pub use clock::Clock;
+pub use clock::{Arrival, Clock};
 pub use error::LinkError;
 pub use intake::open_to_record;
 pub use port::{Connect, Port};

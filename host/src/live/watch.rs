@@ -60,7 +60,7 @@ pub fn watch_on(
         stage.show(|| scene(source, record.as_deref(), &strip, &news, false));
     };
     if let Some(record) = &mut record {
-        record.enter_rate(source.measured_rate_hz());
+        record.enter_clocks(source.clocks());
     }
     stage.end(scene(source, record.as_deref(), &strip, &news, true));
     result

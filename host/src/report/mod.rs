@@ -10,6 +10,7 @@ pub mod number;
 pub mod page;
 pub mod plot;
 pub mod png;
+mod rate;
 pub mod reveal;
 pub mod spectrum_plot;
 pub mod svg;

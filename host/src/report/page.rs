@@ -4,8 +4,9 @@
 use std::fmt::{Result, Write};
 
 use super::number::{duration, grouped, plain, significant};
+use super::rate;
 use super::svg::escape;
-use super::text::{rate_words, unusable_words};
+use super::text::unusable_words;
 use crate::analyse::{GapSummary, SourceSummary};
 
 /// Colours, light and dark, and tables.
@@ -81,8 +82,15 @@ pub fn source(page: &mut String, source: &SourceSummary) -> Result {
     ] {
         write!(page, "<div><dt>{name}</dt><dd>{value}</dd></div>")?;
     }
+    if let Some(words) = rate::by_host(source) {
+        let words = escape(&words);
+        write!(
+            page,
+            "<div><dt>By the host's clock</dt><dd>{words}</dd></div>"
+        )?;
+    }
     write!(page, "</dl>")?;
-    if let Some(words) = rate_words(source) {
+    if let Some(words) = rate::contradicted(source) {
         write!(page, "<p class=\"warning\">{}</p>", escape(&words))?;
     }
     for one in unusable {

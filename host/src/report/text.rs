@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use super::number::{duration, grouped, plain, significant};
-use super::verdict;
+use super::{rate, verdict};
 use crate::analyse::{
     Analysis, AxisAnalysis, CurvePoint, LikelihoodValue, PublishedValue, SourceSummary,
     UnusableSummary,
@@ -44,7 +44,10 @@ pub(super) fn head(text: &mut String, source: &SourceSummary) -> std::fmt::Resul
         plain(source.rate_hz),
         duration(source.duration_s),
     )?;
-    if let Some(words) = rate_words(source) {
+    if let Some(words) = rate::by_host(source) {
+        writeln!(text, "Data rate by the host's clock: {words}.")?;
+    }
+    if let Some(words) = rate::contradicted(source) {
         writeln!(text, "{words}")?;
     }
     gaps(text, source)?;
@@ -55,23 +58,6 @@ pub(super) fn head(text: &mut String, source: &SourceSummary) -> std::fmt::Resul
         writeln!(text, "and {} more notes", source.news.len() - MOST_NEWS)?;
     }
     Ok(())
-}
-
-/// Part of the rate that two sound crystals may differ by: some 50 parts in a million each.
-const CRYSTALS: f64 = 1e-4;
-
-/// That the stamps contradict the rate, in words, if they do.
-pub(super) fn rate_words(source: &SourceSummary) -> Option<String> {
-    let measured_hz = source.measured_rate_hz?;
-    let off = measured_hz / source.rate_hz - 1.0;
-    (off.abs() > CRYSTALS).then(|| {
-        format!(
-            "By the board's stamps the converters made {}/s, {:+.0} ppm from the rate: one of the two \
-             clocks is off.",
-            significant(measured_hz, 7),
-            off * 1e6
-        )
-    })
 }
 
 fn gaps(text: &mut String, source: &SourceSummary) -> std::fmt::Result {

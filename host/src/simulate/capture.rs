@@ -32,6 +32,7 @@ pub fn write_capture(simulation: &mut Simulation, path: &Path) -> anyhow::Result
     let mut writer = Writer::create(path, &header)?;
     let mut batches = Batches {
         header: &header,
+        rate_hz: simulation.true_rate_hz(),
         batch: Batch::default(),
         next: 0,
         frames: Vec::new(),
@@ -142,6 +143,8 @@ fn identity(rate: Rate, signal: &Signal) -> Identity {
 /// Conversions on their way into frames.
 struct Batches<'a> {
     header: &'a Header,
+    /// Conversions a second by the clock of the stamps, which is right.
+    rate_hz: f64,
     batch: Batch,
     next: u64,
     frames: Vec<u8>,
@@ -152,7 +155,7 @@ impl Batches<'_> {
         let place = self.batch.codes.len();
         if place == 0 {
             self.batch.first = self.next;
-            let ticks = self.next as f64 / self.header.rate_hz * f64::from(TIMER_HZ);
+            let ticks = self.next as f64 / self.rate_hz * f64::from(TIMER_HZ);
             self.batch.stamp = ticks.round() as u64;
         }
         let mut codes = [Code(0); AXES];
@@ -205,5 +208,41 @@ fn convert(value: f64, header: &Header, axis: usize) -> Word {
     Word {
         word,
         clipped: i64::from(word >> 1) != code,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::whole::Model;
+    use crate::source::capture::CaptureSource;
+
+    /// The stamps are by a clock that is right, so that a wrong data rate shows in them.
+    #[test]
+    fn a_wrong_clock_of_the_converters_shows_in_the_stamps() {
+        let rate_hz = |effects: &str| {
+            let axis = |name: &str| {
+                format!(
+                    r#"{{ "name": "{name}", "unit": "m/s^2", "coefficients": {{ "N": 1e-3 }},
+                          "effects": [{effects}] }}"#
+                )
+            };
+            let axes = ["X", "Y", "Z"].map(axis).join(", ");
+            let model = format!(r#"{{ "schema": 1, "rate_hz": 250, "axes": [{axes}] }}"#);
+            let model = Model::from_json(&model).expect("a model");
+            let mut simulation = Simulation::new(&model, 2000, 1).expect("a simulation");
+            let folder = tempfile::tempdir().expect("a folder");
+            let path = folder.path().join("made.inmcap");
+            write_capture(&mut simulation, &path).expect("written");
+            let mut source = CaptureSource::open(&path).expect("a capture");
+            while source.next_chunk().expect("whole").is_some() {}
+            let clocks = source.clocks().expect("stamps");
+            assert_eq!(clocks.rate_by_host_hz, None);
+            clocks.rate_by_board_hz.value
+        };
+        // A microsecond at either end of eight seconds.
+        assert!((rate_hz("") / 250.0 - 1.0).abs() < 2.5e-7);
+        let off = r#"{ "effect": "timebase", "parameters": { "ratio": 1.02 } }"#;
+        assert!((rate_hz(off) / 255.0 - 1.0).abs() < 2.5e-7);
     }
 }

@@ -19,6 +19,8 @@ pub struct Simulation {
     axes: Vec<AxisSimulation>,
     /// The column of the temperature, where there is one.
     temperature: Option<Arc<[f64]>>,
+    /// True data rate over the nominal one, of the first axis, whose edges a board stamps.
+    clock: f64,
     length: u64,
     next: u64,
 }
@@ -103,9 +105,15 @@ impl Simulation {
             },
             axes: model.axes.iter().enumerate().map(axis).collect(),
             temperature: temperature.cloned(),
+            clock: model.axes.first().map_or(1.0, ModelAxis::clock),
             length,
             next: 0,
         })
+    }
+
+    /// Samples a second of a clock that is right, of the first axis.
+    pub fn true_rate_hz(&self) -> f64 {
+        self.clock * self.signal.rate_hz
     }
 
     /// The next samples of every axis, at most `most`; empty at the end.

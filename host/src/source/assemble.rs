@@ -19,7 +19,7 @@ use self::ahead::Ahead;
 use self::held::Held;
 use self::spoilt::Spoilt;
 use self::streams::Streams;
-use self::stretches::Stretches;
+use self::stretches::{Stretch, Stretches};
 use super::{Chunk, Gap};
 
 pub use self::losses::Losses;
@@ -93,9 +93,8 @@ impl Assembler {
         }
     }
 
-    /// Conversions and ticks from the first batch to the last of the longest stretch without a gap: over
-    /// one, converters may have been synchronised anew.
-    pub fn longest_stretch(&self) -> (u64, u64) {
+    /// The longest stretch without a gap: over one, converters may have been synchronised anew.
+    pub fn longest_stretch(&self) -> Stretch {
         self.stretches.longest()
     }
 

@@ -10,6 +10,7 @@ use super::audit::Proof;
 use super::frames::{Frames, Status};
 use super::{Chunk, Source, SourceError};
 use crate::capture::{CaptureError, Header, Reader};
+use crate::clocks::Clocks;
 use crate::signal::Signal;
 
 /// Bytes read at a time: some 400 frames.
@@ -83,7 +84,7 @@ impl CaptureSource {
         let signal = reader.header().signal(name)?;
         let buf = vec![0; BUFFER];
         let mut frames = Frames::default();
-        frames.begin(reader.header().board.clock);
+        frames.begin(&reader.header().board);
         Ok(Self {
             reader,
             signal,
@@ -177,8 +178,8 @@ impl Source for CaptureSource {
         Some(self.frames.proof())
     }
 
-    fn measured_rate_hz(&self) -> Option<f64> {
-        self.frames.measured_rate_hz(self.header().board.timer_hz)
+    fn clocks(&self) -> Option<Clocks> {
+        self.frames.clocks()
     }
 
     fn next_chunk(&mut self) -> Result<Option<Chunk>, SourceError> {

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use super::audit::Proof;
 use super::{Block, Chunk, Source, SourceError};
+use crate::clocks::Clocks;
 use crate::signal::Signal;
 
 /// A source whose samples in given stretches must not be used.
@@ -66,8 +67,8 @@ impl Source for Excluding {
         self.inner.proof()
     }
 
-    fn measured_rate_hz(&self) -> Option<f64> {
-        self.inner.measured_rate_hz()
+    fn clocks(&self) -> Option<Clocks> {
+        self.inner.clocks()
     }
 
     fn next_chunk(&mut self) -> Result<Option<Chunk>, SourceError> {

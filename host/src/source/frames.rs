@@ -1,5 +1,6 @@
 //! The one path from bytes to samples: live, from a capture, from the virtual board.
 
+mod clocks;
 mod notes;
 mod status;
 
@@ -13,7 +14,8 @@ use super::audit::{Audit, Proof, State};
 use super::interruption::{Clock, Interruption};
 use super::told::Told;
 use super::{Chunk, Gap};
-use crate::capture::ClockSource;
+use crate::capture::{BoardHeader, ClockSource};
+use crate::clocks::pairs::Pairs;
 use crate::link::{axis_name, describe};
 
 pub use self::status::Status;
@@ -35,22 +37,19 @@ pub struct Frames {
     behind_end: u64,
     /// What broke the stream off, until its next batch.
     interruption: Option<Interruption>,
+    /// Ticks a second of the board's timer, and what it runs on, where the header has said so.
+    timer: Option<(u32, ClockSource)>,
+    /// What the host's clock said beside it.
+    pairs: Pairs,
 }
 
 impl Frames {
     /// The record begins: says what is to be said of the clock of its stamps.
-    pub fn begin(&mut self, clock: ClockSource) {
-        if let Some(warning) = clock.warning() {
+    pub fn begin(&mut self, board: &BoardHeader) {
+        self.timer = Some((board.timer_hz, board.clock));
+        if let Some(warning) = board.clock.warning() {
             self.assembler.news(warning.to_owned());
         }
-    }
-
-    /// Conversions a second by the stamps of the longest stretch without a gap, whose timer has `timer_hz` ticks a
-    /// second; `None` where it is shorter than a second.
-    pub fn measured_rate_hz(&self, timer_hz: u32) -> Option<f64> {
-        let (conversions, ticks) = self.assembler.longest_stretch();
-        (ticks >= u64::from(timer_hz))
-            .then(|| conversions as f64 / ticks as f64 * f64::from(timer_hz))
     }
 
     /// Takes bytes as they arrived.
@@ -59,6 +58,9 @@ impl Frames {
             match result {
                 _ if self.status.ended => self.behind_end += 1,
                 Ok(message) => {
+                    if matches!(message, ToHost::Health(_)) {
+                        self.status.behind_health = bytes.len();
+                    }
                     self.note_version();
                     self.message(message);
                 }
@@ -158,14 +160,6 @@ impl Frames {
     /// Samples an axis so far, lost ones included.
     pub fn next_index(&self) -> u64 {
         self.assembler.next_index()
-    }
-
-    /// What a capture may hold is understood, and yet no board to record.
-    fn note_version(&mut self) {
-        let theirs = self.decoder.version();
-        if theirs.is_some_and(|theirs| theirs != VERSION) {
-            self.status.foreign_version = theirs;
-        }
     }
 
     fn message(&mut self, message: ToHost) {

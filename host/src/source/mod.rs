@@ -27,6 +27,7 @@ mod told;
 
 pub use error::SourceError;
 
+use crate::clocks::Clocks;
 use crate::signal::Signal;
 
 /// Consecutive samples of all axes, or the news that some are missing.
@@ -128,8 +129,9 @@ pub trait Source {
         None
     }
 
-    /// Samples a second so far by the stamps of a board; `None` where there are none, or too few.
-    fn measured_rate_hz(&self) -> Option<f64> {
+    /// The data rate so far by the clocks that were there; `None` where no board has stamped the samples, or too
+    /// few.
+    fn clocks(&self) -> Option<Clocks> {
         None
     }
 

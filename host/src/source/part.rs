@@ -5,6 +5,7 @@ use std::ops::Range;
 use super::audit::Proof;
 use super::options::Selector;
 use super::{Block, Chunk, Column, Gap, Source, SourceError, Values};
+use crate::clocks::Clocks;
 use crate::signal::Signal;
 
 /// The samples of `inner` within a range of its index, counted from the start of the range,
@@ -113,8 +114,8 @@ impl<S: Source> Source for Part<S> {
         self.inner.proof()
     }
 
-    fn measured_rate_hz(&self) -> Option<f64> {
-        self.inner.measured_rate_hz()
+    fn clocks(&self) -> Option<Clocks> {
+        self.inner.clocks()
     }
 
     fn next_chunk(&mut self) -> Result<Option<Chunk>, SourceError> {

@@ -10,7 +10,7 @@ use inm_firmware::emulated::{VirtualBoard, VirtualLink, describe};
 use inm_firmware::{Board, Instrument};
 use inm_protocol::{AXES, Restart, SensorRange};
 
-use super::line::{Line, PARCEL};
+use super::line::{Line, PARCEL, Parcel};
 use super::shaken::{Pins, Shaken};
 use super::witness::{note_by_axis, note_words};
 use super::{Misfortune, VirtualConnect};
@@ -30,10 +30,12 @@ pub(super) fn power_on(plan: &VirtualConnect, line: &mut Line) {
     loop {
         let pins = Arc::default();
         let bench = Bench::new(plan.sensors(&pins).map(Converter::new));
+        let described = describe("virtual");
         let board = Board {
             restart,
             serial: plan.serial,
-            ..describe("virtual")
+            timer_hz: plan.off.said_hz(described.timer_hz),
+            ..described
         };
         let mut instrument =
             VirtualBoard::instrument(&bench, VirtualLink::new(Some(plan.baud)), board);
@@ -80,7 +82,7 @@ fn run<'p>(
     line: &mut Line,
 ) -> Option<End<'p>> {
     let started = Instant::now();
-    let mut parcel = Vec::new();
+    let mut parcel = Parcel::default();
     let mut steps = 0;
     let mut words = 0;
     let mut noted = [0; AXES];
@@ -113,7 +115,8 @@ fn run<'p>(
             .store(link.self_test_is_on(), Ordering::Relaxed);
         let coarse = link.range() == SensorRange::G12;
         pins.coarse.store(coarse, Ordering::Relaxed);
-        link.take(now_ps, |byte| parcel.push(byte));
+        link.take(now_ps, |byte| parcel.push(byte, now_ps));
+        parcel.at_ps = now_ps;
         if link.restarts() > 0 {
             keep(&mut instrument, plan);
             // Its reply is on the line by then. What the host writes meanwhile finds nobody.

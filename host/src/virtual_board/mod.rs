@@ -93,6 +93,32 @@ pub struct VirtualConnect {
     pub axis_witness: Option<AxisWitness>,
     /// The board's time as its host sees it: with every parcel that it reads.
     pub clock: Clock,
+    /// By how much its own clocks are off.
+    pub off: ClocksOff,
+}
+
+/// By how much the clocks of a board are off, parts in a million of a true one; the host's is true.
+///
+/// Virtual time is the converters' own, so that all that acts on a sensor has its times and frequencies by
+/// their clock.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct ClocksOff {
+    /// How much faster the converters' clock goes.
+    pub converters_ppm: f64,
+    /// How much faster the timer of the stamps goes, to some millionth.
+    pub crystal_ppm: f64,
+}
+
+impl ClocksOff {
+    /// Seconds of virtual time in a true one.
+    fn pace(self) -> f64 {
+        1.0 + 1e-6 * self.converters_ppm
+    }
+
+    /// Ticks that the timer is said to have in a second; it has `ticks` in one of virtual time.
+    fn said_hz(self, ticks: u32) -> u32 {
+        (f64::from(ticks) * self.pace() / (1.0 + 1e-6 * self.crystal_ppm)).round() as u32
+    }
 }
 
 impl VirtualConnect {
@@ -121,6 +147,7 @@ impl VirtualConnect {
             witness: None,
             axis_witness: None,
             clock: Clock::counted(),
+            off: ClocksOff::default(),
         }
     }
 
@@ -181,6 +208,7 @@ impl Connect for VirtualConnect {
             from_board,
             to_board,
             self.clock.clone(),
+            self.off.pace(),
         )))
     }
 }

@@ -39,7 +39,7 @@ pub fn read(source: &mut dyn Source, most: usize) {
             }
         }
     }
-    let _ = source.measured_rate_hz();
+    let _ = source.clocks();
     let _ = source.proof();
 }
 

@@ -1,6 +1,7 @@
 //! What a record consists of, what is missing, and what was heard on the way.
 
 use crate::bins::unusable::Unusable;
+use crate::clocks::Clocks;
 use crate::source::Gap;
 
 /// What a record consists of, for all axes.
@@ -12,8 +13,8 @@ pub struct Account {
     pub lost: u64,
     /// Gaps in all axes.
     pub gaps: Vec<Gap>,
-    /// Samples a second by the board's stamps; `None` where there are none, or too few.
-    pub measured_rate_hz: Option<f64>,
+    /// The data rate by the clocks that were there.
+    pub clocks: Option<Clocks>,
     /// What does not count of one axis alone, axis by axis; empty before the first block.
     pub unusable: Vec<Unusable>,
     /// News on the way, in words.

@@ -3,10 +3,10 @@
 use std::time::Duration;
 
 use inm_protocol::{Identity, ToHost};
-use statrs::distribution::{ContinuousCDF, StudentsT};
 
 use super::{Check, Verdict};
 use crate::capture::ClockSource;
+use crate::clocks::{FEWEST, Pair, ratio};
 use crate::inspect::{Heard, Session};
 use crate::link::LinkError;
 
@@ -15,19 +15,8 @@ use crate::link::LinkError;
 /// hold bytes back can feign over 10 s.
 const CLOCK_LIMIT_PPM: f64 = 3000.0;
 
-/// Fewest records that give a rate and a spread to judge it by: with three degrees of freedom the spread
-/// is known to within a factor of some three.
-const FEWEST: usize = 5;
-
 /// Upper end of the 99 % interval, as a probability of Student's distribution.
 const UPPER_END: f64 = 0.995;
-
-/// A health record: when it was made by the board's clock, and when it arrived by the host's, seconds.
-#[derive(Debug, Clone, Copy)]
-struct Tick {
-    board_s: f64,
-    host_s: f64,
-}
 
 /// Listens for `watch`; the check, and the supply of the accelerometers in millivolts if it was told.
 pub(super) fn clock(
@@ -44,7 +33,7 @@ pub(super) fn clock(
         while let Some(Heard { at, message }) = session.heard() {
             if let ToHost::Health(health) = message {
                 supply_mv = health.supply_mv.or(supply_mv);
-                ticks.push(Tick {
+                ticks.push(Pair {
                     board_s: health.stamp as f64 / f64::from(identity.timer_hz.max(1)),
                     host_s: at.duration_since(begun).as_secs_f64(),
                 });
@@ -65,7 +54,7 @@ pub(super) fn clock(
 }
 
 /// The rate of the board's clock by that of the host, and how well it is known.
-fn judged(ticks: &[Tick]) -> Check {
+fn judged(ticks: &[Pair]) -> Check {
     let limits = [-CLOCK_LIMIT_PPM, CLOCK_LIMIT_PPM];
     let Some((ppm, known_to_ppm)) = rate(ticks) else {
         let words = format!(
@@ -83,32 +72,10 @@ fn judged(ticks: &[Tick]) -> Check {
     check
 }
 
-/// How much faster the board's clock goes than the host's, parts in a million, by least squares, and half
-/// its 99 % interval, from the spread of the arrivals about the line.
-fn rate(ticks: &[Tick]) -> Option<(f64, f64)> {
-    if ticks.len() < FEWEST {
-        return None;
-    }
-    let count = ticks.len() as f64;
-    let mean = |of: fn(&Tick) -> f64| ticks.iter().map(of).sum::<f64>() / count;
-    let (host, board) = (mean(|tick| tick.host_s), mean(|tick| tick.board_s));
-    let (mut square, mut product) = (0.0, 0.0);
-    for tick in ticks {
-        square += (tick.host_s - host).powi(2);
-        product += (tick.host_s - host) * (tick.board_s - board);
-    }
-    if square <= 0.0 {
-        return None;
-    }
-    let slope = product / square;
-    let error = |tick: &Tick| tick.board_s - board - slope * (tick.host_s - host);
-    let spread: f64 = ticks.iter().map(|tick| error(tick).powi(2)).sum();
-    let freedom = count - 2.0;
-    let half = StudentsT::new(0.0, 1.0, freedom)
-        .ok()?
-        .inverse_cdf(UPPER_END)
-        * (spread / freedom / square).sqrt();
-    Some((1e6 * (slope - 1.0), 1e6 * half))
+/// How much faster the board's clock goes than the host's, parts in a million, and half its 99 % interval.
+fn rate(ticks: &[Pair]) -> Option<(f64, f64)> {
+    let ratio = ratio(ticks)?;
+    Some((1e6 * (ratio.value - 1.0), 1e6 * ratio.half(UPPER_END)?))
 }
 
 #[cfg(test)]
@@ -116,8 +83,8 @@ mod tests {
     use super::*;
 
     /// A record a second by a clock that is `ppm` fast, each held back by as much as `late_s` says.
-    fn ticks(count: u32, ppm: f64, late_s: impl Fn(u32) -> f64) -> Vec<Tick> {
-        let tick = |k: u32| Tick {
+    fn ticks(count: u32, ppm: f64, late_s: impl Fn(u32) -> f64) -> Vec<Pair> {
+        let tick = |k: u32| Pair {
             board_s: 100.0 + f64::from(k),
             host_s: f64::from(k) / (1.0 + 1e-6 * ppm) + late_s(k),
         };

@@ -55,7 +55,7 @@ pub(super) fn begin(client: &mut Client, plan: &Plan) -> Result<Begun, Failed> {
         Err(failed) => return Err(failed),
     };
     let header = Header::new(&identity, registers, created).calibrated(kept);
-    frames.begin(header.board.clock);
+    frames.begin(&header.board);
     Ok(Begun {
         identity,
         header,

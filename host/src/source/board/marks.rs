@@ -7,6 +7,7 @@ use jiff::Timestamp;
 
 use super::BoardSource;
 use super::talk::Failed;
+use crate::link::Arrival;
 use crate::plain::{PLAIN, is_plain};
 
 /// Marks that may wait: they are taken with the next bytes of the board, milliseconds later. Who
@@ -66,14 +67,17 @@ impl BoardSource {
         self.marks.clone()
     }
 
-    /// Takes bytes as they arrived. A note within a frame would cut it: what was marked waits for the end
-    /// of one.
-    pub(super) fn arrived(&mut self, bytes: &[u8]) -> Result<(), Failed> {
+    /// Takes bytes as they arrived, and looks when health records among them did. A note within a frame would cut
+    /// it: what was marked waits for the end of one.
+    pub(super) fn arrived(&mut self, bytes: &[u8], arrival: &Arrival) -> Result<(), Failed> {
         let end = bytes.iter().position(|&byte| byte == FRAME_END);
         let (head, tail) = bytes.split_at(end.map_or(0, |end| end + 1));
         self.talk().arrived(head)?;
+        self.pairs.look(self.frames.status(), arrival, head.len());
         self.keep_marks_between_frames()?;
-        self.talk().arrived(tail)
+        self.talk().arrived(tail)?;
+        self.pairs.look(self.frames.status(), arrival, bytes.len());
+        Ok(())
     }
 
     /// What was marked since the last time, into the capture, unless a frame has begun there.
@@ -84,10 +88,10 @@ impl BoardSource {
         self.keep_marks()
     }
 
-    /// What was marked since the last time, into the capture: the last of it.
+    /// What was marked since the last time, into the capture: the last of it. What the clocks said goes with it.
     pub(super) fn keep_marks(&mut self) -> Result<(), Failed> {
-        for mark in self.marks.take() {
-            self.note(mark)?;
+        for note in self.pairs.take().into_iter().chain(self.marks.take()) {
+            self.note(note)?;
         }
         Ok(())
     }

@@ -2,18 +2,21 @@
 
 mod begin;
 mod marks;
+mod pairs;
 mod plan;
+mod proof;
 mod resume;
 mod same;
 mod settings;
 mod talk;
 
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use inm_protocol::{Identity, Note, Request};
 
 use self::begin::{Begun, begin, keep_from};
+use self::pairs::Pairs;
 use self::resume::{Broken, Search, now_ms};
 use self::talk::{Failed, Keep, Talk};
 use super::assemble::Losses;
@@ -21,6 +24,7 @@ use super::audit::Proof;
 use super::frames::{Frames, Status};
 use super::{Chunk, Gap, Source, SourceError};
 use crate::capture::{CaptureError, Header, Writer, note_frame};
+use crate::clocks::Clocks;
 use crate::link::{Client, Connect, open_to_record};
 use crate::signal::Signal;
 
@@ -40,6 +44,7 @@ pub struct BoardSource {
     plan: Plan,
     stop: Stop,
     marks: Marks,
+    pairs: Pairs,
     ended: bool,
     /// The stream broke off, and the board is being looked for.
     search: Option<Search>,
@@ -50,9 +55,6 @@ pub struct BoardSource {
     /// Why it ended, where it was not on purpose.
     failure: Option<SourceError>,
 }
-
-/// Between two requests to begin the bins anew: the answer to the first is that far ahead.
-const ASK_AGAIN: Duration = Duration::from_secs(1);
 
 impl BoardSource {
     /// Connects, checks the version, sets the board up and starts it.
@@ -102,6 +104,7 @@ impl BoardSource {
         })?;
 
         let heard_at = client.now();
+        let pairs = Pairs::new(client.arrival().all, frames.status());
         let name = connect.name();
         let signal = header.signal(Path::new(&name))?;
         Ok(Self {
@@ -115,6 +118,7 @@ impl BoardSource {
             plan,
             stop,
             marks: Marks::default(),
+            pairs,
             ended: false,
             search: None,
             heard: (0, heard_at),
@@ -174,27 +178,14 @@ impl BoardSource {
         let mut buf = [0; 1 << 14];
         match self.client.read(&mut buf) {
             Ok(len) => {
-                self.arrived(&buf[..len])?;
+                let arrival = self.client.arrival();
+                self.arrived(&buf[..len], &arrival)?;
                 self.frames.flush();
                 match self.trouble() {
                     Some(broken) => self.begin_search(broken),
                     None => self.restore_proof(),
                 }
             }
-            Err(gone) => self.begin_search(Broken::Port(gone)),
-        }
-    }
-
-    /// Asks the board to begin its bins anew where a loss has made them incomparable. The
-    /// samples do not wait for the answer, which is found among them.
-    fn restore_proof(&mut self) -> Result<(), SourceError> {
-        let early = self.asked.is_some_and(|asked| asked.elapsed() < ASK_AGAIN);
-        if early || !self.frames.wants_new_beginning() {
-            return Ok(());
-        }
-        self.asked = Some(Instant::now());
-        match self.client.tell(Request::RestartBins) {
-            Ok(_) => Ok(()),
             Err(gone) => self.begin_search(Broken::Port(gone)),
         }
     }
@@ -273,8 +264,8 @@ impl Source for BoardSource {
         Some(self.frames.proof())
     }
 
-    fn measured_rate_hz(&self) -> Option<f64> {
-        self.frames.measured_rate_hz(self.header.board.timer_hz)
+    fn clocks(&self) -> Option<Clocks> {
+        self.frames.clocks()
     }
 
     /// The next chunk. What arrived before an error is delivered before the error is.

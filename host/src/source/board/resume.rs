@@ -127,7 +127,7 @@ impl BoardSource {
         } else {
             let port = open_to_record(self.connect.as_mut())?;
             let client = Client::new(port, self.connect.name(), self.plan.patience);
-            self.client = client.by(self.connect.clock()).behind(&self.client);
+            self.client = client.behind(&self.client);
             *open = true;
             self.recognise().and_then(|()| self.ask_to_stream())
         };
@@ -150,6 +150,7 @@ impl BoardSource {
         }
         streams?;
         self.heard = (self.frames.intact(), self.client.now());
+        self.pairs.pass_over(self.frames.status());
         self.note(Note::StreamBack { unix_ms: now_ms() })
     }
 

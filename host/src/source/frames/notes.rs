@@ -33,6 +33,11 @@ impl Frames {
                 self.assembler
                     .news(format!("mark ahead of sample {index}{time}{words}{text}"));
             }
+            Note::Clock { stamp, host_us, .. } => {
+                if let Some((timer_hz, _)) = self.timer {
+                    self.pairs.push(stamp, host_us, timer_hz);
+                }
+            }
             _ => {}
         }
     }

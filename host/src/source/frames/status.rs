@@ -1,6 +1,8 @@
 //! What is known of board and link, and the replies that wait for who asked.
 
-use inm_protocol::{Health, Hello, Reply};
+use inm_protocol::{Health, Hello, Reply, VERSION};
+
+use super::Frames;
 
 /// Replies that are kept for who asked: one is asked for at a time, and late ones may be ahead of it.
 pub(super) const REPLIES: usize = 8;
@@ -10,6 +12,8 @@ pub(super) const REPLIES: usize = 8;
 pub struct Status {
     /// The last health record.
     pub health: Option<Health>,
+    /// Bytes that were taken in together with its end, and behind it.
+    pub behind_health: usize,
     /// Frames of another protocol version were seen: theirs.
     pub foreign_version: Option<u8>,
     /// What a board of another protocol version said of itself.
@@ -36,5 +40,15 @@ impl Status {
             self.replies.remove(0);
         }
         self.replies.push(reply);
+    }
+}
+
+impl Frames {
+    /// What a capture may hold is understood, and yet no board to record.
+    pub(super) fn note_version(&mut self) {
+        let theirs = self.decoder.version();
+        if theirs.is_some_and(|theirs| theirs != VERSION) {
+            self.status.foreign_version = theirs;
+        }
     }
 }

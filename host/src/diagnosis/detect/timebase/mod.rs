@@ -1,10 +1,12 @@
-//! A record compared with another of the same sensor: is its clock right?
+//! Is the clock of a record right? By what other clocks counted ([`counted()`]), and by the lines of another record
+//! of the same sensor, as follows.
 //!
 //! All axes have one clock, so their lines count together. A line that keeps its frequency to one
 //! cycle in the record is as sure as its height over the noise makes it; one that wanders, or a
 //! band of noise, is a [`Band`] and as sure as it stays in its place.
 
 mod bands;
+mod counted;
 mod mark;
 mod matching;
 mod ratio;
@@ -27,6 +29,8 @@ use crate::diagnosis::steady::line;
 use crate::model::sinusoid;
 use crate::model::timebase::KIND;
 use crate::spectrum::Line;
+
+pub use self::counted::counted;
 
 /// Tests that it makes: its share of the family's level.
 pub const TESTS: u32 = 1;
