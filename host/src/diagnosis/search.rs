@@ -44,6 +44,7 @@ pub fn search(
 /// [`NoFit`] where what is left of the record cannot be fitted.
 pub fn take_events_out(axis: &mut AxisState, context: &Context<'_>) -> Result<(), NoFit> {
     let mut search = Search::new(axis, context);
+    search.ask(&detect::stale::DETECTOR)?;
     while search.ask(&detect::shock::DETECTOR)? {}
     // Noise that they had raised hides further ones.
     for _ in 0..ROUNDS {

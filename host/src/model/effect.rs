@@ -95,10 +95,10 @@ pub trait Distortion: Send + Sync {
         1.0
     }
 
-    /// White two-sided density that it puts under everything else, ahead of its
-    /// [power](Distortion::power).
-    fn floor(&self, _incoming: &Incoming<'_>) -> f64 {
-        0.0
+    /// Autocovariances of the noise that it adds to what its [power](Distortion::power) leaves, from lag zero on: one of white
+    /// noise, none where it adds nothing.
+    fn adds(&self, _incoming: &Incoming<'_>) -> Vec<f64> {
+        Vec::new()
     }
 
     /// Does to data what the law says; the same `seed` does the same.

@@ -97,6 +97,37 @@ pub fn variance(kernel: Kernel, m: u64, rate_hz: f64, spectrum: impl Fn(f64) -> 
     2.0 * (near + far)
 }
 
+/// Mean squares of what a process of the two-sided density `spectrum` moves by over 0 samples, 1, and so on, `count` numbers:
+/// `D(j) = 4 int_0^{fs/2} S(f) (1 - cos(2 pi f j / fs)) df`. Walks and flicker have them too, though no variance.
+pub(crate) fn moved(count: usize, rate_hz: f64, spectrum: impl Fn(f64) -> f64) -> Vec<f64> {
+    let cycle = rate_hz / count.max(1) as f64;
+    let fine = (cycle / PANELS_PER_CYCLE).min(rate_hz / PANELS_PER_RATE);
+    let width = |f: f64| f.max(FIRST_PANEL * fine).min(fine);
+    let mut moved = vec![0.0; count];
+    for (f_hz, weight) in nodes(0.0, 0.5 * rate_hz, width) {
+        let power = 4.0 * weight * spectrum(f_hz);
+        for (sum, step) in moved
+            .iter_mut()
+            .zip(one_less_cosine(2.0 * PI * f_hz / rate_hz))
+        {
+            *sum += power * step;
+        }
+    }
+    moved
+}
+
+/// `1 - cos(j angle)` for j = 0, 1, and so on, exact for small angles too.
+pub(crate) fn one_less_cosine(angle: f64) -> impl Iterator<Item = f64> {
+    let first = 2.0 * (0.5 * angle).sin().powi(2);
+    let (mut value, mut step) = (0.0, first);
+    std::iter::repeat_with(move || {
+        let this = value;
+        value += step;
+        step += 2.0 * first * (1.0 - value);
+        this
+    })
+}
+
 /// Integral of `f` from `from` to `to`, over panels of at most the width `width(start)`.
 pub(crate) fn panels(
     from: f64,
@@ -146,6 +177,40 @@ pub(crate) fn nodes(
 mod tests {
     use super::super::Coefficient;
     use super::*;
+
+    #[test]
+    fn moves_as_sampled_noise_does() {
+        for rate_hz in [1.0, 2000.0] {
+            let of = |coefficient: Coefficient| {
+                let term = coefficient.term(3.0);
+                moved(150, rate_hz, |f| term.spectrum(f, rate_hz))
+            };
+            let (white, walk) = (of(Coefficient::N), of(Coefficient::K));
+            assert_eq!((white[0], walk[0]), (0.0, 0.0));
+            for (j, (white, walk)) in (0_i32..).zip(white.iter().zip(&walk)).skip(1) {
+                // Twice the variance, and that of so many steps.
+                let (exact_white, exact_walk) = (18.0 * rate_hz, 9.0 * f64::from(j) / rate_hz);
+                let off = (white / exact_white - 1.0)
+                    .abs()
+                    .max((walk / exact_walk - 1.0).abs());
+                assert!(off < 2e-6, "{j} samples at {rate_hz} Hz: {off:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn one_less_a_cosine_is_exact_for_small_angles() {
+        for angle in [1e-9, 1e-3, 0.7, 3.0, std::f64::consts::PI] {
+            for (j, value) in (0_u32..2000).zip(one_less_cosine(angle)) {
+                let exact = 2.0 * (0.5 * f64::from(j) * angle).sin().powi(2);
+                // The recurrence's error grows with the square of its length, from one of the first step's.
+                assert!(
+                    (value - exact).abs() < 1e-9 * exact.max(1e-3),
+                    "{j} times {angle}: {value}"
+                );
+            }
+        }
+    }
 
     #[test]
     fn equals_the_closed_forms_of_sampled_noise() {

@@ -8,7 +8,7 @@
 //! Where the time base is off, all of that happens at the true rate; frequencies and densities are
 //! given as they look by the nominal one.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use super::axis::ModelAxis;
 use super::effect::{Distortion, Incoming, Part};
@@ -34,8 +34,8 @@ pub struct Law {
     clock: f64,
     terms: Vec<Box<dyn Term>>,
     distortions: Vec<Box<dyn Distortion>>,
-    /// Density that each distortion puts under what reaches it, by the true rate.
-    floors: Vec<f64>,
+    /// Autocovariances of the noise that each distortion adds.
+    added: Vec<Vec<f64>>,
     chain: Option<Chain>,
     /// Power of the chain at equal steps from zero to half the rate; empty without a chain.
     power: Vec<f64>,
@@ -67,26 +67,26 @@ impl Law {
             clock,
             terms,
             distortions: Vec::new(),
-            floors: Vec::new(),
+            added: Vec::new(),
             power: axis.chain.as_ref().map(table).unwrap_or_default(),
             chain: axis.chain.clone(),
         };
         for distortion in distortions {
-            let floor = law.floor_of(&*distortion);
+            let added = law.added_by(&*distortion);
             law.distortions.push(distortion);
-            law.floors.push(floor);
+            law.added.push(added);
         }
         law
     }
 
-    /// The floor that a further distortion would put under what the law is so far.
-    fn floor_of(&self, distortion: &dyn Distortion) -> f64 {
+    /// Autocovariances of the noise that a further distortion would add to what the law is so far.
+    fn added_by(&self, distortion: &dyn Distortion) -> Vec<f64> {
         let density = |f_hz: f64| self.density(f_hz / self.clock) / self.clock;
         let mut lines = self.lines();
         for line in &mut lines {
             line.f_hz *= self.clock;
         }
-        distortion.floor(&Incoming {
+        distortion.adds(&Incoming {
             rate_hz: self.true_rate_hz(),
             density: &density,
             lines: &lines,
@@ -147,9 +147,9 @@ impl Law {
         let added = self
             .distortions
             .iter()
-            .zip(&self.floors)
-            .fold(0.0, |below, (one, floor)| {
-                (below + floor) * one.power(true_hz, rate_hz)
+            .zip(&self.added)
+            .fold(0.0, |below, (one, own)| {
+                below * one.power(true_hz, rate_hz) + density_of(own, true_hz, rate_hz)
             });
         self.clock * added
     }
@@ -215,4 +215,16 @@ impl Law {
         };
         variance + kernel::variance(Kernel::Allan, m, self.rate_hz, density)
     }
+}
+
+/// Two-sided spectral density of noise with these autocovariances, from lag zero on.
+fn density_of(autocovariances: &[f64], f_hz: f64, rate_hz: f64) -> f64 {
+    let twice = 2.0 * (TAU * f_hz / rate_hz).cos();
+    // Clenshaw's recurrence for the sum of cosines.
+    let (mut next, mut behind) = (0.0, 0.0);
+    for value in autocovariances.iter().skip(1).rev() {
+        (next, behind) = (value + twice * next - behind, next);
+    }
+    let at_zero = autocovariances.first().copied().unwrap_or_default();
+    (at_zero + twice * next - 2.0 * behind) / rate_hz
 }

@@ -49,8 +49,8 @@ impl Distortion for Outliers {
         Stage::Sample
     }
 
-    fn floor(&self, incoming: &Incoming<'_>) -> f64 {
-        self.density(incoming.rate_hz)
+    fn adds(&self, incoming: &Incoming<'_>) -> Vec<f64> {
+        vec![self.density(incoming.rate_hz) * incoming.rate_hz]
     }
 
     fn distorter(&self, rate_hz: f64, seed: Seed) -> Box<dyn Distorter> {

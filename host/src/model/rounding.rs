@@ -32,8 +32,8 @@ impl Distortion for Rounding {
         Stage::Number
     }
 
-    fn floor(&self, incoming: &Incoming<'_>) -> f64 {
-        self.density(incoming.rate_hz)
+    fn adds(&self, incoming: &Incoming<'_>) -> Vec<f64> {
+        vec![self.density(incoming.rate_hz) * incoming.rate_hz]
     }
 
     fn distorter(&self, _rate_hz: f64, _seed: Seed) -> Box<dyn Distorter> {

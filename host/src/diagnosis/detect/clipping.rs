@@ -1,9 +1,6 @@
 //! Clipping: samples pile up at an extreme value.
 
-use std::sync::Arc;
-
 use super::Detector;
-use super::outliers::filter;
 use crate::diagnosis::axis::NoFit;
 use crate::diagnosis::detect::look::{Look, Proposal};
 use crate::diagnosis::explanation::{Candidate, Change};
@@ -23,16 +20,15 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     let Some((clipping, places)) = values.clipping.get(known) else {
         return Ok(Vec::new());
     };
-    let seen = look.axis.whitened();
     // Known to the rounding of the mean that was taken out and put back.
     let slack = 4.0 * f64::EPSILON * values.largest;
     let level = Value::normal(clipping.level, slack);
-    let replaced = filter::sizes_at(&seen.transform, &seen.density, places);
+    let replaced = Replaced::bridged(&look.axis.residual.values(), places);
     let candidate = Candidate::new(
         Estimate::new(KIND, [level, Value::exact(clipping.side)]),
         clipping.p_value,
         1.0,
-        Change::Waves(vec![Wave::Replaced(Replaced(Arc::new(replaced)))]),
+        Change::Waves(vec![Wave::Replaced(replaced)]),
     );
     Ok(vec![Proposal::Explain(Box::new(candidate))])
 }

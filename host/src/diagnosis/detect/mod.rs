@@ -41,10 +41,11 @@ pub struct Detector {
     pub look: fn(&Look<'_>) -> Result<Vec<Proposal>, NoFit>,
 }
 
-/// What happened, and what the values themselves say, before any model.
+/// What the values themselves say, and what happened, before any model. A flat stretch of repeats is no event, but what comes
+/// to a limit may be one.
 pub static BEFORE_ROUNDS: &[&Detector] = &[
-    &shock::DETECTOR,
     &stale::DETECTOR,
+    &shock::DETECTOR,
     &clipping::DETECTOR,
     &coarse_grid::DETECTOR,
 ];

@@ -1,9 +1,6 @@
 //! Stale: samples that repeat the one before, more often than chance has it.
 
-use std::sync::Arc;
-
 use super::Detector;
-use super::outliers::filter;
 use crate::diagnosis::axis::NoFit;
 use crate::diagnosis::detect::look::{Look, Proposal};
 use crate::diagnosis::explanation::{Candidate, Change};
@@ -20,14 +17,14 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     let candidate = candidate
         .filter(|_| !look.axis.has(KIND))
         .map(|(stale, places)| {
-            let seen = look.axis.whitened();
-            let replaced = filter::sizes_at(&seen.transform, &seen.density, places);
+            let replaced = Replaced::bridged(&look.axis.residual.values(), places);
             let share = Value::normal(stale.share, stale.share_sd);
+            let run_samples = stale.run_samples.map(|(run, sd)| Value::normal(run, sd));
             Proposal::Explain(Box::new(Candidate::new(
-                Estimate::new(KIND, [share]),
+                Estimate::new(KIND, std::iter::once(share).chain(run_samples)),
                 stale.p_value,
                 1.0,
-                Change::Waves(vec![Wave::Replaced(Replaced(Arc::new(replaced)))]),
+                Change::Waves(vec![Wave::Replaced(replaced)]),
             )))
         });
     Ok(candidate.into_iter().collect())

@@ -112,12 +112,10 @@ impl Residual {
         places
     }
 
-    /// Gaps of few samples: of what is missing, and of what was replaced.
+    /// Gaps of few samples that are missing, and those of what was replaced.
     pub fn short_gaps(&self) -> Option<ShortGaps> {
         let replaced = self.replaced();
-        let is_measured =
-            |n: usize| self.measured[n].is_finite() && replaced.binary_search(&n).is_err();
-        ShortGaps::of(self.len(), is_measured)
+        ShortGaps::of(self.len(), |n| self.measured[n].is_finite(), &replaced)
     }
 
     /// Leaves the samples missing that are in none of these gaps, and bridges those that are and were not.

@@ -20,8 +20,8 @@ use std::ops::Range;
 use crate::diagnosis::record::drawn::Drawn;
 use crate::diagnosis::record::runs::runs_of;
 
-/// Samples of the longest gap that is filled: a choice. A third missing at random makes none of half of that,
-/// and a packet of a sensor's queue is rarely longer.
+/// Samples that were never there in the longest gap that is filled: a choice. A third missing at random makes none of half of
+/// that, and a packet of a sensor's queue is rarely longer.
 const LONGEST: usize = 32;
 
 /// Share of a record that is filled at most: a choice. Beyond it the fill would outweigh what was measured.
@@ -39,13 +39,18 @@ pub struct ShortGaps {
 }
 
 impl ShortGaps {
-    /// Those of a record of `len` samples, of which those count that are `measured`. `None` where there are none, or too
-    /// many to fill. What is missing at either end is no gap.
-    pub fn of(len: usize, measured: impl Fn(usize) -> bool) -> Option<Self> {
-        let mut gaps = runs_of(len, |n| !measured(n));
-        gaps.retain(|gap| gap.len() <= LONGEST && gap.start > 0 && gap.end < len);
+    /// Those of a record of `len` samples, of which those count that are `measured`, and those at the places `replaced`
+    /// not, ascending: however many of these follow each other, they are not left as they are. `None` where there are
+    /// no gaps, or too many to fill. What is missing at either end is no gap.
+    pub fn of(len: usize, measured: impl Fn(usize) -> bool, replaced: &[usize]) -> Option<Self> {
+        let is_replaced = |n: &usize| replaced.binary_search(n).is_ok();
+        let mut gaps = runs_of(len, |n| !measured(n) || is_replaced(&n));
+        let never_there = |gap: &Range<usize>| gap.clone().filter(|n| !is_replaced(n)).count();
+        gaps.retain(|gap| never_there(gap) <= LONGEST && gap.start > 0 && gap.end < len);
         let missing = gaps.iter().map(Range::len).sum();
-        let there = (0..len).filter(|n| measured(*n)).count();
+        let there = (0..len)
+            .filter(|&n| measured(n) && !is_replaced(&n))
+            .count();
         let share = missing as f64 / (missing + there) as f64;
         if missing == 0 || share > MOST {
             return None;
@@ -116,7 +121,7 @@ mod tests {
     const RATE_HZ: f64 = 50.0;
 
     fn of(values: &[f64]) -> Option<ShortGaps> {
-        ShortGaps::of(values.len(), |n| values[n].is_finite())
+        ShortGaps::of(values.len(), |n| values[n].is_finite(), &[])
     }
 
     /// Noise with gaps of one to five samples.
@@ -189,6 +194,18 @@ mod tests {
         let measured = (0..150).filter(|n| values[*n].is_finite());
         assert!(measured.into_iter().all(|n| filled[n] == values[n]));
         assert!(filled[100..133].iter().all(|value| value.is_nan()));
+    }
+
+    #[test]
+    fn what_is_no_measurement_is_filled_however_long() {
+        let mut values = vec![1.0; 400];
+        values[100..133].fill(f64::NAN);
+        values[200..201].fill(f64::NAN);
+        let measured = |n: usize| values[n].is_finite();
+        let replaced: Vec<usize> = (201..290).chain(300..340).collect();
+        let gaps = ShortGaps::of(400, measured, &replaced).expect("gaps");
+        assert_eq!(gaps.ranges(), [200..290, 300..340]);
+        assert!((gaps.share() - 130.0 / (400.0 - 33.0)).abs() < 1e-12);
     }
 
     #[test]

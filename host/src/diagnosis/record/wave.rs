@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use realfft::num_complex::Complex64;
 
+use crate::diagnosis::record::bridge::bridge;
 use crate::fft::phasor::Phasor;
 use crate::model::drift::Drift;
 use crate::model::random::Generator;
@@ -97,6 +98,26 @@ pub enum Wave {
 /// is drawn changes with every law.
 #[derive(Debug, Clone)]
 pub struct Replaced(pub Arc<Vec<Outlier>>);
+
+impl Replaced {
+    /// The samples at these places of `values`, ascending, with straight lines between means of those that are left in their
+    /// places, as a law begins with that is then drawn from. One that is missing or excluded stays.
+    pub fn bridged(values: &[f64], places: &[usize]) -> Self {
+        let mut line = values.to_vec();
+        for &place in places {
+            line[place] = f64::NAN;
+        }
+        bridge(&mut line);
+        let all = places.iter().map(|&index| Outlier {
+            index,
+            size: Some(values[index] - line[index])
+                .filter(|size| size.is_finite())
+                .unwrap_or(0.0),
+            size_sd: 0.0,
+        });
+        Self(Arc::new(all.collect()))
+    }
+}
 
 impl PartialEq for Replaced {
     fn eq(&self, other: &Self) -> bool {

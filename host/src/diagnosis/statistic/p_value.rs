@@ -2,7 +2,8 @@
 //! of them.
 
 use statrs::distribution::{
-    ChiSquared, ContinuousCDF, Discrete, DiscreteCDF, Gamma, NegativeBinomial, Normal, Poisson,
+    ChiSquared, ContinuousCDF, Discrete, DiscreteCDF, Gamma, Hypergeometric, NegativeBinomial,
+    Normal, Poisson,
 };
 
 use crate::numeric::bisect::bisect;
@@ -61,6 +62,29 @@ pub fn binomial_half(count: u64, trials: u64) -> f64 {
         _ => law.sf(count - 1),
     })
 }
+
+/// Probability that of `tries` drawn from `all`, of which some are `marked`, as many as `hits` are, or a number further from
+/// what chance has, on either side: hypergeometric.
+pub fn drawn(hits: usize, tries: usize, marked: usize, all: usize) -> f64 {
+    let Ok(law) = Hypergeometric::new(all as u64, marked as u64, tries as u64) else {
+        return 1.0;
+    };
+    let (share, tries, all) = (marked as f64 / all as f64, tries as f64, all as f64);
+    let mean = tries * share;
+    let variance = mean * (1.0 - share) * (all - tries) / (all - 1.0);
+    if variance > NORMAL {
+        return two_sided((hits as f64 - mean) / variance.sqrt());
+    }
+    let hits = hits as u64;
+    let as_many = match hits {
+        0 => 1.0,
+        _ => law.sf(hits - 1),
+    };
+    (2.0 * as_many.min(law.cdf(hits))).min(1.0)
+}
+
+/// Variance from which a number is as good as normal: its skewness is below 0.03.
+const NORMAL: f64 = 1000.0;
 
 /// Probability that the best of `trials` chances falls below `p`, each of them doing so with
 /// probability `p`: Bonferroni's bound.

@@ -6,7 +6,7 @@ pub mod repeats;
 
 use self::extremes::{Clipping, clipping};
 use self::grid::{Coarse, grid};
-use self::repeats::{Chance, Stale, stale};
+use self::repeats::{Chance, Repeats, Stale, stale};
 use crate::diagnosis::statistic::spread::middle_spread;
 
 /// Step of a grid over the short-term noise below which chance repeats can be foretold: with few
@@ -54,8 +54,7 @@ impl ValueFindings {
             // Samples at a limit are all the same for another reason.
             .filter(|&n| clipping.iter().all(|one| measured[n] != one.level))
             .collect();
-        let pairs = increments.len();
-        let stale = stale(repeats.len(), pairs, chance, level).filter(|_| spanned);
+        let stale = stale(Repeats::new(measured, &repeats), chance, level).filter(|_| spanned);
         Self {
             stale: stale.map(|stale| (stale, repeats)),
             clipping: clipping

@@ -125,42 +125,6 @@ pub fn together(found: &[Outlier], len: usize) -> f64 {
     )
 }
 
-/// How much the samples at `indices`, ascending, differ from what all others predict for them. Those behind
-/// the length that transforms fast are predicted by nobody and left out.
-pub fn sizes_at(whole: &Transform, density: &[f64], indices: &[usize]) -> Vec<Outlier> {
-    /// Rounds in which neighbours settle what is whose: a choice.
-    const ROUNDS: usize = 4;
-    /// Samples to either side that count as such: a choice.
-    const NEIGHBOURS: usize = 512;
-    let indices = &indices[..indices.partition_point(|&index| index < whole.len())];
-    let mut answer = answer(whole, density, 0.0);
-    answer.truncate(NEIGHBOURS);
-    let filter = matched(whole, density, &Impulse);
-    let mut heights = vec![0.0; indices.len()];
-    for _ in 0..ROUNDS {
-        for (number, &index) in indices.iter().enumerate() {
-            let mut height = filter.z[index];
-            let before = indices[..number].iter().zip(&heights).rev();
-            let after = indices[number + 1..].iter().zip(&heights[number + 1..]);
-            let near = |(other, height): (&usize, &f64)| {
-                Some(height * answer.get(index.abs_diff(*other))?)
-            };
-            height -= before.map_while(near).sum::<f64>();
-            height -= after.map_while(near).sum::<f64>();
-            heights[number] = height;
-        }
-    }
-    indices
-        .iter()
-        .zip(heights)
-        .map(|(&index, height)| Outlier {
-            index,
-            size: height * filter.size_sd,
-            size_sd: filter.size_sd,
-        })
-        .collect()
-}
-
 /// The filter's answer to one sample of size one, from that moment on, over its peak, as far as it
 /// matters to a sample of `highest` standard deviations.
 fn answer(whole: &Transform, density: &[f64], highest: f64) -> Vec<f64> {
