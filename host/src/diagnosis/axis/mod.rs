@@ -85,7 +85,7 @@ pub struct Whitened {
 impl AxisState {
     /// An axis with nothing known. `None` where the record is too short, or all the same.
     pub fn new(measured: Arc<Vec<f64>>, rate_hz: f64, chain: Option<&Chain>) -> Option<Self> {
-        let short_gaps = ShortGaps::of(measured.len(), |n| measured[n].is_finite(), &[]);
+        let short_gaps = ShortGaps::of(&measured, &[]);
         let mut whole = Arc::clone(&measured);
         if let Some(gaps) = &short_gaps {
             gaps.bridge(Arc::make_mut(&mut whole).as_mut_slice());

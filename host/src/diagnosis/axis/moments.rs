@@ -91,7 +91,7 @@ impl AxisState {
             .cloned()
             .collect();
         if !others.is_empty() {
-            let drawn = Drawn::new(values.len());
+            let drawn = Drawn::of(self.residual.measured());
             let density = self.law_densities(drawn.ring_len());
             long_gaps::fill(&drawn, values, &others, self.rate_hz, &density);
         }

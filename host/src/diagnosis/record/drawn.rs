@@ -12,25 +12,25 @@ use crate::fft::ring::Series;
 use crate::model::Seed;
 use crate::model::random::Gaussian;
 
-/// Any seed is as good as another; the same one each time, so that a record has one answer.
-const SEED: Seed = Seed { seed: 1, stream: 0 };
-
 /// Samples behind the end of the record and ahead of its begin that no one knows, where it is closed into a ring: a
 /// choice, as far as the converter's filter spreads a sample.
 const SEAM: usize = 64;
 
-/// The ring of records of one length.
+/// The ring of a record.
 pub struct Drawn {
     ring: Transformer,
     len: usize,
+    /// Where its random numbers begin.
+    seed: Seed,
 }
 
 impl Drawn {
-    /// For records of `len` samples.
-    pub fn new(len: usize) -> Self {
+    /// For a record that was `measured` so, with NaN for what is missing.
+    pub fn of(measured: &[f64]) -> Self {
         Self {
-            ring: Transformer::new(smooth_len_from(len + SEAM)),
-            len,
+            ring: Transformer::new(smooth_len_from(measured.len() + SEAM)),
+            len: measured.len(),
+            seed: seed(measured),
         }
     }
 
@@ -47,7 +47,7 @@ impl Drawn {
 
     /// `values`, none of which is missing, less noise of the two-sided densities `density` at the ordinates.
     pub fn off(&self, values: &[f64], rate_hz: f64, density: &[f64]) -> Series {
-        let mut normal = Gaussian::new(SEED, 1.0);
+        let mut normal = Gaussian::new(self.seed, 1.0);
         let noise = self.ring.noise(density, rate_hz, || normal.draw());
         let mut off = self.ring.padded(values);
         let pairs = off.iter_mut().zip(noise.iter());
@@ -71,5 +71,46 @@ impl Drawn {
     pub fn moves(&self, off: Series, places: &[usize], rate_hz: f64, density: &[f64]) -> Vec<f64> {
         let off = self.ring.transform_ring(off, rate_hz);
         Unknown::at(&self.ring, places, density).moves(&off)
+    }
+}
+
+/// The same for the same record, so that it has one answer, and another for every other: samples that all axes miss are drawn
+/// for each by itself, or their noise would seem to be the same.
+fn seed(measured: &[f64]) -> Seed {
+    /// Of the hash FNV-1a for 64 bits (G. Fowler, L. C. Noll, K.-P. Vo).
+    const BASIS: u64 = 0xcbf2_9ce4_8422_2325;
+    const PRIME: u64 = 0x0100_0000_01b3;
+    let there = measured.iter().filter(|value| value.is_finite());
+    let seed = there.fold(BASIS, |hash, value| {
+        (hash ^ value.to_bits()).wrapping_mul(PRIME)
+    });
+    Seed { seed, stream: 0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_records_that_miss_the_same_samples_share_nothing_of_what_is_drawn() {
+        const LEN: usize = 4000;
+        let record = |seed| {
+            let mut normal = Gaussian::new(Seed { seed, stream: 0 }, 1.0);
+            let every_third = |n| if n % 3 == 0 { f64::NAN } else { normal.draw() };
+            (0..LEN).map(every_third).collect::<Vec<f64>>()
+        };
+        let (one, other) = (record(1), record(2));
+        let noise = |measured: &[f64]| {
+            let drawn = Drawn::of(measured);
+            let density = vec![1.0; drawn.ring_len() / 2 + 1];
+            drawn.off(&[0.0; LEN], 1.0, &density).to_vec()
+        };
+        let pairs = || noise(&one).into_iter().zip(noise(&other)).take(LEN);
+        let correlation = pairs().map(|(a, b)| a * b).sum::<f64>() / LEN as f64;
+        // Of independent normal numbers, five deviations.
+        let limit = 5.0 / (LEN as f64).sqrt();
+        assert!(correlation.abs() < limit, "{correlation}, seeds 1 and 2");
+        // A record has one answer.
+        assert_eq!(noise(&one), noise(&one));
     }
 }

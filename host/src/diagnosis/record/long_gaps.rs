@@ -79,6 +79,7 @@ mod tests {
             let mut values = ring.noise(&law(LENGTH), RATE_HZ, || normal.draw()).to_vec();
             let gap = 7000..9700;
             values[gap.clone()].fill(f64::NAN);
+            let drawn = Drawn::of(&values);
             let gaps = bridge(&mut values);
             assert_eq!(gaps, std::slice::from_ref(&gap));
             let about = |values: &[f64]| {
@@ -87,7 +88,6 @@ mod tests {
                 ends.map(|n| white[n].abs()).fold(0.0, f64::max)
             };
             let cut = about(&values);
-            let drawn = Drawn::new(LENGTH);
             let density = law(drawn.ring_len());
             fill(&drawn, &mut values, &gaps, RATE_HZ, &density);
             let filled = about(&values);

@@ -114,8 +114,7 @@ impl Residual {
 
     /// Gaps of few samples that are missing, and those of what was replaced.
     pub fn short_gaps(&self) -> Option<ShortGaps> {
-        let replaced = self.replaced();
-        ShortGaps::of(self.len(), |n| self.measured[n].is_finite(), &replaced)
+        ShortGaps::of(&self.measured, &self.replaced())
     }
 
     /// Leaves the samples missing that are in none of these gaps, and bridges those that are and were not.

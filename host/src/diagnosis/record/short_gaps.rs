@@ -39,23 +39,23 @@ pub struct ShortGaps {
 }
 
 impl ShortGaps {
-    /// Those of a record of `len` samples, of which those count that are `measured`, and those at the places `replaced`
-    /// not, ascending: however many of these follow each other, they are not left as they are. `None` where there are
-    /// no gaps, or too many to fill. What is missing at either end is no gap.
-    pub fn of(len: usize, measured: impl Fn(usize) -> bool, replaced: &[usize]) -> Option<Self> {
+    /// Those of a record that was `measured` so, with NaN for what is missing. The samples at the places `replaced`,
+    /// ascending, count as none: however many of these follow each other, they are not left as they are. `None` where
+    /// there are no gaps, or too many to fill. What is missing at either end is no gap.
+    pub fn of(measured: &[f64], replaced: &[usize]) -> Option<Self> {
+        let len = measured.len();
         let is_replaced = |n: &usize| replaced.binary_search(n).is_ok();
-        let mut gaps = runs_of(len, |n| !measured(n) || is_replaced(&n));
+        let mut gaps = runs_of(len, |n| !measured[n].is_finite() || is_replaced(&n));
         let never_there = |gap: &Range<usize>| gap.clone().filter(|n| !is_replaced(n)).count();
         gaps.retain(|gap| never_there(gap) <= LONGEST && gap.start > 0 && gap.end < len);
         let missing = gaps.iter().map(Range::len).sum();
-        let there = (0..len)
-            .filter(|&n| measured(n) && !is_replaced(&n))
-            .count();
+        let is_there = |n: &usize| measured[*n].is_finite() && !is_replaced(n);
+        let there = (0..len).filter(is_there).count();
         let share = missing as f64 / (missing + there) as f64;
         if missing == 0 || share > MOST {
             return None;
         }
-        let drawn = Drawn::new(len);
+        let drawn = Drawn::of(measured);
         let places = gaps.iter().cloned().chain(drawn.seam()).flatten().collect();
         Some(Self {
             gaps,
@@ -121,7 +121,7 @@ mod tests {
     const RATE_HZ: f64 = 50.0;
 
     fn of(values: &[f64]) -> Option<ShortGaps> {
-        ShortGaps::of(values.len(), |n| values[n].is_finite(), &[])
+        ShortGaps::of(values, &[])
     }
 
     /// Noise with gaps of one to five samples.
@@ -201,9 +201,8 @@ mod tests {
         let mut values = vec![1.0; 400];
         values[100..133].fill(f64::NAN);
         values[200..201].fill(f64::NAN);
-        let measured = |n: usize| values[n].is_finite();
         let replaced: Vec<usize> = (201..290).chain(300..340).collect();
-        let gaps = ShortGaps::of(400, measured, &replaced).expect("gaps");
+        let gaps = ShortGaps::of(&values, &replaced).expect("gaps");
         assert_eq!(gaps.ranges(), [200..290, 300..340]);
         assert!((gaps.share() - 130.0 / (400.0 - 33.0)).abs() < 1e-12);
     }
