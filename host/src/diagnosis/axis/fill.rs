@@ -185,12 +185,17 @@ mod tests {
             let axis = AxisState::new(Arc::new(values), RATE_HZ, None).expect("a spectrum");
             for f_hz in [0.02, 0.5, 2.0, 10.0, 40.0] {
                 let ratio = axis.density(f_hz) / density(f_hz);
-                // The walk, of which an octave about 0.02 Hz has 24 ordinates, is known to a fifth, all else to 4 %, a
-                // third missing at 2 Hz to twice that. Straight lines make 2 Hz twice as loud where a twentieth misses.
-                let sd = if f_hz < 0.1 { 0.2 } else { 0.04 };
-                let sd = if share > 0.2 { 2.0 * sd } else { sd };
+                // The walk, of which an octave about 0.02 Hz has 24 ordinates, is known to a fifth, all else to 4 %. With a third
+                // missing, what is drawn beside ten times as much quantisation noise scatters by 25 % from record to record
+                // at 0.5 Hz and by 13 % at 2 Hz. Straight lines make 2 Hz twice as loud where a twentieth misses.
+                let sd = match f_hz {
+                    _ if f_hz < 0.1 => 0.2,
+                    _ if share > 0.2 && f_hz < 1.0 => 0.25,
+                    _ if share > 0.2 && f_hz < 5.0 => 0.13,
+                    _ => 0.04,
+                };
                 assert!(
-                    (ratio - 1.0).abs() < 3.0 * sd,
+                    ratio.ln().abs() < 3.0 * sd,
                     "{share} missing: {ratio} of the power at {f_hz} Hz, seed {seed}"
                 );
             }
