@@ -1,11 +1,10 @@
 //! When samples were lost: what the likelihoods of all moments leave open, by blocks or sample by sample.
 
-use std::f64::consts::TAU;
-
-use rustfft::num_complex::Complex64;
+use std::ops::Range;
 
 use super::demodulate::Blocks;
 use super::line::{Line, Turned};
+use crate::fft::phasor::Phasor;
 use crate::fft::ring::Series;
 
 /// Blocks on either side of the best in which the moment is looked for sample by sample: a choice.
@@ -69,6 +68,41 @@ pub(crate) struct Quiet {
     pub(crate) variance: f64,
 }
 
+/// All lines together at a sample.
+#[derive(Clone, Copy, Default)]
+struct Course {
+    /// Their sum.
+    sum: f64,
+    /// The same, each by the root of its share of the information.
+    weighed: f64,
+}
+
+/// The lines as they run on from their beginning, at these samples.
+fn courses(
+    blocks: &Blocks,
+    quiet: &Quiet,
+    lines: &[Line],
+    turned: &[Turned],
+    samples: Range<usize>,
+) -> Vec<Course> {
+    let mut courses = vec![Course::default(); samples.len()];
+    for (line, turned) in lines.iter().zip(turned) {
+        // 4 rate S of the demodulated record; the samples' own variance is rate S.
+        let share = (4.0 * quiet.variance / line.seen.noise).min(1.0).sqrt();
+        let phasor = Phasor::new(line.cycles(turned.offset, blocks.len));
+        phasor.zip(
+            samples.start,
+            &mut courses,
+            turned.amplitude,
+            |course, line| {
+                course.sum += line.re;
+                course.weighed += share * line.re;
+            },
+        );
+    }
+    courses
+}
+
 /// Index of a loss close to the edge of a block: the lines are known from the whole record, and
 /// each sample speaks for the phase ahead of the loss or behind it. Between moments `t` and `t + 1`
 /// lie
@@ -87,30 +121,18 @@ pub(crate) fn zoom(
 ) -> Posterior {
     let from = best.place.saturating_sub(ZOOM) * blocks.len;
     let to = ((best.place + ZOOM) * blocks.len).min(quiet.values.len());
-    // The sum of the lines, and the same with each by the root of its share of the information.
-    let at = |moment: usize| -> (f64, f64) {
-        let (mut sum, mut weighed) = (0.0, 0.0);
-        for (line, turned) in lines.iter().zip(turned) {
-            let cycles = line.cycles(turned.offset, blocks.len);
-            let turn = TAU * (moment as f64 * cycles).fract();
-            let value = (turned.amplitude * Complex64::from_polar(1.0, turn)).re;
-            // 4 rate S of the demodulated record; the samples' own variance is rate S.
-            let share = (4.0 * quiet.variance / line.seen.noise).min(1.0);
-            sum += value;
-            weighed += share.sqrt() * value;
-        }
-        (sum, weighed)
-    };
+    let courses = courses(blocks, quiet, lines, turned, from..to + best.samples);
     let mut gain = 0.0;
-    let gains: Vec<f64> = (from..to)
-        .map(|index| {
+    let shifted = courses.iter().zip(courses.iter().skip(best.samples));
+    let values = quiet.values[from..to].iter();
+    let gains: Vec<f64> = values
+        .zip(shifted)
+        .map(|(value, (ahead, behind))| {
             let here = gain;
-            let value = quiet.values[index];
             // What is not usable is exactly zero, and speaks for neither.
-            if value != 0.0 {
-                let (ahead, behind) = (at(index), at(index + best.samples));
-                let own = 0.5 * (behind.1.powi(2) - ahead.1.powi(2));
-                gain += (value * (ahead.0 - behind.0) + own) / quiet.variance;
+            if *value != 0.0 {
+                let own = 0.5 * (behind.weighed.powi(2) - ahead.weighed.powi(2));
+                gain += (value * (ahead.sum - behind.sum) + own) / quiet.variance;
             }
             here
         })
