@@ -1,12 +1,14 @@
 //! What the values themselves say, before any model: repeats, pile-up at an extreme, coarse steps.
 
+pub mod chance;
 pub mod extremes;
 pub mod grid;
 pub mod repeats;
 
+use self::chance::Chance;
 use self::extremes::{Clipping, clipping};
 use self::grid::{Coarse, grid};
-use self::repeats::{Chance, Repeats, Stale, stale};
+use self::repeats::{Repeats, Stale, stale};
 use crate::diagnosis::statistic::spread::middle_spread;
 
 /// Step of a grid over the short-term noise below which chance repeats can be foretold: with few
@@ -46,15 +48,17 @@ impl ValueFindings {
         // On a grid that the noise does not span, repeats are no news.
         let spanned = grid.is_none_or(|step| step < SPANNED * noise);
         let chance = match grid {
-            Some(grid) => Chance::on_grid(&increments, grid),
-            None => Chance::between(&increments, noise, declared.map(f64::abs)),
+            Some(grid) => Chance::on_grid(&increments, grid, noise),
+            None => Some(Chance::between(&increments, noise, declared.map(f64::abs))),
         };
         let repeats: Vec<usize> = (1..measured.len())
             .filter(|&n| measured[n] == measured[n - 1])
             // Samples at a limit are all the same for another reason.
             .filter(|&n| clipping.iter().all(|one| measured[n] != one.level))
             .collect();
-        let stale = stale(Repeats::new(measured, &repeats), chance, level).filter(|_| spanned);
+        let stale = chance
+            .filter(|_| spanned)
+            .and_then(|chance| stale(Repeats::new(measured, &repeats), chance, level));
         Self {
             stale: stale.map(|stale| (stale, repeats)),
             clipping: clipping
@@ -111,6 +115,18 @@ mod tests {
             let coarse = found.coarse.expect("a grid that nobody declared");
             assert_eq!(coarse, Coarse { step, decides }, "seed 2");
             assert!(found.stale.is_none(), "seed 2, step {step}");
+        }
+    }
+
+    /// A pulse counter that is read in units of two steps and a half has few values, and a third of its samples
+    /// repeat; a file whose numbers were rounded to two grids one after the other has increments that are uneven.
+    #[test]
+    fn a_counter_of_few_values_repeats_by_chance() {
+        for seed in 4..14 {
+            let counter = found(seed, |z| (2.5 * (2.2 * z).trunc()).round());
+            assert!(counter.stale.is_none(), "seed {seed}: {:?}", counter.stale);
+            let twice = found(seed, |z| ((60.0 * z).round() / 1.37).round());
+            assert!(twice.stale.is_none(), "seed {seed}: {:?}", twice.stale);
         }
     }
 
