@@ -16,6 +16,7 @@ const SUPPORTED: &[&str] = &[
     "markov",
     "resonance",
     "rolloff",
+    "averaging",
     "telegraph",
     "steps",
     "outliers",

@@ -2,9 +2,9 @@
 
 use super::kind::Kind;
 use super::{
-    burst, clipping, common_mode, cyclic, drift, dropped, hum, markov, motion, outliers, powerlaw,
-    resonance, rolloff, rounding, shock, sinusoid, stale, steps, telegraph, thermal, timebase,
-    unnamed, wandering_line, warmup,
+    averaging, burst, clipping, common_mode, cyclic, drift, dropped, hum, markov, motion, outliers,
+    powerlaw, resonance, rolloff, rounding, shock, sinusoid, stale, steps, telegraph, thermal,
+    timebase, unnamed, wandering_line, warmup,
 };
 
 /// All effects of the catalogue.
@@ -14,6 +14,7 @@ pub static CATALOGUE: &[Kind] = &[
     resonance::KIND,
     powerlaw::KIND,
     rolloff::KIND,
+    averaging::KIND,
     hum::KIND,
     wandering_line::KIND,
     telegraph::KIND,

@@ -9,6 +9,7 @@
 //! some [axes](axis) with coefficients, effects and a signal chain, as a [`file`] holds it; an axis's
 //! [`law`] is what data of it should look like.
 
+pub mod averaging;
 pub mod axis;
 pub mod burst;
 pub mod catalogue;

@@ -64,6 +64,18 @@ fn a_rolloff_halves_the_power_at_its_corner() {
     }
 }
 
+/// A mean of two samples has the power cos^2 (w / 2); 400 ordinates each: 5 %.
+#[test]
+fn averaging_takes_what_changes_sign_from_sample_to_sample() {
+    let alone = Alone::within("averaging", 3.0, 1.0, 1);
+    near(alone.parameter("duration_s"), 2.0 / RATE_HZ, 1e-12, 1);
+    for f_hz in [50.0, 500.0, 900.0] {
+        let expected = (PI * f_hz / RATE_HZ).cos().powi(2);
+        let found = band(&alone.samples, f_hz, 400);
+        near(found, expected, 5.0 * expected / 400_f64.sqrt(), 1);
+    }
+}
+
 /// Two bands a decade apart, 300 ordinates each: 6 % each.
 #[test]
 fn a_powerlaw_has_its_slope() {

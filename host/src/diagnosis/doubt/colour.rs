@@ -57,7 +57,13 @@ pub fn of_law(
     }
     let change = law::change_of_law(axis, which);
     let change = change.filter(|one| one.p_value < level)?;
-    let what = format!("as a {kind} whose {}", change.parameter);
+    let name = kind.to_string();
+    let article = if name.starts_with(['a', 'e', 'i', 'o', 'u']) {
+        "an"
+    } else {
+        "a"
+    };
+    let what = format!("as {article} {name} whose {}", change.parameter);
     Some((changing(&change, band_hz, &what), change.log_sd))
 }
 

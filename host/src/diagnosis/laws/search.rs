@@ -152,9 +152,7 @@ fn gaining(present: Fitted<'_>, starts: &Starts, kind: Kind, least: f64) -> Opti
     let nats = fit.log_likelihood - base.log_likelihood;
     let law = all.pop()?;
     // A filter that shuts out most of the band would make every law anew from white noise.
-    let lowest = starts.lowest(kind);
-    let mut pairs = law.values.iter().zip(lowest);
-    if !law.adds() && pairs.any(|(value, lowest)| *value < 0.5 * lowest) {
+    if !law.adds() && starts.are_beyond(kind, &law.values) {
         return None;
     }
     Some(Found {

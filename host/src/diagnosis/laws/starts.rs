@@ -76,13 +76,16 @@ impl Starts {
         laws.filter(move |law| law.effect == effect)
     }
 
-    /// The least of each value of an effect.
-    pub(super) fn lowest(&self, effect: Kind) -> Vec<f64> {
-        let own = self.starts.iter();
-        own.filter(|start| start.law.effect == effect)
-            .map(|start| start.law.values.clone())
-            .reduce(|a, b| a.iter().zip(&b).map(|(a, b)| a.min(*b)).collect())
-            .unwrap_or_default()
+    /// Whether these values of an effect lie beyond all that its searches begin with, by a factor of two.
+    pub(super) fn are_beyond(&self, effect: Kind, values: &[f64]) -> bool {
+        values.iter().enumerate().any(|(place, &value)| {
+            let begins = self.laws(effect).map(|law| law.values[place]);
+            let (least, most) = begins
+                .fold((f64::INFINITY, 0.0), |(least, most): (f64, f64), one| {
+                    (least.min(one), most.max(one))
+                });
+            !(0.5 * least..=2.0 * most).contains(&value)
+        })
     }
 
     /// What each of an effect's starts changes in the expectation of a fit with `laws`.

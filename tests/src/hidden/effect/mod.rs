@@ -1,6 +1,7 @@
 //! The effects of the catalogue, one file each: how they are drawn, how they get into a record,
 //! and what an ideal detector of that kind could do.
 
+mod averaging;
 mod burst;
 mod clipping;
 mod common_mode;
@@ -181,6 +182,11 @@ pub static KINDS: &[Kind] = &[
         name: "rolloff",
         axes: 1,
         draw: rolloff::draw,
+    },
+    Kind {
+        name: "averaging",
+        axes: 1,
+        draw: averaging::draw,
     },
     Kind {
         name: "telegraph",

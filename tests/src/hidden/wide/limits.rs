@@ -44,12 +44,14 @@ const fn limit(kind: &'static str, end: End, samples: usize, rate_hz: f64) -> Li
 /// Every kind of the catalogue that is hidden. Mains have their fifth harmonic below half of 800/s; a cycle
 /// of a thousand samples is there twenty times in 2^15; two rates that differ by 0.2 % show in 2^16
 /// samples.
-pub const LIMITS: [Limit; 22] = [
+pub const LIMITS: [Limit; 23] = [
     limit("sinusoid", End::Times(1000.0), 0, 0.0),
     limit("hum", End::Times(1000.0), 0, 800.0),
     limit("markov", End::Times(1000.0), 0, 0.0),
     limit("resonance", End::Times(1000.0), 0, 0.0),
     limit("rolloff", End::Corner(0.02), 0, 0.0),
+    // At most some 32 samples: lobes as narrow as spectra are looked at by.
+    limit("averaging", End::Times(1000.0), 0, 0.0),
     limit("telegraph", End::Times(1000.0), 0, 0.0),
     limit("steps", End::Times(1000.0), 0, 0.0),
     limit("outliers", End::Times(1000.0), 0, 0.0),

@@ -34,7 +34,7 @@ pub use switching::anywhere as switching_anywhere;
 
 /// Looks for the law that is worth most; one test for each shape that the catalogue has.
 pub static DETECTOR: Detector = Detector {
-    tests: 4,
+    tests: 5,
     look: strongest_law,
 };
 

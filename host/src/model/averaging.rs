@@ -1,0 +1,234 @@
+//! Averaging: each sample is the mean of what came in the time before it.
+
+use std::f64::consts::PI;
+
+use super::Seed;
+use super::effect::{Band, Distorter, Distortion, Effect, Parameter, Part, Quantity, Stage};
+use super::kind::Kind;
+use super::marks::Mark;
+
+/// A running mean over `n = duration_s rate` samples, the oldest of which counts by what is left of `n`:
+///
+/// ```text
+/// y_k = (x_k + x_(k-1) + ... + x_(k-m+1) + d x_(k-m)) / n,    m = floor(n),  d = n - m
+/// |H|^2 = (D^2 + d^2 + 2 D d cos((m + 1) w / 2)) / n^2,       D = sin(m w / 2) / sin(w / 2)
+/// ```
+///
+/// Of white noise that is averaged ahead of the sampler over a whole number of samples the images that fold down make
+/// the same of it: the sum of `sinc^2` over all of them is `|H|^2`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Averaging {
+    /// Length of time that a mean is over, seconds; up to one sample it changes nothing.
+    pub duration_s: f64,
+}
+
+/// Power at a zero of the response, as a part of the lobes beside it: a choice. A record with a beginning and an end shows
+/// none that is deeper, and nothing is divided by zero.
+const DEEPEST: f64 = 1e-3;
+
+impl Averaging {
+    /// Samples that a mean is over, one or more.
+    fn samples(&self, rate_hz: f64) -> f64 {
+        (self.duration_s * rate_hz).max(1.0)
+    }
+}
+
+impl Distortion for Averaging {
+    fn stage(&self) -> Stage {
+        Stage::Filter
+    }
+
+    fn power(&self, f_hz: f64, rate_hz: f64) -> f64 {
+        let n = self.samples(rate_hz);
+        let (m, rest) = (n.floor(), n.fract());
+        let x = PI * f_hz / rate_hz;
+        let sine = x.sin();
+        let sum = if sine == 0.0 { m } else { (m * x).sin() / sine };
+        let power = sum * sum + rest * rest + 2.0 * sum * rest * ((m + 1.0) * x).cos();
+        let lobes = (n * sine).powi(-2).min(1.0);
+        (power / (n * n)).max(DEEPEST * lobes)
+    }
+
+    fn distorter(&self, rate_hz: f64, _seed: Seed) -> Box<dyn Distorter> {
+        Box::new(RunningMean::new(self.samples(rate_hz)))
+    }
+}
+
+/// Samples that a mean is over at most, as they are held: 8 MB. Longer ones are over as many.
+const MOST: f64 = (1 << 20) as f64;
+
+struct RunningMean {
+    /// How many samples count as a whole.
+    whole: usize,
+    /// What the one before them counts.
+    rest: f64,
+    /// The latest samples, as many as a mean needs but for the next; the beginning of the record, until there is
+    /// enough for its mirror image.
+    past: Vec<f64>,
+    has_begun: bool,
+}
+
+impl RunningMean {
+    fn new(samples: f64) -> Self {
+        let samples = samples.min(MOST);
+        Self {
+            whole: samples as usize,
+            rest: samples.fract(),
+            past: Vec::new(),
+            has_begun: false,
+        }
+    }
+}
+
+impl Distorter for RunningMean {
+    fn apply(&mut self, samples: &mut Vec<f64>) {
+        let before = self.whole;
+        self.past.append(samples);
+        if !self.has_begun {
+            if self.past.len() <= before {
+                return;
+            }
+            // Before the record its mirror image, at the same level.
+            let mirror = self.past[1..=before].iter().rev().copied();
+            self.past = mirror.chain(self.past.iter().copied()).collect();
+            self.has_begun = true;
+        }
+        let window = before + 1;
+        let length = before as f64 + self.rest;
+        // Each from its own samples, so that no error adds up.
+        samples.extend(self.past.windows(window).map(|window| {
+            let whole: f64 = window[1..].iter().sum();
+            (whole + self.rest * window[0]) / length
+        }));
+        let gone = self.past.len() - before;
+        self.past.drain(..gone);
+    }
+}
+
+/// Averaging in the catalogue.
+struct Entry;
+
+/// The same by its identity.
+pub const KIND: Kind = Kind::of(&Entry);
+
+impl Effect for Entry {
+    fn name(&self) -> &'static str {
+        "averaging"
+    }
+
+    fn meaning(&self) -> &'static str {
+        "each sample is a running mean: the spectrum falls in lobes with zeros between them, at multiples of one over the \
+         time that the mean is over"
+    }
+
+    fn check(&self, values: &[f64]) -> String {
+        format!(
+            "look for a filter over {:.4} s in the sensor's settings, its driver or the logger, and switch it off; samples \
+             that share what they are the mean of are not independent",
+            values[0]
+        )
+    }
+
+    fn parameters(&self, _values: &[f64]) -> Vec<Parameter> {
+        vec![Parameter::new(
+            "duration_s",
+            Quantity::Second,
+            "time that each mean is over",
+        )]
+    }
+
+    fn marks(&self, values: &[f64]) -> Vec<Mark> {
+        vec![Mark::Corner(1.0 / values[0])]
+    }
+
+    fn part(&self, values: &[f64]) -> Part {
+        Part::Distortion(Box::new(Averaging {
+            duration_s: values[0],
+        }))
+    }
+
+    fn starts(&self, band: &Band) -> Vec<Vec<f64>> {
+        // From little more than a sample to 32, beyond which lobes are narrower than the bins of a spectrum, 16 an octave. A
+        // zero in the wrong bin is worse than none, so that starts are as close as bins.
+        Band {
+            from_hz: band.to_hz / 16.0,
+            to_hz: 1.8 * band.to_hz,
+        }
+        .steps(1.045)
+        .map(|null_hz| vec![1.0 / null_hz])
+        .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::random::Gaussian;
+    use crate::model::trial;
+
+    #[test]
+    fn the_response_is_that_of_the_weights() {
+        for n in [1.0, 1.3, 2.0, 5.0, 7.75, 24.0] {
+            let law = Averaging {
+                duration_s: n / 50.0,
+            };
+            let (whole, rest) = (n as usize, n.fract());
+            let weights = std::iter::repeat_n(1.0, whole).chain([rest]);
+            for f_hz in (0..50).map(|step| 0.5 * f64::from(step)) {
+                let turn = 2.0 * PI * f_hz / 50.0;
+                let (mut cosine, mut sine) = (0.0, 0.0);
+                for (lag, weight) in (0_u32..).zip(weights.clone()) {
+                    cosine += weight * (f64::from(lag) * turn).cos();
+                    sine += weight * (f64::from(lag) * turn).sin();
+                }
+                let exact = (cosine * cosine + sine * sine) / (n * n);
+                let off = (law.power(f_hz, 50.0) - exact).abs();
+                // But for the zeros, which have a floor below all lobes.
+                let lobes = (n * (0.5 * turn).sin()).powi(-2).min(1.0);
+                assert!(
+                    off < 1e-9 + DEEPEST * lobes,
+                    "{n} samples, {f_hz} Hz: {off}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn a_mean_is_over_the_samples_before_it() {
+        let mut samples: Vec<f64> = (0..100).map(f64::from).collect();
+        let law = Averaging { duration_s: 0.25 };
+        law.distorter(10.0, Seed { seed: 0, stream: 0 })
+            .apply(&mut samples);
+        // Two and a half samples of a ramp: (k + k - 1 + (k - 2) / 2) / 2.5.
+        for (k, value) in samples.iter().enumerate().skip(3) {
+            assert!((value - (k as f64 - 0.8)).abs() < 1e-9, "{k}: {value}");
+        }
+        assert_eq!(samples.len(), 100);
+    }
+
+    #[test]
+    fn allan_variance_follows_the_law() {
+        for duration_s in [0.002, 0.0237] {
+            let effects = format!(
+                r#"{{ "effect": "averaging", "parameters": {{ "duration_s": {duration_s} }} }}"#
+            );
+            let axis = trial::axis(r#""N": 0.02, "K": 20, "Q": 4e-4"#, &effects);
+            trial::assert_allan_variance(&axis, 1000.0, &[1, 2, 8, 24, 100]);
+        }
+    }
+
+    #[test]
+    fn the_record_has_as_many_samples_and_its_level_from_the_start() {
+        let mut noise = Gaussian::new(Seed { seed: 3, stream: 0 }, 1.0);
+        let mut samples: Vec<f64> = (0..500).map(|_| 1e3 + noise.draw()).collect();
+        let law = Averaging { duration_s: 1.7 };
+        law.distorter(10.0, Seed { seed: 0, stream: 0 })
+            .apply(&mut samples);
+        assert_eq!(samples.len(), 500);
+        // Half of a mirrored mean counts twice: a variance of 2 / 17 at most, five deviations.
+        assert!(
+            samples.iter().all(|value| (value - 1e3).abs() < 1.8),
+            "seed 3"
+        );
+    }
+}
