@@ -90,4 +90,23 @@ mod tests {
         let told: Vec<u64> = told.collect();
         assert!(told.len() < 8, "seeds {told:?}");
     }
+
+    #[test]
+    fn a_block_of_which_most_is_missing_is_none() {
+        let mut noise = Gaussian::new(
+            Seed {
+                seed: 200,
+                stream: 0,
+            },
+            1.0,
+        );
+        let mut values: Vec<f64> = (0..1 << 15).map(|_| noise.draw()).collect();
+        // Of 512 samples each: six tenths of one, four tenths of another.
+        values[5120..5427].fill(f64::NAN);
+        values[10_240..10_445].fill(f64::NAN);
+        let axis = AxisState::new(Arc::new(values), RATE_HZ, None).expect("long enough");
+        let from_s: Vec<f64> = blocks(&axis).iter().map(|one| one.from_s).collect();
+        assert_eq!(from_s.len(), BLOCKS - 1);
+        assert!(!from_s.contains(&51.2) && from_s.contains(&102.4));
+    }
 }

@@ -253,3 +253,18 @@ fn a_peak_lies_inside_the_band() {
     assert!(!peak(1.01 * top_hz, 0.1 * top_hz));
     assert!(!peak(0.5 * top_hz, 1e-3 / axis.residual.len() as f64));
 }
+
+#[test]
+fn at_both_ends_and_in_bands_of_tones_nothing_is_judged() {
+    let mut axis = noise();
+    let last = axis.residual.len() - 1;
+    // Four times the 256 samples that the line through the ends rests on.
+    for (index, is_usable) in [(0, false), (1023, false), (1024, true)] {
+        assert_eq!(axis.usable(index), is_usable, "seed {SEED}: {index}");
+        assert_eq!(axis.usable(last - index), is_usable, "seed {SEED}: {index}");
+    }
+    let band_hz = 100.0..110.0;
+    let tone = Change::Tone(vec![band_hz.clone()]);
+    take_in(&mut axis, crate::model::wandering_line::KIND, tone);
+    assert_eq!(axis.excluded_hz(), [band_hz], "seed {SEED}");
+}

@@ -81,4 +81,26 @@ mod tests {
             assert!(found.p_value > 0.5, "{power}: {found:?}");
         }
     }
+
+    #[test]
+    fn the_best_of_all_bands_departs_by_chance_no_more_often_than_told() {
+        const RECORDS: u64 = 400;
+        let chance = (0..RECORDS).filter(|&seed| {
+            let mut normal = crate::diagnosis::trial::numbers(seed, 0);
+            let mut power = || (0..10).map(|_| normal.draw().powi(2)).sum::<f64>() / 10.0;
+            let f_hz: Vec<f64> = (1..=40).map(f64::from).collect();
+            let psd = f_hz.iter().map(|_| power()).collect();
+            let data = Data::independent(f_hz, psd, &[10.0; 40]).expect("bins");
+            departure(&data, &[1.0; 40])
+                .expect("bins that count")
+                .p_value
+                < 0.05
+        });
+        // At most 20 are expected: five deviations of a Poisson number.
+        let count = chance.count() as f64;
+        assert!(
+            count < 20.0 + 5.0 * f64::sqrt(20.0),
+            "{count} of seeds 0 to {RECORDS}"
+        );
+    }
 }

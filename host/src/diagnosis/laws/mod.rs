@@ -122,3 +122,24 @@ pub fn squared_power(law: &Law) -> f64 {
         _ => 2.0,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::detect::trial::{RATE_HZ, Trial, noise};
+    use crate::model::{resonance, rolloff};
+
+    #[test]
+    fn what_is_added_rings_and_lies_where_bins_could_show_it() {
+        let axis = Trial::new(noise(1)).axis;
+        let is_sound = |effect, values: &[f64]| {
+            let values = values.to_vec();
+            Law { effect, values }.is_sound(&axis.bins)
+        };
+        assert!(is_sound(resonance::KIND, &[20.0, 2.0, 1.0]));
+        assert!(!is_sound(resonance::KIND, &[20.0, 18.0, 1.0]), "too wide");
+        assert!(!is_sound(resonance::KIND, &[0.6 * RATE_HZ, 2.0, 1.0]));
+        // Of a filter the flank is seen.
+        assert!(is_sound(rolloff::KIND, &[0.6 * RATE_HZ]));
+    }
+}

@@ -159,4 +159,16 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn of_less_than_eight_cycles_a_part_nothing_is_said() {
+        // Parts of 8192 samples.
+        for (cycles, is_said) in [(7.0 / 8192.0, false), (9.0 / 8192.0, true)] {
+            let stops = axis(120, |n| {
+                let size = if n < 30_000.0 { 5.0 } else { 0.0 };
+                size * (TAU * cycles * n).cos()
+            });
+            assert_eq!(p_steady(&stops, cycles) < 1e-5, is_said, "seed 120");
+        }
+    }
 }

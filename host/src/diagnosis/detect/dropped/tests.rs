@@ -1,6 +1,7 @@
 use std::f64::consts::TAU;
 
 use super::*;
+use crate::diagnosis::detect::dropped::loss::SteadyLine;
 use crate::diagnosis::detect::dropped::tables::Tables;
 use crate::fft::ring::Series;
 use crate::model::random::Gaussian;
@@ -202,5 +203,54 @@ fn look_alikes_are_none() {
         // One line alone.
         let values = hum(seed, 50.03, &HARMONICS[..1], 30_000, 9);
         assert_eq!(look(&values, &lines[..2], 1e-3), None, "one, seed {seed}");
+    }
+}
+
+/// Places of a strong line and of a peak so many cycles a record from it, over the line so large.
+fn beside(away: f64, share: f64) -> Vec<Place> {
+    let strong = 1e7;
+    let peaks = [
+        peak(50.0, 0.0, strong),
+        peak(50.0, away, strong * share * share),
+    ];
+    peaks::merged(&peaks, RATE_HZ, LENGTH)
+}
+
+#[test]
+fn peaks_close_together_are_one_line_as_wide_as_those_that_are_alike() {
+    assert_eq!(beside(14.0, 1.0).len(), 2);
+    let one = beside(10.0, 1.0);
+    assert_eq!(one.len(), 1, "{one:?}");
+    assert!((one[0].width - 10.0).abs() < 1e-6, "{one:?}");
+    // A fifth of the line is no main peak of it, three tenths are.
+    assert_eq!(beside(6.0, 0.2)[0].width, 0.0);
+    assert!((beside(6.0, 0.3)[0].width - 6.0).abs() < 1e-6);
+}
+
+#[test]
+fn side_lobes_of_a_jump_are_no_lines_however_far_off() {
+    // A jump leaves a hundredth of the line at most 30 cycles off.
+    assert_eq!(beside(30.0, 0.01).len(), 1);
+    assert_eq!(beside(30.0, 0.05).len(), 2);
+}
+
+#[test]
+fn a_loss_is_told_with_the_lines_that_are_no_chance_at_its_level() {
+    // The fourth goes beyond what makes a line in one record, and not beyond what chance has at all places.
+    let weak = [(1.0, 200.0), (2.0, 120.0), (3.0, 80.0), (5.0, 11.0)];
+    let level = 1e-4;
+    for seed in 400..402 {
+        let values = hum(seed, 50.03, &weak, 30_000, 9);
+        let lines = rough(50.03, &weak);
+        let loss = look(&values, &lines, level).unwrap_or_else(|| panic!("seed {seed}"));
+        let chance = loss.lines.iter().map(SteadyLine::false_alarm);
+        let most = chance.fold(0.0, f64::max);
+        assert!(most < level, "seed {seed}: {most}");
+        assert!(loss.lines.len() >= 3, "seed {seed}");
+        assert_eq!(
+            look(&values, &lines, 0.1 * loss.p_value),
+            None,
+            "seed {seed}"
+        );
     }
 }

@@ -43,7 +43,7 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
             lines.retain(|(_, one)| !is_known(one.line.frequency_hz));
             !lines.is_empty()
         }
-        Group::Cluster { f_hz, .. } => !is_known(*f_hz),
+        Group::Cluster { .. } => true,
     });
     Ok(proposals(look, groups, |one| wanders(look, one)))
 }

@@ -207,4 +207,11 @@ mod tests {
         let alarms: Vec<u64> = alarms.collect();
         assert!(alarms.is_empty(), "seeds {alarms:?}");
     }
+
+    #[test]
+    fn where_most_samples_do_not_change_nothing_is_usual() {
+        let mut values = vec![0.0; 5000];
+        values[0] = 1.0;
+        assert!(places(&values).is_empty());
+    }
 }

@@ -138,3 +138,36 @@ fn answer(whole: &Transform, density: &[f64], highest: f64) -> Vec<f64> {
     answer.iter_mut().for_each(|value| *value /= peak);
     answer
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::detect::trial::{LEVEL, Trial, noise};
+
+    /// Places of what is found among the samples that `count`, in noise with a large one at 9001, held against a density
+    /// that is so many times as `high` as its own.
+    fn places(seed: u64, size: f64, high: f64, count: bool) -> Vec<usize> {
+        let mut values = noise(seed);
+        values[9001] += size;
+        let seen = Trial::new(values).axis.whitened();
+        let density: Vec<f64> = seen.density.iter().map(|one| high * one).collect();
+        let found = outliers(&seen.transform, &density, LEVEL, |_| count, |_| 1.0);
+        found.outliers.iter().map(|one| one.index).collect()
+    }
+
+    #[test]
+    fn samples_that_do_not_count_are_none() {
+        for seed in 0..3 {
+            assert_eq!(places(seed, 15.0, 1.0, true), [9001], "seed {seed}");
+            assert!(places(seed, 15.0, 1.0, false).is_empty(), "seed {seed}");
+        }
+    }
+
+    #[test]
+    fn noise_three_times_as_loud_as_its_model_has_none() {
+        for seed in 3..6 {
+            let found = places(seed, 0.0, 1.0 / 9.0, true);
+            assert!(found.is_empty(), "seed {seed}: {found:?}");
+        }
+    }
+}

@@ -88,4 +88,15 @@ mod tests {
             assert!(law.count > 100.0 && law.size < 5.0, "{law:?} of {samples}");
         }
     }
+
+    #[test]
+    fn of_fewer_than_five_no_law_is_told() {
+        let seen = [8.0, -9.0, 7.0, 6.0, -10.0].map(|size| Outlier {
+            index: 0,
+            size,
+            size_sd: 0.1,
+        });
+        assert!(law_of(&seen, 5.0, 10_000).is_some());
+        assert_eq!(law_of(&seen[1..], 5.0, 10_000), None);
+    }
 }

@@ -1,5 +1,8 @@
 //! A shock as it is told and as the model has it.
 
+#[cfg(test)]
+mod tests;
+
 use std::ops::Range;
 
 use super::about::{About, dot};

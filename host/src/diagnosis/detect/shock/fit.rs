@@ -236,3 +236,24 @@ fn deviations(about: &About, form: Form, at: &[f64], size: f64) -> Option<Vec<f6
         .collect();
     sd.iter().all(|one| one.is_finite()).then_some(sd)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::detect::shock::about::Beside;
+    use crate::diagnosis::detect::trial::noise;
+
+    #[test]
+    fn what_is_damped_more_than_critically_does_not_ring() {
+        let values = noise(1);
+        let beside = Beside {
+            values: &values,
+            quiet: &[0..5000, 5400..10_000],
+            faint: 0.0,
+        };
+        let about = About::new(&beside, &(5000..5400), &(5000..5400), 1).expect("noise beside it");
+        // A quality of a half is a decay of 1.6 samples at 0.1 cycles a sample.
+        let score = |decay: f64| score(&about, Form::Ringing, &[5100.0, 0.1_f64.ln(), decay.ln()]);
+        assert!(score(1.7).is_finite() && score(1.5).is_infinite(), "seed 1");
+    }
+}

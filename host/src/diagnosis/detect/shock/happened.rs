@@ -253,3 +253,24 @@ fn row(course: &Course, rate_hz: f64, passed: impl Fn(f64) -> f64) -> [Option<Va
         Some(relative(shock.decay_s, decay)).filter(|_| is_there(shock.decay_s)),
     ]
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::chain::Chain;
+    use crate::diagnosis::axis::AxisState;
+    use crate::diagnosis::detect::trial::{RATE_HZ, Trial, noise};
+
+    #[test]
+    fn a_converters_filter_spreads_what_happened() {
+        let mut trial = Trial::new(noise(1));
+        let left_out = |trial: &Trial| trial.look(|look| masked(look, [1000..1100].iter()));
+        assert_eq!(left_out(&trial), [1000..1100]);
+        let chain: Chain = "ads1281:linear".parse().expect("a chain");
+        let axis = AxisState::new(Arc::new(noise(1)), RATE_HZ, Some(&chain));
+        trial.axis = axis.expect("a spectrum");
+        assert_eq!(left_out(&trial), [1000 - SPREAD..1100 + SPREAD]);
+    }
+}

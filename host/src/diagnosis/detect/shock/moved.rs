@@ -8,7 +8,7 @@ use std::ops::Range;
 use super::about::About;
 use super::bands::bands;
 use super::course::{levels, of_strength};
-use super::strength::{Beside, Inside, LEAST};
+use super::strength::{Beside, Inside};
 use crate::model::unnamed::Band;
 use crate::numeric::order::median;
 
@@ -47,9 +47,6 @@ impl Moved {
         samples: &Range<usize>,
         about: Option<&About>,
     ) -> Result<Self, NotMoved> {
-        if samples.len() < LEAST {
-            return Err(NotMoved::Short);
-        }
         let inside = Inside::new(beside, samples).ok_or(NotMoved::Short)?;
         let Inside {
             groups,

@@ -3,6 +3,9 @@
 //! What stands out in short windows is kept out of the longer ones, as if it were missing: so an event has the
 //! length that it shows at, and a knock of a thousand deviations does not fill a window of a minute.
 
+#[cfg(test)]
+mod tests;
+
 use std::ops::Range;
 
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -271,30 +274,4 @@ pub fn joined(
         all.push(next);
     }
     all
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn stretch(samples: Range<usize>, z: f64) -> Stretch {
-        Stretch {
-            samples,
-            z,
-            frequency: 0.1,
-            window: 16,
-            longest: 28,
-        }
-    }
-
-    #[test]
-    fn stretches_are_joined_with_the_plainest_of_them() {
-        let all = vec![
-            stretch(0..10, 7.0),
-            stretch(30..40, 9.0),
-            stretch(12..20, 8.0),
-        ];
-        let by_length = joined(all, |a, b| a.samples.len().max(b.samples.len()));
-        assert_eq!(by_length, [stretch(0..40, 9.0)]);
-    }
 }

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use super::DETECTOR;
 use crate::diagnosis::detect::trial::{self, RATE_HZ, Trial, noise};
+use crate::diagnosis::explanation::Change;
 use crate::diagnosis::record::wave::Wave;
 use crate::model::shock::{KIND, Shock};
 
@@ -192,4 +193,55 @@ fn single_samples_beside_missing_ones_are_no_shocks() {
         }
         assert!(told(values).is_empty(), "seed {seed}");
     }
+}
+
+/// A bump of 0.3 s.
+fn bump(time_s: f64, peak: f64) -> Shock {
+    Shock {
+        duration_s: 0.3,
+        f_hz: 0.0,
+        decay_s: 0.0,
+        ..ringing(time_s, peak)
+    }
+}
+
+#[test]
+fn shocks_are_told_once_and_not_where_they_were_refused() {
+    let mut values = noise(60);
+    add(&mut values, &[ringing(100.0, 30.0)]);
+    let mut trial = Trial::new(values);
+    assert!(!trial.ask(&DETECTOR).is_empty(), "seed 60");
+    trial.refused.push(KIND);
+    assert!(trial.ask(&DETECTOR).is_empty(), "seed 60: refused");
+    trial.refused.clear();
+    let nothing = Change::Happened {
+        masked: Vec::new(),
+        waves: Vec::new(),
+    };
+    trial.know(KIND, [100.0, 30.0, 1.0, 7.3, 0.4], nothing);
+    assert!(trial.ask(&DETECTOR).is_empty(), "seed 60: known");
+}
+
+#[test]
+fn a_bump_among_many_more_jumps_is_two_of_them() {
+    let with = |jumps: usize, peak: f64| {
+        let mut values = noise(61);
+        let height = |n: usize| if n.is_multiple_of(2) { 30.0 } else { -30.0 };
+        let places = spread(values.len(), jumps).enumerate();
+        let jumps: Vec<_> = places.map(|(n, at)| trial::jump(at, height(n))).collect();
+        trial::add(&mut values, &Wave::Steps(jumps));
+        add(&mut values, &[bump(111.0, peak)]);
+        told(values).len()
+    };
+    assert_eq!(with(2, 15.0), 1, "seed 61: beside two");
+    assert_eq!(with(7, 15.0), 0, "seed 61: beside seven");
+    // What stands out far beyond them is none of them.
+    assert_eq!(with(7, 1000.0), 1, "seed 61: far beyond seven");
+}
+
+#[test]
+fn plain_and_faint_shocks_are_told_unless_they_are_many() {
+    let mut few = noise(62);
+    add(&mut few, &[ringing(50.0, 12.0), ringing(100.0, 1e4)]);
+    assert_eq!(told(few).len(), 2, "seed 62");
 }

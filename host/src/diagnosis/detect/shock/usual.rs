@@ -3,6 +3,9 @@
 //! How strong the noise is at a frequency, the record's own windows say: the middle of their powers, which events do
 //! not move.
 
+#[cfg(test)]
+mod tests;
+
 use std::ops::Range;
 
 use rayon::prelude::*;

@@ -107,3 +107,64 @@ fn back_and_forth(axis: &AxisState) -> Vec<f64> {
     let back = heights.windows(2).all(|pair| pair[0] * pair[1] < 0.0);
     if back { heights } else { Vec::new() }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::detect::trial::{self, Trial, noise};
+
+    /// A level that switches by 4, and two of its jumps, there and back.
+    fn switching(seed: u64) -> (Trial, [crate::diagnosis::record::wave::Jump; 2]) {
+        let (values, moments) = trial::switching(seed, 4.0);
+        let jumps = [(100, -4.0), (201, 4.0)].map(|(place, by)| trial::jump(moments[place], by));
+        (Trial::new(values), jumps)
+    }
+
+    fn are_of_it(trial: &Trial, jumps: &[f64]) -> bool {
+        let found = trial.look(|look| switches(look, look.axis, jumps));
+        found.expect("a record that can be fitted")
+    }
+
+    fn in_place(trial: &Trial) -> Option<Vec<Proposal>> {
+        let found = trial.look(in_place_of_jumps);
+        found.expect("a record that can be fitted")
+    }
+
+    #[test]
+    fn jumps_of_another_height_are_none_of_a_switching() {
+        let (trial, _) = switching(20);
+        assert!(are_of_it(&trial, &[]), "seed 20");
+        assert!(are_of_it(&trial, &[4.0, -4.0]), "seed 20");
+        assert!(!are_of_it(&trial, &[4.0, -8.0]), "seed 20");
+    }
+
+    #[test]
+    fn what_no_level_holds_for_significant_switches_nowhere() {
+        let (mut trial, _) = switching(21);
+        assert!(are_of_it(&trial, &[]), "seed 21");
+        trial.level = 0.0;
+        assert!(!are_of_it(&trial, &[]), "seed 21");
+    }
+
+    #[test]
+    fn noise_of_normal_amplitudes_does_not_switch() {
+        let keep = f64::exp(-0.08);
+        let mut normal = crate::diagnosis::trial::numbers(22, 4);
+        let mut level = 0.0;
+        let values = noise(22).into_iter().map(|value| {
+            level = keep * level + 2.0 * f64::sqrt(1.0 - keep * keep) * normal.draw();
+            value + level
+        });
+        assert!(!are_of_it(&Trial::new(values.collect()), &[]), "seed 22");
+    }
+
+    #[test]
+    fn only_jumps_are_put_back_and_only_once() {
+        let (mut trial, jumps) = switching(23);
+        assert!(in_place(&trial).is_none(), "seed 23: no jumps");
+        trial.know(steps::KIND, [4.0, 10.0], trial::steps(&jumps));
+        assert!(in_place(&trial).is_some(), "seed 23");
+        trial.character.level_switches = true;
+        assert!(in_place(&trial).is_none(), "seed 23: known");
+    }
+}

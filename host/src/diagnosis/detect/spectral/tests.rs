@@ -191,3 +191,24 @@ fn jumps_that_belong_to_a_switching_are_put_back() {
     let proposals = with(&same, steps::KIND).ask(&DETECTOR);
     assert!(!trial::withdraws(&proposals, steps::KIND), "seed 6");
 }
+
+#[test]
+fn a_line_is_a_narrow_resonance_whose_power_stands_at_one_frequency() {
+    let mut values = noise(9);
+    trial::add(&mut values, &trial::line(13.3, 0.5));
+    Trial::new(values).look(|look| {
+        let found = significant(look).expect("a record that can be fitted");
+        let mut one = found.into_iter().next().expect("a plain law");
+        let mut is_it = |effect: Kind, width_hz: f64| {
+            one.law = Law {
+                effect,
+                values: vec![13.3, width_hz, 1.0],
+            };
+            is_line(look, &one)
+        };
+        // Far wider than 1/T.
+        assert!(is_it(resonance::KIND, 0.5), "seed 9");
+        assert!(!is_it(resonance::KIND, 2.0), "seed 9: bins resolve it");
+        assert!(!is_it(markov::KIND, 0.5), "seed 9: no resonance");
+    });
+}

@@ -126,3 +126,46 @@ fn spread(filter: &Match, index: usize) -> f64 {
         .count();
     before.max(after) as f64 / 1.96
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::detect::trial::{self, Trial, noise};
+    use crate::diagnosis::record::wave::Wave;
+
+    /// Noise with a jump by 4 at 9000.
+    fn with_jump(seed: u64) -> Trial {
+        let mut values = noise(seed);
+        trial::add(&mut values, &Wave::Steps(vec![trial::jump(9000, 4.0)]));
+        Trial::new(values)
+    }
+
+    #[test]
+    fn no_jump_is_looked_for_where_moments_do_not_count() {
+        let trial = with_jump(1);
+        let seen = trial.axis.whitened();
+        let at = |usable: fn(usize) -> bool| {
+            let jump = largest_jump(&trial.axis, &seen.transform, &seen.density, usable);
+            jump.expect("a record longer than its margins").index
+        };
+        assert!(at(|_| true).abs_diff(9000) < 10, "seed 1");
+        assert!(
+            at(|n| n.abs_diff(9000) > 500).abs_diff(9000) > 500,
+            "seed 1"
+        );
+    }
+
+    #[test]
+    fn a_jump_must_be_plainer_than_an_outlier_by_more_than_chance() {
+        let trial = with_jump(2);
+        let seen = trial.axis.whitened();
+        let statistic = statistic(&trial.axis, &seen.transform, &seen.density);
+        let z = (8996..=9004).map(|n| statistic.z[n].abs());
+        let z = z.fold(0.0, f64::max);
+        let less_by = |nats: f64| {
+            let size = (z * z - 2.0 * nats).sqrt();
+            is_jump(&statistic, &trial::outlier(9000, size))
+        };
+        assert!(less_by(9.0) && !less_by(7.0), "seed 2: {z}");
+    }
+}

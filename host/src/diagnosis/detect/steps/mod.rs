@@ -13,7 +13,6 @@ use crate::diagnosis::explanation::{Candidate, Change, Explanation};
 use crate::diagnosis::record::wave::{Jump, Wave};
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
-use crate::model::kind::Kind;
 use crate::model::steps::KIND;
 use crate::model::{thermal, warmup};
 pub use filter::{is_jump, statistic};
@@ -45,14 +44,10 @@ pub fn proposals(look: &Look<'_>, first: Jump) -> Vec<Proposal> {
     join(&mut jumps, new, 4 * axis.slow_factor());
     if jumps.len() > MOST_JUMPS {
         // Their spectrum decides, and another look at an axis that switches.
-        let mut kinds: Vec<Kind> = place
-            .map(|place| axis.explanations()[place].kind())
-            .into_iter()
-            .collect();
-        kinds.push(KIND);
+        let kinds = place.map(|place| axis.explanations()[place].kind());
         return vec![
             Proposal::Learn(Lesson::LevelSwitches),
-            Proposal::Withdraw(kinds),
+            Proposal::Withdraw(kinds.into_iter().collect()),
         ];
     }
     let effect = if telegraph::is_to_and_fro(&jumps) {

@@ -172,4 +172,15 @@ mod tests {
         }
         assert!(is_to_and_fro(&jumps));
     }
+
+    #[test]
+    fn two_levels_have_four_jumps_of_five_of_about_one_height() {
+        // A quarter of them of half the height, each above half of the upper quartile's.
+        let mut others = [4.0; 20];
+        others[..5].fill(2.02);
+        assert!(!is_two_levels(&others));
+        // Three of twenty are few.
+        others[..2].fill(4.0);
+        assert!(is_two_levels(&others));
+    }
 }

@@ -230,4 +230,20 @@ mod tests {
         let mean = squares / RUNS as f64;
         assert!((1e-3..1.0).contains(&mean), "{mean}, seeds 10..22");
     }
+
+    #[test]
+    fn bands_closer_than_half_of_their_width_are_one() {
+        let ends = |second: std::ops::Range<usize>| {
+            let beyond = |k: usize| {
+                if (100..110).contains(&k) || second.contains(&k) {
+                    10.0
+                } else {
+                    0.0
+                }
+            };
+            standing_out(1000, beyond)
+        };
+        assert_eq!(ends(113..120), [[100, 119]]);
+        assert_eq!(ends(120..130), [[100, 109], [120, 129]]);
+    }
 }

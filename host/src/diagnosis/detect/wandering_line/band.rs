@@ -214,3 +214,49 @@ fn floor(axis: &AxisState, seen: &Whitened, band: &Range<usize>) -> Option<[f64;
     }
     .filter(|ends| ends.iter().all(|one| *one > 0.0))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::detect::trial::{Trial, add_band, noise};
+
+    #[test]
+    fn it_grows_as_far_as_there_is_more_than_noise() {
+        let mut ordinates = vec![Complex64::ONE; LEAST_WIDTH];
+        ordinates[96..160].fill(Complex64::new(2.0, 0.0));
+        let band = Band {
+            values: ordinates.clone(),
+            ordinates,
+            first: FIRST,
+            floor: [1.0; 2],
+            step_hz: 1.0,
+            duration_s: 1.0,
+            share: 1.0,
+        };
+        // By groups of 32, of which the outermost hold more than is left out.
+        assert_eq!(band.grown(120..130), 88..162);
+        assert_eq!(band.grown(300..310), 300..310);
+    }
+
+    #[test]
+    fn what_is_excluded_is_nothing_to_it_and_none_of_its_floor() {
+        let seed = 3;
+        let mut values = noise(seed);
+        add_band(&mut values, seed, 10.0, |_| 1.0);
+        let mut trial = Trial::new(values);
+        trial.exclude(13.0, 27.0);
+        let axis = &trial.axis;
+        let seen = axis.whitened();
+        let place = |f_hz: f64| (f_hz / seen.transform.frequency(1)) as usize;
+        let across = Band::of(axis, &seen, place(26.5)..place(29.0)).expect("a band");
+        let inside = across.ordinates.iter().zip(across.first..);
+        let mut inside = inside.filter(|(_, k)| seen.transform.frequency(*k) < 27.0);
+        assert!(
+            inside.all(|(one, _)| *one == Complex64::ZERO),
+            "seed {seed}"
+        );
+        // Below it all is excluded: its floor is that of above at both ends.
+        let above = Band::of(axis, &seen, place(27.02)..place(29.0)).expect("a band");
+        assert_eq!(above.floor[0], above.floor[1], "seed {seed}");
+    }
+}

@@ -83,9 +83,6 @@ pub fn course(band: &Band, track: &Track) -> Option<Course> {
         .map(|(_, fit)| (fit.value - best).exp())
         .collect();
     let wander_hz = at_best.moves.sqrt();
-    if wander_hz <= 0.0 {
-        return None;
-    }
     // The mean of a process of the correlation time `time_s` over the record.
     let mean_sd = (2.0 * at_best.moves * time_s / band.duration_s)
         .min(at_best.moves)

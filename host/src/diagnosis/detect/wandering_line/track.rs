@@ -230,3 +230,38 @@ fn log_bessel(x: f64) -> f64 {
     });
     (1.0 + terms.sum::<f64>()).ln()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is said of windows of these powers.
+    fn steadiness(powers: Vec<f64>) -> Option<Steadiness> {
+        let count = powers.len();
+        let track = Track {
+            length: 8,
+            places: vec![0.0; count],
+            powers,
+            counts: vec![true; count],
+        };
+        track.steadiness()
+    }
+
+    #[test]
+    fn a_tone_has_32_windows_and_more_power_than_noise() {
+        assert!(steadiness(vec![20.0; 32]).is_some());
+        assert!(steadiness(vec![20.0; 31]).is_none(), "too few windows");
+        assert!(steadiness(vec![0.9; 64]).is_none(), "no tone");
+    }
+
+    #[test]
+    fn where_parts_of_the_record_differ_less_is_sure() {
+        let count = 64 * PARTS;
+        let power = |is_high: bool| if is_high { 9.0 } else { 3.0 };
+        let p_value = |powers: Vec<f64>| steadiness(powers).expect("a tone").p_value;
+        // The same powers, window by window and part by part.
+        let mixed = p_value((0..count).map(|n| power(n % 2 == 0)).collect());
+        let apart = p_value((0..count).map(|n| power(n / 64 % 2 == 0)).collect());
+        assert!(apart > 1e6 * mixed, "{apart:e} and {mixed:e}");
+    }
+}

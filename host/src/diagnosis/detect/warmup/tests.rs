@@ -96,3 +96,18 @@ fn a_settling_as_quick_as_the_level_switches_is_a_dwell() {
         assert_eq!(found.is_some(), is_found, "seed 0, {dwell_s} s");
     }
 }
+
+#[test]
+fn a_settling_is_found_once_and_not_where_it_was_refused() {
+    use crate::diagnosis::detect::trial::{self, Trial, noise};
+    let mut values = noise(1);
+    trial::add(&mut values, &trial::settling(4.0, 30.0));
+    let mut trial = Trial::new(values);
+    let is_found = |trial: &Trial| trial.look(|look| find(look, Noise::Anew)).is_some();
+    assert!(is_found(&trial), "seed 1");
+    trial.refused.push(KIND);
+    assert!(!is_found(&trial), "seed 1: refused");
+    trial.refused.clear();
+    trial.know(KIND, [4.0, 30.0], trial::steps(&[]));
+    assert!(!is_found(&trial), "seed 1: known");
+}

@@ -76,3 +76,31 @@ fn what_is_apart_is_not_looked_at() {
     let found = unsteady(&axis, 0.0..1000.0, &[250.0..350.0], 1e-4);
     assert_eq!(found, None, "seed 300");
 }
+
+#[test]
+fn fewer_tiles_than_256_are_not_judged() {
+    let p_value = |tiles: usize| {
+        let groups = Groups {
+            size: NARROWEST,
+            starts: vec![NARROWEST],
+            scores: vec![0.0, 0.2 * tiles as f64],
+            tiles: vec![0.0, tiles as f64],
+        };
+        groups.judge(&(0..1)).1
+    };
+    assert_eq!(p_value(255), 1.0);
+    assert!(p_value(256) < 1e-20);
+}
+
+#[test]
+fn only_what_lies_within_is_looked_at() {
+    let axis = axis(300, |_, noise| noise);
+    let seen = axis.whitened();
+    let groups = Groups::new(&axis, &seen, NARROWEST, &(100.0..200.0), &[]);
+    let end = groups.starts.last().map(|start| start + NARROWEST);
+    let [from_hz, to_hz] =
+        [groups.starts[0], end.expect("a group")].map(|k| seen.transform.frequency(k));
+    let group_hz = seen.transform.frequency(NARROWEST);
+    assert!((100.0..100.0 + group_hz).contains(&from_hz), "{from_hz}");
+    assert!((200.0 - group_hz..=200.0).contains(&to_hz), "{to_hz}");
+}

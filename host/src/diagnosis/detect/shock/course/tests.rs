@@ -1,0 +1,68 @@
+//! What is told of an event, and what is not.
+
+use std::f64::consts::TAU;
+
+use super::*;
+use crate::diagnosis::detect::shock::about::Beside;
+use crate::diagnosis::detect::shock::fit;
+use crate::diagnosis::detect::trial::noise;
+
+const EVENT: Range<usize> = 9000..9200;
+
+/// Ringing of 0.1 cycles a sample in noise that is `loud` within it, fitted.
+fn fitted(seed: u64, loud: f64) -> (About, Fitted) {
+    let mut values = noise(seed);
+    values[EVENT].iter_mut().for_each(|one| *one *= loud);
+    let shock = Shock {
+        time_s: EVENT.start as f64,
+        peak: 300.0,
+        duration_s: f64::INFINITY,
+        f_hz: 0.1,
+        decay_s: 30.0,
+    };
+    shock.add_to(0, &mut values, 1.0);
+    let quiet = [0..EVENT.start, 9600..values.len()];
+    let beside = Beside {
+        values: &values,
+        quiet: &quiet,
+        faint: 0.0,
+    };
+    let about = About::new(&beside, &EVENT, &(8900..9300), 1).expect("noise beside it");
+    let fitted = fit::fit(&about).unwrap_or_else(|| panic!("seed {seed}: no fit"));
+    (about, fitted)
+}
+
+#[test]
+fn a_course_that_leaves_much_is_not_of_its_form() {
+    for seed in 0..3 {
+        let (about, mut fitted) = fitted(seed, 1.0);
+        assert!(of_fit(&about, &fitted, &EVENT).is_some(), "seed {seed}");
+        fitted.shock.peak *= 0.5;
+        assert!(of_fit(&about, &fitted, &EVENT).is_none(), "seed {seed}");
+    }
+}
+
+#[test]
+fn what_a_course_leaves_makes_its_numbers_less_sure() {
+    for (seed, loud) in [(3, 1.0), (4, 3.0)] {
+        let (about, fitted) = fitted(seed, loud);
+        let course = of_fit(&about, &fitted, &EVENT);
+        let course = course.unwrap_or_else(|| panic!("seed {seed}: another form"));
+        let wider = course.sd[0].expect("known") / fitted.sd[0];
+        // The deviation of two hundred errors is known to 5 %.
+        assert!((wider / loud - 1.0).abs() < 0.25, "seed {seed}: {wider}");
+    }
+}
+
+#[test]
+fn what_turns_once_does_not_ring() {
+    let of = |cycles: f64| {
+        let mut values = vec![0.0; 1000];
+        for (n, value) in values[400..500].iter_mut().enumerate() {
+            *value = (TAU * cycles * (n as f64 + 0.5) / 100.0).sin();
+        }
+        told(&values, &(400..500), &(0..1000), None).shock.f_hz
+    };
+    assert_eq!(of(1.0), 0.0);
+    assert!((of(4.0) - 0.04).abs() < 0.005);
+}

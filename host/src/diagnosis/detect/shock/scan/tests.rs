@@ -1,0 +1,62 @@
+//! What stands out, and where.
+
+use super::*;
+
+fn stretch(samples: Range<usize>, z: f64) -> Stretch {
+    Stretch {
+        samples,
+        z,
+        frequency: 0.1,
+        window: 16,
+        longest: 28,
+    }
+}
+
+#[test]
+fn stretches_are_joined_with_the_plainest_of_them() {
+    let all = vec![
+        stretch(0..10, 7.0),
+        stretch(30..40, 9.0),
+        stretch(12..20, 8.0),
+    ];
+    let by_length = joined(all, |a, b| a.samples.len().max(b.samples.len()));
+    assert_eq!(by_length, [stretch(0..40, 9.0)]);
+}
+
+/// Noise with every seventh sample missing, or one stretch of a hundred.
+fn with_gaps(everywhere: bool) -> Vec<f64> {
+    let mut values = crate::diagnosis::detect::trial::noise(1);
+    if everywhere {
+        values.iter_mut().step_by(7).for_each(|one| *one = f64::NAN);
+    } else {
+        values[5000..5100].fill(f64::NAN);
+    }
+    values
+}
+
+#[test]
+fn gaps_are_looked_across_where_they_are_everywhere() {
+    let runs = |everywhere| {
+        let values = with_gaps(everywhere);
+        let bridged = vec![0.5; values.len()];
+        let bridged: Vec<f64> = (bridged.iter().enumerate())
+            .map(|(n, one)| one * n as f64)
+            .collect();
+        let scan = Scan::new(&values, &bridged).expect("long enough");
+        scan.runs().len()
+    };
+    assert_eq!(runs(true), 1);
+    assert_eq!(runs(false), 2);
+}
+
+#[test]
+fn a_knock_does_not_fill_the_windows_of_a_minute() {
+    let mut values = crate::diagnosis::detect::trial::noise(2);
+    values[9000..9008].iter_mut().for_each(|one| *one += 1e6);
+    let filled = values.clone();
+    let mut scan = Scan::new(&values, &filled).expect("long enough");
+    let found = scan.stretches(1e-4, 100.0);
+    assert_eq!(found.len(), 1, "seed 2: {found:?}");
+    // Windows of 16 samples that touch it.
+    assert!(found[0].samples.len() <= 48, "seed 2: {found:?}");
+}
