@@ -21,6 +21,7 @@ mod analog;
 mod delay;
 mod oscillator;
 mod spi;
+mod uid;
 
 use core::convert::Infallible;
 use core::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -33,7 +34,6 @@ use inm_protocol::{AXES, SensorRange};
 use stm32f4xx_hal::gpio::{Edge, ErasedPin, ExtiPin, GpioExt, Input, Output, PB0, PB1, PB10};
 use stm32f4xx_hal::pac::{self, EXTI, Interrupt, interrupt};
 use stm32f4xx_hal::prelude::_fugit_RateExtU32 as _;
-use stm32f4xx_hal::signature::Uid;
 use stm32f4xx_hal::spi::{Mode, Phase, Polarity, Spi};
 use stm32f4xx_hal::syscfg::SysCfgExt;
 
@@ -44,6 +44,7 @@ use crate::image::{SPI_HZ, describe, once, restart, stamps, start_link, start_wa
 use analog::Analog;
 use delay::Delay;
 use spi::Bus;
+use uid::serial_number;
 
 /// Clock idle low, data taken at the first edge (ADS1281, SBAS378D, pages 21 and 24).
 const MODE_0: Mode = Mode {
@@ -91,6 +92,7 @@ pub fn start(bins: &'static mut ProofBins) -> (Machine<Attached>, [Axis; 3], PB0
     let (mut rcc, fallback) = oscillator::start(chip.RCC);
     let mut reason = restart::reason(by_watchdog);
     if fallback {
+        defmt::error!("the crystal does not start: on the internal oscillator");
         reason = reason.on_internal_oscillator();
     }
 
@@ -178,23 +180,6 @@ pub fn start(bins: &'static mut ProofBins) -> (Machine<Attached>, [Axis; 3], PB0
     ]
     .map(|(bus, pin, axis)| Ads1281::new(bus, DrdyPin { pin, axis }, Delay { timer_hz }));
     (machine, axes, sync)
-}
-
-/// Unique number of the chip: place on the wafer, then wafer and lot.
-fn serial_number() -> [u32; 3] {
-    let uid = Uid::get();
-    let place = u32::from(uid.x()) << 16 | u32::from(uid.y());
-    let mut lot = [0; 8];
-    let name = uid.lot_num().as_bytes();
-    let len = name.len().min(lot.len() - 1);
-    lot[0] = uid.waf_num();
-    lot[1..=len].copy_from_slice(&name[..len]);
-    let [a, b, c, d, e, f, g, h] = lot;
-    [
-        place,
-        u32::from_le_bytes([a, b, c, d]),
-        u32::from_le_bytes([e, f, g, h]),
-    ]
 }
 
 /// An axis has a new conversion, whose pending bit is cleared: an edge that comes from now on asks

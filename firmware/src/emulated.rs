@@ -11,6 +11,7 @@
 
 mod flash;
 mod link;
+mod slots;
 
 use core::convert::Infallible;
 
@@ -22,12 +23,13 @@ use inm_protocol::{AXES, Restart, SensorRange};
 
 use crate::acquire::Converter;
 use crate::keep::Sectors;
-use crate::platform::Stack;
+use crate::platform::{BAUD, Stack};
 use crate::proof::ProofBins;
 use crate::{Board, Instrument, Platform};
 
 pub use flash::VirtualFlash;
 pub use link::VirtualLink;
+pub use slots::VirtualSlots;
 
 /// Ticks of the virtual board's timer in a second.
 pub const TIMER_HZ: u32 = 1_000_000;
@@ -116,6 +118,12 @@ pub trait Environment {
     /// Restarts the watchdog's count.
     fn feed_watchdog(&mut self) {}
 
+    /// The program has understood a host, as [`Platform::prove`].
+    fn prove(&mut self) {}
+
+    /// Restarts the board into its loader.
+    fn enter_loader(&mut self);
+
     /// Restarts the board.
     fn restart(&mut self);
 }
@@ -185,7 +193,7 @@ pub fn describe(platform: &'static str) -> Board {
         serial: [0; 3],
         timer_hz: TIMER_HZ,
         spi_hz: 1_312_500,
-        baud: 921_600,
+        baud: BAUD,
         range: SensorRange::G4,
         reference_uv: 5_000_000,
         sensor_supply_uv: 2_800_000,
@@ -273,6 +281,14 @@ impl<'b, S: Signal, E: Environment> Platform for VirtualBoard<'b, S, E> {
 
     fn feed_watchdog(&mut self) {
         self.environment.feed_watchdog();
+    }
+
+    fn prove(&mut self) {
+        self.environment.prove();
+    }
+
+    fn enter_loader(&mut self) {
+        self.environment.enter_loader();
     }
 
     fn restart(&mut self) {

@@ -7,6 +7,7 @@
 //!   mma7331l  from codes to volts and m/s^2
 //!   proof     the bins that board and host compare
 //!   keep      what stays while the board is off: calibrations, in two sectors of flash
+//!   update    programs in two slots of flash: which one starts, how a new one comes in
 //!   ticks     a 32-bit timer made 64 bits wide
 //!   emulated  a platform on the emulator's bench (feature `emulator`)
 //! ```
@@ -26,6 +27,7 @@ pub mod mma7331l;
 pub mod platform;
 pub mod proof;
 pub mod ticks;
+pub mod update;
 
 pub use acquire::Instrument;
 pub use platform::{Board, Part, Platform};

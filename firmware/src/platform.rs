@@ -18,6 +18,9 @@ use crate::proof::ProofBins;
 /// shortest wait that the instrument has, the millisecond after RESET.
 pub const LONGEST_SLEEP_US: u32 = 1000;
 
+/// Speed of the link, bit/s, of program and loader.
+pub const BAUD: u32 = 921_600;
+
 /// Machine under the instrument.
 pub trait Platform {
     /// SPI bus of one converter; the same type for all three.
@@ -103,6 +106,13 @@ pub trait Platform {
 
     /// Restarts the watchdog's count; called in every step.
     fn feed_watchdog(&mut self);
+
+    /// The program is a sound one, since it has understood a host: it is to be started from now on. Called
+    /// once. Where no loader starts it there is nothing to do.
+    fn prove(&mut self) {}
+
+    /// Restarts the board into its [loader](crate::update), as [`Self::restart`] does into the program.
+    fn enter_loader(&mut self);
 
     /// Restarts the board, so that [`Board::restart`] is [`Restart::Command`] afterwards. If
     /// it returns, the instrument does nothing more, and the watchdog is no longer fed.

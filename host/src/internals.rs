@@ -152,5 +152,7 @@ pub mod spectrum {
 
 pub mod virtual_board {
     pub use crate::virtual_board::turned::{Hand, Truth, Turned};
-    pub use crate::virtual_board::{AxisWitness, ClocksOff, Misfortune, VirtualConnect, Witness};
+    pub use crate::virtual_board::{
+        AxisWitness, ClocksOff, Misfortune, ProgramFlash, VirtualConnect, Witness,
+    };
 }

@@ -44,6 +44,8 @@ mod signal;
 mod simulate;
 mod source;
 mod spectrum;
+#[cfg(feature = "image")]
+mod update;
 mod virtual_board;
 
 pub use analyse::{

@@ -4,15 +4,17 @@
 use std::path::Path;
 
 use inm_host::internals::flash::{CHIP, Image, program};
+use inm_protocol::image::BOARD;
 use probe_rs::Permissions;
 use probe_rs::integration::FakeProbe;
 
+#[path = "image/mod.rs"]
+mod image;
+
+/// A loader, and programs of `len` bytes and a few.
 fn image(len: usize) -> Image {
-    Image {
-        segments: vec![(0x0800_0000, vec![0x55; len])],
-        version: "1.0.0".to_owned(),
-        revision: "unknown".to_owned(),
-    }
+    let parts = image::image(BOARD, "1.0.0", len);
+    Image::parse(&image::elf(&parts)).expect("a sound image")
 }
 
 #[test]
@@ -31,8 +33,9 @@ fn an_image_beyond_the_chips_flash_is_refused() {
     let mut session = probe
         .attach(CHIP, Permissions::default())
         .expect("the fake probe attaches");
+    let mut image = image(20_000);
     // The STM32F405RG has 1 MiB.
-    let image = image((1 << 20) + 1);
+    image.segments.push((0x0810_0000, vec![0x55]));
     let error = program(&mut session, &image, true, |_| {}).expect_err("it does not fit");
     assert!(error.to_string().contains(CHIP), "{error}");
 }

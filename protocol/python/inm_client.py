@@ -34,6 +34,8 @@ MAX_PAYLOAD = 708
 MAX_FRAME = 712
 UNPROVEN_PERIODS = 128
 MAX_MARK = 120
+LOADER = 240
+CHUNK = 512
 FLAGS = {"NONE": 0, "OVER_RANGE": 1, "TORN": 2, "MISSED": 4, "SLIPPED": 8, "STUCK": 16}
 TYPES = {
     "ToBoard": ("enum", [
@@ -151,6 +153,31 @@ TYPES = {
         ("StreamBack", [("unix_ms", "i64")]),
         ("Mark", [("unix_ms", "i64"), ("text", "text")]),
         ("Clock", [("unix_ms", "i64"), ("stamp", "u64"), ("host_us", "u64")]),
+    ]),
+    "ToLoader": ("enum", [
+        ("Enter", None),
+        ("Status", None),
+        ("Begin", "NewProgram"),
+        ("Data", [("offset", "u32"), ("bytes", ("list", "u8"))]),
+        ("Commit", None),
+        ("Start", None),
+    ]),
+    "NewProgram": ("struct", [("address", "u32"), ("length", "u32"), ("crc", "u32"), ("platform", "text")]),
+    "FromLoader": ("enum", [
+        ("Status", "LoaderStatus"),
+        ("Refused", "LoaderRefusal"),
+    ]),
+    "LoaderStatus": ("struct", [("starts", ("option", "u8")), ("free", "u8"), ("address", "u32"), ("room", "u32"), ("written", "u32")]),
+    "LoaderRefusal": ("enum", [
+        ("WrongBoard", None),
+        ("WrongAddress", [("expected", "u32")]),
+        ("WrongLength", [("room", "u32")]),
+        ("NotBegun", None),
+        ("WrongPlace", [("expected", "u32")]),
+        ("WrongCrc", [("found", "u32")]),
+        ("NoProgram", None),
+        ("NotWritten", None),
+        ("NothingToStart", None),
     ]),
 }
 CODES = ("list", ("array", 3, "Code"))

@@ -1,9 +1,8 @@
 //! From bytes in any split, with any damage, back to messages.
 
-use serde::de::DeserializeOwned;
-
 use crate::frame::{CRC, CRC_LEN, FRAME_END, MAX_FRAME};
-use crate::{Hello, VERSION, WITHOUT_STREAM};
+use crate::update::ENTER;
+use crate::{Hello, Message, VERSION, WITHOUT_STREAM};
 
 /// What was wrong with the bytes between two zeros.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,6 +67,8 @@ pub struct Decoder<const N: usize = MAX_FRAME> {
     /// Version of the last frame whose check sum matched.
     version: Option<u8>,
     hello: Option<Hello>,
+    /// The last frame asks for the loader.
+    enter: bool,
 }
 
 impl Decoder {
@@ -96,6 +97,7 @@ impl<const N: usize> Decoder<N> {
             },
             version: None,
             hello: None,
+            enter: false,
         }
     }
 
@@ -120,7 +122,7 @@ impl<const N: usize> Decoder<N> {
     ///
     /// Zeros in a row are not a fault: a sender may put one ahead of a frame to end whatever
     /// the receiver believes to be in.
-    pub fn next<M: DeserializeOwned>(&mut self, input: &mut &[u8]) -> Option<Result<M, Fault>> {
+    pub fn next<M: Message>(&mut self, input: &mut &[u8]) -> Option<Result<M, Fault>> {
         loop {
             let end = input.iter().position(|&byte| byte == FRAME_END);
             let taken = &input[..end.unwrap_or(input.len())];
@@ -157,17 +159,25 @@ impl<const N: usize> Decoder<N> {
         self.hello.as_ref()
     }
 
+    /// Whether the last frame asks a board for its [loader](crate::update::ToLoader::Enter), whatever the
+    /// version of both. [`Self::next`] calls it a frame of another version.
+    pub fn asks_for_loader(&self) -> bool {
+        self.enter
+    }
+
     /// Bytes of the frame that has begun and not ended.
     pub fn pending(&self) -> usize {
         self.len
     }
 
     /// The message of a frame, or its fault; `None` of a hello, which is kept.
-    fn finish<M: DeserializeOwned>(&mut self, len: usize) -> Option<Result<M, Fault>> {
+    fn finish<M: Message>(&mut self, len: usize) -> Option<Result<M, Fault>> {
+        self.enter = false;
         let frame = self.frame.get_mut(..len).ok_or(Fault::TooLong);
         let result = match frame.and_then(check) {
             Ok(payload) => {
                 self.version = payload.first().copied();
+                self.enter = payload == ENTER;
                 if let Some(hello) = hello(payload) {
                     self.hello = Some(hello);
                     return None;
@@ -212,7 +222,7 @@ fn check(frame: &mut [u8]) -> Result<&[u8], Fault> {
 }
 
 /// The message of a checked frame: its version, its bytes, and a zero.
-fn message<M: DeserializeOwned>(payload: &[u8]) -> Result<M, Fault> {
+fn message<M: Message>(payload: &[u8]) -> Result<M, Fault> {
     let (version, message) = payload.split_first().ok_or(Fault::Framing)?;
     let (_, exact) = message.split_last().ok_or(Fault::Framing)?;
     // Left-over bytes mean that the sender knows a longer message.
@@ -221,9 +231,9 @@ fn message<M: DeserializeOwned>(payload: &[u8]) -> Result<M, Fault> {
         Ok(_) | Err(_) => Err(Fault::Message),
     };
     match *version {
-        VERSION => whole(exact),
+        ours if ours == M::VERSION => whole(exact),
         // The stream stands at the end: a message of then lacks it, and the zero says so.
-        WITHOUT_STREAM => whole(exact).or_else(|_| whole(message)),
+        WITHOUT_STREAM if M::VERSION == VERSION => whole(exact).or_else(|_| whole(message)),
         theirs => Err(Fault::Version { theirs }),
     }
 }

@@ -1,6 +1,7 @@
 //! From a message to the bytes of its frame.
 
 use serde::Serialize;
+use serde::de::DeserializeOwned;
 
 use crate::{AXES, BATCH_LEN, VERSION};
 
@@ -51,6 +52,12 @@ impl core::fmt::Display for EncodeError {
 
 impl core::error::Error for EncodeError {}
 
+/// What a frame can hold.
+pub trait Message: Serialize + DeserializeOwned {
+    /// Version byte of its frames.
+    const VERSION: u8 = VERSION;
+}
+
 /// Writes the frame of `message` to the start of `out` and returns its length.
 ///
 /// # Errors
@@ -66,9 +73,9 @@ impl core::error::Error for EncodeError {}
 /// assert_eq!(decoder.next(&mut &frame[..len]), Some(Ok(hello)));
 /// # Ok::<(), inm_protocol::EncodeError>(())
 /// ```
-pub fn encode<M: Serialize>(message: &M, out: &mut [u8]) -> Result<usize, EncodeError> {
+pub fn encode<M: Message>(message: &M, out: &mut [u8]) -> Result<usize, EncodeError> {
     let mut payload = [0; MAX_PAYLOAD];
-    payload[0] = VERSION;
+    payload[0] = M::VERSION;
     let body = postcard::to_slice(message, &mut payload[1..MAX_PAYLOAD - CRC_LEN])
         .map_err(|_| EncodeError::NoRoom)?
         .len();

@@ -28,12 +28,14 @@ pub mod image;
 mod message;
 mod sample;
 mod settings;
+pub mod slot;
+pub mod update;
 
 pub use budget::{Load, link_bytes_per_s, samples_load};
 pub use calibration::{SensorCalibration, TRIANGLE};
 pub use command::{Answer, Command, Identity, Refusal, Reply, Request, Restart, SelfTestStep};
 pub use decoder::{Counts, Decoder, Fault};
-pub use frame::{EncodeError, FRAME_END, MAX_FRAME, MAX_PAYLOAD, crc32, encode};
+pub use frame::{EncodeError, FRAME_END, MAX_FRAME, MAX_PAYLOAD, Message, crc32, encode};
 pub use health::{AxisCounters, BinsMark, Health, LinkCounters};
 pub use hello::{HELLO, Hello};
 pub use message::{Event, MAX_MARK, Note, ToBoard, ToHost, Trouble, UNPROVEN_PERIODS};

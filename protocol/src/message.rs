@@ -3,7 +3,7 @@
 use heapless::String;
 use serde::{Deserialize, Serialize};
 
-use crate::{Batch, Command, Health, Reply};
+use crate::{Batch, Command, Health, Message, Reply};
 
 /// Board to host.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -29,6 +29,10 @@ pub enum ToBoard {
     /// A request.
     Command(Command),
 }
+
+impl Message for ToHost {}
+
+impl Message for ToBoard {}
 
 /// Something happened on the board at a known conversion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -1,15 +1,15 @@
 //! The bytes of WIRE.md. A change here is a new protocol version.
 
+use inm_protocol::update::{FromLoader, LoaderRefusal, LoaderStatus, NewProgram, ToLoader};
 use inm_protocol::{
     Answer, Batch, BinsMark, Code, Command, Decoder, Event, Fault, Filter, Flag, Flags, HELLO,
-    Health, Hello, Identity, MAX_FRAME, Phase, Rate, Refusal, Reply, Request, Restart,
+    Health, Hello, Identity, MAX_FRAME, Message, Phase, Rate, Refusal, Reply, Request, Restart,
     SensorCalibration, SensorRange, Settings, ToBoard, ToHost, Trouble, VERSION, encode,
 };
-use serde::Serialize;
 
 const WIRE: &str = include_str!("../WIRE.md");
 
-fn hex(message: &impl Serialize) -> String {
+fn hex(message: &impl Message) -> String {
     let mut out = [0; MAX_FRAME];
     let len = encode(message, &mut out).expect("fits");
     out[..len]
@@ -20,7 +20,7 @@ fn hex(message: &impl Serialize) -> String {
 }
 
 /// The frame must stand in WIRE.md under `### <name>`, which is what people implement from.
-fn assert_documented(name: &str, message: &impl Serialize) {
+fn assert_documented(name: &str, message: &impl Message) {
     let section = WIRE
         .split("\n### ")
         .find(|section| section.starts_with(name))
@@ -37,6 +37,36 @@ fn assert_documented(name: &str, message: &impl Serialize) {
         hex(message),
         "section `{name}` of WIRE.md"
     );
+}
+
+/// Frozen: these bytes never change.
+#[test]
+fn the_loader() {
+    let text = |text: &str| text.try_into().expect("short");
+    assert_documented("Ask for the loader", &ToLoader::Enter);
+    let begin = ToLoader::Begin(NewProgram {
+        address: 0x0806_0200,
+        length: 84_000,
+        crc: 0x1234_5678,
+        platform: text("stm32f405"),
+    });
+    assert_documented("Begin a program", &begin);
+    let data = ToLoader::Data {
+        offset: 512,
+        bytes: [0, 0x80, 0, 0x20, 9, 2, 6, 8].into_iter().collect(),
+    };
+    assert_documented("Bytes of a program", &data);
+    assert_documented("Take a program", &ToLoader::Commit);
+    let status = FromLoader::Status(LoaderStatus {
+        starts: Some(0),
+        free: 1,
+        address: 0x0806_0200,
+        room: 261_632,
+        written: 520,
+    });
+    assert_documented("How far a loader is", &status);
+    let refused = FromLoader::Refused(LoaderRefusal::WrongCrc { found: 0x8765_4321 });
+    assert_documented("Refused by a loader", &refused);
 }
 
 #[test]

@@ -5,7 +5,9 @@ use std::fs;
 use std::path::Path;
 
 use inm_allan::Bins;
+use inm_protocol::crc32;
 use inm_protocol::image::{BOARD, checksum, mark, set_checksum, set_revision};
+use inm_protocol::slot::{FLASH, HEADER, Header, SLOT_STARTS};
 use inm_tests::golden;
 
 /// Frames of each kind of message that are kept: the shortest, which say as much as any.
@@ -39,8 +41,8 @@ fn main() {
         let model = fs::read(golden::path(&format!("{name}.json")));
         write("model", name, &model.expect("a model"));
     }
-    write("elf", "program", &elf(&program()));
-    write("elf", "blank", &elf(&[0xff; 128]));
+    write("elf", "program", &elf(&image()));
+    write("elf", "blank", &elf(&[(FLASH, vec![0xff; 128])]));
     for (name, samples) in [("empty", 0), ("short", 3), ("long", 300)] {
         let mut bins = Bins::<LEVELS>::starting_at(0);
         bins.push_slice(&(0..samples).map(|k| k * k).collect::<Vec<_>>());
@@ -155,38 +157,61 @@ fn npy() {
     }
 }
 
-/// Vectors, some code and the mark of a whole image.
-fn program() -> Vec<u8> {
+/// A loader, and a program with its header for each slot.
+fn image() -> Vec<(u32, Vec<u8>)> {
+    let mut parts = vec![(FLASH, program(FLASH))];
+    for (number, start) in (0..).zip(SLOT_STARTS) {
+        let program = program(start + HEADER);
+        let header = Header {
+            number,
+            length: program.len() as u32,
+            crc: crc32(&program),
+        };
+        let words = header.words().into_iter().flat_map(u32::to_le_bytes);
+        parts.push((start, words.collect()));
+        parts.push((start + HEADER, program));
+    }
+    parts
+}
+
+/// Vectors, some code and the mark of a part of an image that lies at `address`.
+fn program(address: u32) -> Vec<u8> {
     let mut mark = mark(BOARD, "1.2.3");
     set_revision(&mut mark, "0123456789ab");
     let with = |mark: &[u8]| {
         let stack = 0x2000_8000_u32.to_le_bytes();
-        let reset = 0x0800_0009_u32.to_le_bytes();
+        let reset = (address + 9).to_le_bytes();
         [&stack[..], &reset, &[0x55; 8], mark].concat()
     };
-    let sum = checksum([(0x0800_0000, &with(&mark)[..])]);
+    let sum = checksum([(address.into(), &with(&mark)[..])]);
     set_checksum(&mut mark, sum);
     with(&mark)
 }
 
-/// A 32-bit little-endian ELF file for Arm with one segment at the start of the flash.
-fn elf(segment: &[u8]) -> Vec<u8> {
+/// A 32-bit little-endian ELF file for Arm with these segments.
+fn elf(segments: &[(u32, Vec<u8>)]) -> Vec<u8> {
     let mut file = b"\x7fELF\x01\x01\x01".to_vec();
     file.resize(16, 0);
     for half in [2_u16, 40] {
         file.extend(half.to_le_bytes());
     }
     // Version, entry, program headers behind this header, no sections, no flags.
-    for word in [1_u32, 0x0800_0009, 52, 0, 0] {
+    for word in [1_u32, FLASH + 9, 52, 0, 0] {
         file.extend(word.to_le_bytes());
     }
-    for half in [52_u16, 32, 1, 40, 0, 0] {
+    for half in [52_u16, 32, segments.len() as u16, 40, 0, 0] {
         file.extend(half.to_le_bytes());
     }
-    let length = segment.len() as u32;
-    for word in [1, 84, 0x0800_0000, 0x0800_0000, length, length, 5, 4] {
-        file.extend(word.to_le_bytes());
+    let mut offset = 52 + 32 * segments.len() as u32;
+    for (address, bytes) in segments {
+        let length = bytes.len() as u32;
+        for word in [1, offset, *address, *address, length, length, 5, 4] {
+            file.extend(word.to_le_bytes());
+        }
+        offset += length;
     }
-    file.extend_from_slice(segment);
+    for (_, bytes) in segments {
+        file.extend_from_slice(bytes);
+    }
     file
 }

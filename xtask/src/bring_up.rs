@@ -15,6 +15,7 @@ const BOARD: &str = "firmware/src/board.rs";
 const ANALOG: &str = "firmware/src/board/analog.rs";
 const OSCILLATOR: &str = "firmware/src/board/oscillator.rs";
 const IMAGE: &str = "firmware/src/image/mod.rs";
+const PLATFORM: &str = "firmware/src/platform.rs";
 const DRIVER: &str = "ads1281/src/lib.rs";
 const SHEET: &str = "host/src/data_sheet.rs";
 
@@ -147,7 +148,7 @@ fn figures() -> String {
         ),
         (
             "serial line",
-            format!("{} bit/s", number(IMAGE, "BAUD")),
+            format!("{} bit/s", number(PLATFORM, "BAUD")),
             IMAGE,
         ),
         (

@@ -6,9 +6,6 @@ use std::path::Path;
 use anyhow::{Context, Result, bail, ensure};
 use object::{Object, ObjectSection, ObjectSymbol, SectionKind, SymbolKind};
 
-/// Start of the flash, where the chip takes its vectors from (memory.x).
-const FLASH: u64 = 0x0800_0000;
-
 /// Vectors that every image has: stack pointer, reset, 14 exceptions and the interrupts of an
 /// STM32F405 up to the last, the 82nd.
 const VECTORS_SIZE: u64 = 4 * (16 + 82);
@@ -46,12 +43,12 @@ pub struct Elf {
 }
 
 impl Elf {
-    /// Reads an ELF.
+    /// Reads an ELF whose vector table is to lie at `origin`.
     ///
     /// # Errors
     /// The file cannot be read, or is no image with a vector table: an image linked without
     /// its linker script is an ELF all the same, and empty.
-    pub fn read(path: &Path) -> Result<Self> {
+    pub fn read(path: &Path, origin: u32) -> Result<Self> {
         let shown = path.display();
         let bytes = fs::read(path).with_context(|| format!("cannot read {shown}"))?;
         let file = object::File::parse(&*bytes).with_context(|| format!("{shown} is no ELF"))?;
@@ -64,9 +61,9 @@ impl Elf {
             bail!("{shown} has no vector table")
         };
         ensure!(
-            vectors.address == FLASH && vectors.size >= VECTORS_SIZE,
+            vectors.address == u64::from(origin) && vectors.size >= VECTORS_SIZE,
             "{shown}: the vector table has {} bytes at {:#010x}; expected {VECTORS_SIZE} or more \
-             at {FLASH:#010x}",
+             at {origin:#010x}",
             vectors.size,
             vectors.address,
         );
@@ -137,7 +134,7 @@ mod tests {
     #[test]
     fn a_program_without_vectors_is_no_image() {
         let this = std::env::current_exe().expect("a test is a file");
-        let error = Elf::read(&this)
+        let error = Elf::read(&this, 0)
             .err()
             .map(|error| error.to_string())
             .unwrap_or_default();
@@ -147,7 +144,7 @@ mod tests {
     #[test]
     fn a_text_is_no_elf() {
         let text = Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml");
-        let error = Elf::read(&text)
+        let error = Elf::read(&text, 0)
             .err()
             .map(|error| error.to_string())
             .unwrap_or_default();

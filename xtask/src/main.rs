@@ -4,7 +4,7 @@
 //!   main      the subcommands
 //!   test      every check and every test, what is missing installed first
 //!   firmware  the image for the board
-//!   size      flash and RAM of both images against their budgets
+//!   size      flash and RAM of the images against their budgets
 //!   instructions
 //!             what a conversion takes of the processor, counted under QEMU
 //!   faults    random fault runs, by `study`
@@ -18,12 +18,14 @@
 //!   deny      licences of what is linked, and defects that are known
 //!
 //!   image     building an image          elf    reading one
+//!   assemble  loader and programs as one ELF
 //!   tools     the target and QEMU        run    running a command
 //!   layers    which module may import which, a test
 //!   names     what an effect is called is said once, a test
 //!   bring_up  the page on a first board says what the sources say, a test
 //! ```
 
+mod assemble;
 mod bench;
 #[cfg(test)]
 mod bring_up;
@@ -59,7 +61,7 @@ usage: cargo xtask <command>
   test --quick
              formatting, lints and the tests of the workspace: no image, no QEMU, nothing installed
   firmware   builds the image for the board and says where it is
-  size       flash and RAM of both images, by section and symbol, held to their budgets
+  size       flash and RAM of the images and the loader, by section and symbol, held to their budgets
   instructions
              what a conversion takes of the processor at 4000/s, counted under QEMU
   image-test the board's image, unmodified, on a model of its chip; needs cmake and libclang

@@ -7,12 +7,13 @@ use object::elf::{FileHeader32, PT_LOAD};
 use object::read::elf::{FileHeader, ProgramHeader};
 
 /// A part of the file that goes into flash.
-struct Segment {
+pub struct Segment {
     /// Where in flash.
-    address: u64,
+    pub address: u64,
     /// Where in the file.
-    offset: usize,
-    len: usize,
+    pub offset: usize,
+    /// Bytes.
+    pub len: usize,
 }
 
 /// The ELF file `image` with the `revision` of its source, and a checksum.
@@ -43,7 +44,10 @@ pub fn fill_in(mut image: Vec<u8>, revision: &str) -> Result<Vec<u8>> {
 }
 
 /// The parts of an ELF file that go into flash, ascending.
-fn segments(image: &[u8]) -> Result<Vec<Segment>> {
+///
+/// # Errors
+/// It is no ELF file of 32 bits, or is cut.
+pub fn segments(image: &[u8]) -> Result<Vec<Segment>> {
     let header = FileHeader32::<Endianness>::parse(image).context("no ELF file of 32 bits")?;
     let endian = header.endian()?;
     let mut segments = Vec::new();

@@ -85,6 +85,7 @@ fn run_all(stages: &mut Stages) -> Result<()> {
     stages.run("tools", || ensure_target().and_then(|()| ensure_qemu()))?;
     stages.run("checks for the board", check_for_the_board)?;
     let board = stages.run("image of the board", || check_image(Image::Board))?;
+    stages.run("loader", || check_image(Image::Loader))?;
     let qemu = stages.run("image for QEMU", || check_image(Image::Qemu))?;
     let overflow = stages.run("image that overflows", || Image::Overflow.build())?;
     stages.run("instructions", instructions::check)?;
@@ -155,7 +156,7 @@ fn check_for_the_board() -> Result<()> {
 /// Builds an image and holds it to its budget; its ELF.
 fn check_image(image: Image) -> Result<PathBuf> {
     let path = image.build()?;
-    size::check(image, &Elf::read(&path)?)?;
+    size::check(image, &Elf::read(&path, image.origin())?)?;
     Ok(path)
 }
 

@@ -34,14 +34,34 @@ impl<P: Platform> Instrument<P> {
             };
             busy = true;
             // Faults are counted by the decoder and shown in the health record.
-            match self.decoder.next(&mut &[byte][..]) {
+            let met = self.decoder.next(&mut &[byte][..]);
+            if matches!(met, Some(Ok(_) | Err(Fault::Version { .. }))) {
+                self.understand();
+            }
+            match met {
                 Some(Ok(ToBoard::Command(command))) => self.carry_out(command, now),
+                Some(Err(_)) if self.decoder.asks_for_loader() => self.leave(now, true),
                 // Whoever asks: what it asked is not understood.
                 Some(Err(Fault::Version { .. })) => self.outbox.greet(self.hello()),
                 Some(Err(_)) | None => {}
             }
         }
         busy
+    }
+
+    /// Ends a stream and restarts, into the loader or the program.
+    fn leave(&mut self, now: u64, loader: bool) {
+        self.end_stream(now);
+        let until = now + self.clock.micros(RESTART_US);
+        self.stage = Stage::Restart { until, loader };
+    }
+
+    /// An intact frame has come, of whatever version: there is a host, and the line from it is sound.
+    fn understand(&mut self) {
+        if !self.proved {
+            self.proved = true;
+            self.platform.prove();
+        }
     }
 
     fn carry_out(&mut self, command: Command, now: u64) {
@@ -60,10 +80,7 @@ impl<P: Platform> Instrument<P> {
                 Ok(Answer::Done)
             }
             Request::Reset => {
-                self.end_stream(now);
-                self.stage = Stage::Restart {
-                    until: now + self.clock.micros(RESTART_US),
-                };
+                self.leave(now, false);
                 Ok(Answer::Done)
             }
             Request::RestartBins => Ok(Answer::BinsEpoch {

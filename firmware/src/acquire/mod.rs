@@ -81,8 +81,9 @@ enum Stage {
     },
     /// Averaging the self-test.
     SelfTest(SelfTest),
-    /// The reply to [`Request::Reset`](inm_protocol::Request::Reset) is leaving.
-    Restart { until: u64 },
+    /// The reply to [`Request::Reset`](inm_protocol::Request::Reset) is leaving, or what is left of a stream
+    /// that ended because the `loader` was asked for.
+    Restart { until: u64, loader: bool },
     /// The board should have restarted.
     Halted,
 }
@@ -120,6 +121,8 @@ pub struct Instrument<P: Platform> {
     batcher: Batcher,
     outbox: Outbox,
     decoder: Decoder<COMMAND_FRAME>,
+    /// A host has been understood.
+    proved: bool,
     /// Timer of the next health record, ticks.
     next_health: u64,
     /// The bins as the record on its way will tell of them. Nothing of the stream is sent
@@ -159,6 +162,7 @@ impl<P: Platform> Instrument<P> {
             batcher: Batcher::default(),
             outbox: Outbox::new(),
             decoder: Decoder::with_capacity(),
+            proved: false,
             next_health: power_up,
             mark: None,
         }
@@ -231,7 +235,7 @@ impl<P: Platform> Instrument<P> {
             Stage::Identify { .. } => self.identify_converters(),
             Stage::Rest { job, .. } => self.reset_all(job, now),
             Stage::Reset { job, .. } => self.configure_all(job, now),
-            Stage::Restart { until } => self.restart(now, until),
+            Stage::Restart { until, loader } => self.restart(now, until, loader),
         }
     }
 
@@ -259,15 +263,18 @@ impl<P: Platform> Instrument<P> {
         true
     }
 
-    fn restart(&mut self, now: u64, until: u64) -> bool {
+    fn restart(&mut self, now: u64, until: u64, loader: bool) -> bool {
         let gone = !self.outbox.reply_waits() && self.platform.transmit_idle();
         if gone || now >= until {
             self.stage = Stage::Halted;
-            self.platform.restart();
+            match loader {
+                true => self.platform.enter_loader(),
+                false => self.platform.restart(),
+            }
         }
         gone
     }
 }
 
-/// How long [`Request::Reset`](inm_protocol::Request::Reset) waits for its reply to leave, microseconds.
+/// How long a restart waits for what has to be told before it, microseconds.
 const RESTART_US: u32 = 200_000;

@@ -21,7 +21,6 @@ pub fn start(rcc: RCC) -> (Rcc, bool) {
         Config::hse(CRYSTAL_HZ.Hz())
     } else {
         rcc.cr().modify(|_, w| w.hseon().clear_bit());
-        defmt::error!("the crystal does not start: on the internal oscillator");
         Config::hsi()
     };
     // APB1 at 42 MHz and APB2 at 84 MHz divide to the same SCLK; their timers run at 84 MHz.

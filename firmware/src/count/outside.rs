@@ -215,6 +215,10 @@ impl Platform for Counted {
         self.machine.feed_watchdog();
     }
 
+    fn enter_loader(&mut self) {
+        self.machine.enter_loader();
+    }
+
     fn restart(&mut self) {
         self.machine.restart();
     }

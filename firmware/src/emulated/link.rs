@@ -19,6 +19,8 @@ pub struct VirtualLink<const N: usize> {
     /// Most bytes that ever waited.
     most_waiting: usize,
     restarts: u32,
+    loader: bool,
+    proved: bool,
     self_test: bool,
     range: SensorRange,
 }
@@ -32,6 +34,8 @@ impl<const N: usize> VirtualLink<N> {
             lost: 0,
             most_waiting: 0,
             restarts: 0,
+            loader: false,
+            proved: false,
             self_test: false,
             range: SensorRange::default(),
         }
@@ -73,6 +77,16 @@ impl<const N: usize> VirtualLink<N> {
         self.restarts
     }
 
+    /// Whether the board has asked to be restarted into its loader.
+    pub fn loader_is_asked_for(&self) -> bool {
+        self.loader
+    }
+
+    /// Whether the board's program has proved itself since its start.
+    pub fn program_has_proved(&self) -> bool {
+        self.proved
+    }
+
     fn waiting(&self) -> usize {
         N - self.to_host.room()
     }
@@ -106,6 +120,14 @@ impl<const N: usize> Environment for VirtualLink<N> {
 
     fn select_range(&mut self, range: SensorRange) {
         self.range = range;
+    }
+
+    fn prove(&mut self) {
+        self.proved = true;
+    }
+
+    fn enter_loader(&mut self) {
+        self.loader = true;
     }
 
     fn restart(&mut self) {

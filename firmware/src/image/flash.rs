@@ -4,6 +4,8 @@
 //! The sectors of 16 KB would be erased sooner, but lie where the program begins. Not tried on hardware.
 
 use inm_firmware::keep::{COPIES, NotWritten};
+#[cfg(not(feature = "qemu"))]
+use inm_protocol::slot;
 use stm32f4xx_hal::flash::{FlashExt, LockedFlash};
 use stm32f4xx_hal::pac::FLASH;
 
@@ -12,6 +14,10 @@ const SECTORS: [(u8, usize); COPIES] = [(10, 0xC_0000), (11, 0xE_0000)];
 
 /// Bytes of a word.
 const WORD: usize = size_of::<u32>();
+
+/// Slot that this image is linked for.
+#[cfg(not(feature = "qemu"))]
+const SLOT: usize = cfg!(feature = "slot-b") as usize;
 
 /// Words of a sector of 128 KB.
 const SECTOR_WORDS: usize = 128 * 1024 / WORD;
@@ -25,17 +31,41 @@ impl Flash {
         Self(LockedFlash::new(controller))
     }
 
-    /// A word of a copy; all ones beyond its sector.
+    /// Notes down in the header of this image's slot that the program is sound, if it is not there yet: a
+    /// word, for some 16 us of which the core stands still. A flash that does not take it is tried again at
+    /// the next start.
+    #[cfg(not(feature = "qemu"))]
+    pub fn prove(&mut self) {
+        let offset = slot::SLOT_STARTS[SLOT] - slot::FLASH + (WORD * slot::PROVED) as u32;
+        if self.word(offset as usize) == slot::BLANK {
+            let _ = self.put(offset as usize, 0);
+        }
+    }
+
+    /// Writes a word of flash, by its place from the start in bytes.
+    #[inline(never)]
+    fn put(&mut self, offset: usize, value: u32) -> Result<(), NotWritten> {
+        let bytes = value.to_le_bytes();
+        let written = self.0.unlocked().program(offset, bytes.iter());
+        written.map_err(|_| NotWritten)
+    }
+
+    /// A word of flash, by its place from the start in bytes, a multiple of four.
     #[allow(unsafe_code)]
+    fn word(&self, offset: usize) -> u32 {
+        let address = self.0.address() + offset;
+        // SAFETY: both callers stay within the flash of the chip, readable at any time but during an erase,
+        // for which this program waits; the address is aligned, any bits are a word. Volatile, because
+        // erasing and writing change it behind the compiler's back.
+        unsafe { core::ptr::with_exposed_provenance::<u32>(address).read_volatile() }
+    }
+
+    /// A word of a copy; all ones beyond its sector.
     pub fn read(&self, copy: usize, word: usize) -> u32 {
         let Some((_, start)) = SECTORS.get(copy).filter(|_| word < SECTOR_WORDS) else {
             return u32::MAX;
         };
-        let address = self.0.address() + start + WORD * word;
-        // SAFETY: the sector is flash of the chip, readable at any time but during an erase, for which
-        // this program waits; the address is aligned, any bits are a word. Volatile, because erasing and
-        // writing change it behind the compiler's back.
-        unsafe { core::ptr::with_exposed_provenance::<u32>(address).read_volatile() }
+        self.word(start + WORD * word)
     }
 
     /// Erases the sector of a copy: 2 s typically and 4 s at most, a byte at a time (STM32F405 data sheet,
@@ -49,8 +79,6 @@ impl Flash {
     /// Writes a word of a copy whose sector is erased.
     pub fn write(&mut self, copy: usize, word: usize, value: u32) -> Result<(), NotWritten> {
         let (_, start) = SECTORS.get(copy).ok_or(NotWritten)?;
-        let bytes = value.to_le_bytes();
-        let written = self.0.unlocked().program(start + WORD * word, bytes.iter());
-        written.map_err(|_| NotWritten)
+        self.put(start + WORD * word, value)
     }
 }

@@ -158,6 +158,15 @@ impl<S: Sensors> Platform for Machine<S> {
         self.watchdog.feed();
     }
 
+    #[cfg(not(feature = "qemu"))]
+    fn prove(&mut self) {
+        self.flash.prove();
+    }
+
+    fn enter_loader(&mut self) {
+        restart::into_loader()
+    }
+
     fn restart(&mut self) {
         restart::on_command()
     }

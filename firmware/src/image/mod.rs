@@ -8,9 +8,11 @@
 //!   restart   why the board started; the panic and fault handlers
 //!   stack     the program's own, and how deep it went
 //!   machine   all of it as the instrument's platform
+//!   ask       a word in RAM by which the program asks for the loader, and the loader finds it
 //!   handover  what the start-up code gives to an interrupt, once
 //! ```
 
+pub mod ask;
 pub mod clock;
 pub mod flash;
 pub mod handover;
@@ -21,6 +23,7 @@ pub mod stack;
 pub mod stamps;
 
 use inm_firmware::Board;
+use inm_firmware::platform::BAUD;
 use inm_protocol::image::{MARK_LEN, mark};
 use inm_protocol::{Restart, SensorRange};
 use stm32f4xx_hal::gpio::PushPull;
@@ -37,9 +40,6 @@ use defmt_rtt as _;
 /// SCLK, hertz: 84 MHz / 64 and 42 MHz / 32. The next step up, 2.625 MHz, is over the
 /// converter's 2.048 MHz.
 pub const SPI_HZ: u32 = 1_312_500;
-
-/// Speed of the link, bit/s.
-const BAUD: u32 = 921_600;
 
 /// A loop that hangs this long is restarted, milliseconds; one step takes 2 ms at most.
 const WATCHDOG_MS: u32 = 1000;

@@ -7,7 +7,7 @@ use cortex_m_rt::{ExceptionFrame, exception};
 use heapless::Vec;
 use inm_protocol::Restart;
 
-use super::stack;
+use super::{ask, stack};
 
 /// Length of the file name that [`Restart::Panic`] carries.
 const FILE_LEN: usize = 32;
@@ -133,6 +133,13 @@ pub fn reason(watchdog: bool) -> Restart {
 /// Restarts on the host's command.
 pub fn on_command() -> ! {
     defmt::info!("restart by command");
+    leave(Note::command())
+}
+
+/// Restarts into the loader; to the program that comes after it that was a command.
+pub fn into_loader() -> ! {
+    defmt::info!("restart into the loader");
+    ask::for_loader();
     leave(Note::command())
 }
 

@@ -213,6 +213,10 @@ impl<'b> Platform for TimedBoard<'b> {
         self.inner.feed_watchdog();
     }
 
+    fn enter_loader(&mut self) {
+        self.inner.enter_loader();
+    }
+
     fn restart(&mut self) {
         self.inner.restart();
     }

@@ -1,13 +1,14 @@
-//! What an ELF file puts into flash, and whether it is the board's program, whole.
+//! What an ELF file puts into flash, and whether it is the board's image, whole: its loader, and its program
+//! for each slot.
 
 use std::path::Path;
 
+use inm_protocol::crc32;
 use inm_protocol::image::{About, BOARD, checksum, find};
-use object::Endianness;
-use object::elf::{self, FileHeader32};
-use object::read::elf::{FileHeader, ProgramHeader};
+use inm_protocol::slot::{HEADER, HEADER_WORDS, Header, SLOT_STARTS, SLOTS};
 
 use super::image_error::{ImageError, Problem};
+use super::segments::{Segments, check_places, segments};
 use super::{FLASH_ORIGIN, map};
 
 /// A firmware image, read and checked.
@@ -15,10 +16,21 @@ use super::{FLASH_ORIGIN, map};
 pub struct Image {
     /// Bytes for the flash, by address, ascending and apart.
     pub segments: Vec<(u64, Vec<u8>)>,
+    /// The program, by slot.
+    pub programs: [Program; SLOTS],
     /// Release of the firmware.
     pub version: String,
     /// Revision of its source, `unknown` where it was built without git.
     pub revision: String,
+}
+
+/// The program as it lies in a slot.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Program {
+    /// Address of its vector table, with which it begins.
+    pub address: u32,
+    /// Its bytes; a multiple of four.
+    pub bytes: Vec<u8>,
 }
 
 /// Initial stack pointer and reset vector: less cannot start.
@@ -27,15 +39,15 @@ const SMALLEST_TABLE: usize = 8;
 /// The lowest bit of an address of code: the processor knows Thumb only.
 const THUMB: u32 = 1;
 
-/// Bytes for the flash, in the file.
-type Segments<'a> = [(u64, &'a [u8])];
+/// What flash holds where nothing is written.
+const BLANK: u8 = 0xff;
 
 impl Image {
     /// Reads the loadable segments of the ELF file at `path`.
     ///
     /// # Errors
     /// [`ImageError`] if the file cannot be read, is not an ELF file for a 32-bit Arm, wants anything
-    /// but the flash of the board's chip, or is not the board's program, whole.
+    /// but the flash of the board's chip, or is not the board's image, whole.
     pub fn read(path: &Path) -> Result<Self, ImageError> {
         let data = std::fs::read(path).map_err(Problem::Io);
         data.and_then(|data| Self::parse(&data))
@@ -52,13 +64,25 @@ impl Image {
     pub fn parse(data: &[u8]) -> Result<Self, Problem> {
         let segments = segments(data)?;
         check_places(&segments)?;
-        check_vectors(&segments)?;
-        let about = about(&segments)?;
+        let [loader, first, second] = map::PLACES.map(|place| {
+            let within = segments.iter().filter(|(at, _)| place.contains(at));
+            within.copied().collect::<Vec<_>>()
+        });
+        check_loader(&loader)?;
+        let (first, about) = program(&first, 0)?;
+        let (second, other) = program(&second, 1)?;
+        if about != other {
+            let [first, second] =
+                [about, other].map(|(version, revision)| format!("{version} of {revision}"));
+            return Err(Problem::Mixed { first, second });
+        }
+        let (version, revision) = about;
         let owned = segments.iter().map(|&(at, bytes)| (at, bytes.to_vec()));
         Ok(Self {
             segments: owned.collect(),
-            version: about.version.to_owned(),
-            revision: about.revision.unwrap_or_default().to_owned(),
+            programs: [first, second],
+            version,
+            revision,
         })
     }
 
@@ -73,60 +97,63 @@ impl Image {
     }
 }
 
-/// What is to be loaded, ascending. Nothing is copied: a file may name the same bytes any number of
-/// times.
-fn segments(data: &[u8]) -> Result<Vec<(u64, &[u8])>, Problem> {
-    let header = FileHeader32::<Endianness>::parse(data).map_err(Problem::NotElf)?;
-    let endian = header.endian().map_err(Problem::NotElf)?;
-    let machine = header.e_machine(endian);
-    if machine != elf::EM_ARM {
-        return Err(Problem::NotArm { machine });
-    }
-    let mut segments = Vec::new();
-    let headers = header.program_headers(endian, data);
-    for segment in headers.map_err(Problem::NotElf)? {
-        if segment.p_type(endian) != elf::PT_LOAD {
-            continue;
-        }
-        let bytes = segment.data(endian, data);
-        let bytes = bytes.map_err(|()| Problem::Cut { len: data.len() })?;
-        if !bytes.is_empty() {
-            segments.push((u64::from(segment.p_paddr(endian)), bytes));
-        }
-    }
-    segments.sort_by_key(|&(address, _)| address);
-    Ok(segments)
-}
-
-/// All of it in flash, nothing twice, and the vector table first.
-fn check_places(segments: &Segments<'_>) -> Result<(), Problem> {
-    let mut end = FLASH_ORIGIN;
-    for &(address, bytes) in segments {
-        let at = address..address + bytes.len() as u64;
-        if !map::FLASH.contains(&at.start) || at.end > map::FLASH.end {
-            let outside = if map::FLASH.contains(&at.start) {
-                map::FLASH.end
-            } else {
-                at.start
-            };
-            return Err(Problem::Outside { at, outside });
-        }
-        if at.start < end {
-            return Err(Problem::Overlap { at: at.start });
-        }
-        end = at.end;
-    }
+/// The loader is one, for this board, and whole.
+fn check_loader(segments: &Segments<'_>) -> Result<(), Problem> {
     let has_table = segments
         .first()
         .is_some_and(|(at, bytes)| *at == FLASH_ORIGIN && bytes.len() >= SMALLEST_TABLE);
-    if has_table {
-        Ok(())
-    } else {
-        Err(Problem::NoVectorTable)
+    if !has_table {
+        return Err(Problem::NoVectorTable);
+    }
+    check_vectors(segments)?;
+    let about = about(segments)?;
+    let found = checksum(segments.iter().copied());
+    match about.checksum {
+        Some(said) if said == found => Ok(()),
+        said => Err(Problem::Checksum {
+            found,
+            said: said.unwrap_or_default(),
+        }),
     }
 }
 
-/// A stack in RAM, and code of the image to begin with.
+/// The program of a slot, and its release and revision: what the header says is there, whole, and for this
+/// board.
+fn program(segments: &Segments<'_>, slot: usize) -> Result<(Program, (String, String)), Problem> {
+    let start = u64::from(SLOT_STARTS[slot]);
+    let missing = || Problem::NoProgram { slot, start };
+    let (&(at, header), program) = segments.split_first().ok_or_else(missing)?;
+    let words = header.as_chunks().0.first_chunk::<HEADER_WORDS>();
+    let words = words.filter(|_| at == start).ok_or_else(missing)?;
+    let header = Header::read(words.map(u32::from_le_bytes)).ok_or_else(missing)?;
+    let address = start + u64::from(HEADER);
+    if program
+        .first()
+        .is_none_or(|&(at, bytes)| at != address || bytes.len() < SMALLEST_TABLE)
+    {
+        return Err(missing());
+    }
+    let mut bytes = Vec::new();
+    for &(at, part) in program {
+        bytes.resize((at - address) as usize, BLANK);
+        bytes.extend(part);
+    }
+    bytes.resize(bytes.len().next_multiple_of(4), BLANK);
+    check_vectors(program)?;
+    let about = about(program)?;
+    let found = crc32(&bytes);
+    if found != header.crc || bytes.len() != header.length as usize {
+        return Err(Problem::Checksum {
+            found,
+            said: header.crc,
+        });
+    }
+    let told = [about.version, about.revision.unwrap_or_default()].map(str::to_owned);
+    let address = address as u32;
+    Ok((Program { address, bytes }, told.into()))
+}
+
+/// A stack in RAM, and code of the same part to begin with.
 fn check_vectors(segments: &Segments<'_>) -> Result<(), Problem> {
     let word = |at: usize| {
         let bytes = segments
@@ -156,7 +183,7 @@ fn check_vectors(segments: &Segments<'_>) -> Result<(), Problem> {
     Ok(())
 }
 
-/// What the image says of itself: that it is for the board, and whole.
+/// What a part of the image says of itself: that it is for the board, and was finished.
 fn about<'a>(segments: &Segments<'a>) -> Result<About<'a>, Problem> {
     let marks = segments
         .iter()
@@ -172,15 +199,10 @@ fn about<'a>(segments: &Segments<'a>) -> Result<About<'a>, Problem> {
             platform: about.platform.to_owned(),
         });
     }
-    let (Some(said), Some(_)) = (about.checksum, about.revision) else {
+    if about.checksum.is_none() || about.revision.is_none() {
         return Err(Problem::NoMark(
             "it was linked, and has no revision and no checksum yet",
         ));
-    };
-    let found = checksum(segments.iter().copied());
-    if found == said {
-        Ok(about)
-    } else {
-        Err(Problem::Checksum { found, said })
     }
+    Ok(about)
 }

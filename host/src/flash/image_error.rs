@@ -46,17 +46,38 @@ pub enum Problem {
          build it with `cargo xtask firmware`"
     )]
     NoVectorTable,
-    /// A segment is outside of the flash, or reaches beyond its end.
+    /// A segment lies elsewhere than the loader and the programs, or reaches beyond one of them.
     #[error(
-        "{} bytes at {:#010x} lie outside of the flash ({:#010x} to {:#010x}): {}; an image of the \
-         board has nothing there, build it with `cargo xtask firmware`",
-        at.end - at.start, at.start, map::FLASH.start, map::FLASH.end, map::place(*outside)
+        "{} bytes at {:#010x} lie where neither the loader nor a program does, or reach there ({:#010x}): {}; \
+         an image of the board has nothing there, build it with `cargo xtask firmware`",
+        at.end - at.start, at.start, outside, map::place(*outside)
     )]
     Outside {
         /// Addresses of the segment.
         at: Range<u64>,
         /// The first of them outside.
         outside: u64,
+    },
+    /// A slot is empty, or what lies there has no header.
+    #[error(
+        "no program for slot {slot}, at {start:#010x}: the image is not whole, or of a release before the \
+         loader; build it with `cargo xtask firmware`"
+    )]
+    NoProgram {
+        /// Which one.
+        slot: usize,
+        /// Where it begins.
+        start: u64,
+    },
+    /// Two programs in one file that are not the same.
+    #[error(
+        "its programs differ: firmware {first} and firmware {second}; build it with `cargo xtask firmware`"
+    )]
+    Mixed {
+        /// That of the first slot.
+        first: String,
+        /// That of the second.
+        second: String,
     },
     /// Two segments want the same flash.
     #[error(

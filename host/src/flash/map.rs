@@ -2,24 +2,38 @@
 
 use std::ops::Range;
 
-use super::FLASH_ORIGIN;
+use inm_protocol::slot::{FLASH, LOADER_PLACE, SLOT, SLOT_STARTS, SLOTS};
 
-/// The flash for programs: 1 MB on an STM32F405RG (RM0090, table 5) without its last two sectors of 128 KB,
-/// in which the board keeps its calibration.
-pub const FLASH: Range<u64> = FLASH_ORIGIN..FLASH_ORIGIN + 768 * 1024;
+/// The first address behind the slots.
+const SLOTS_END: u64 = (SLOT_STARTS[SLOTS - 1] + SLOT) as u64;
+
+/// The loader's sector, and the slots for programs: all that is written to.
+pub const PLACES: [Range<u64>; 1 + SLOTS] = [
+    wide(LOADER_PLACE.start, LOADER_PLACE.end),
+    wide(SLOT_STARTS[0], SLOT_STARTS[0] + SLOT),
+    wide(SLOT_STARTS[1], SLOT_STARTS[1] + SLOT),
+];
 
 /// The RAM of 128 KB that stack and variables are in.
 pub const RAM: Range<u64> = 0x2000_0000..0x2002_0000;
 
 /// What else there is, with what writing there would do (RM0090, table 5 and sections 2.3 and 3.6).
-const ELSEWHERE: [(Range<u64>, &str); 8] = [
-    (0..FLASH_ORIGIN, "below the flash"),
+const ELSEWHERE: [(Range<u64>, &str); 10] = [
+    (wide(0, FLASH), "below the flash"),
     (
-        FLASH.end..FLASH_ORIGIN + (1 << 20),
+        wide(LOADER_PLACE.end, SLOT_STARTS[0]),
+        "between the loader and the programs, which is kept free",
+    ),
+    (
+        SLOTS_END..0x080c_0000,
+        "behind the programs, which is kept free",
+    ),
+    (
+        0x080c_0000..0x0810_0000,
         "the sectors in which the board keeps its calibration",
     ),
     (
-        FLASH_ORIGIN + (1 << 20)..0x1000_0000,
+        0x0810_0000..0x1000_0000,
         "beyond the end of the flash, which has 1 MB",
     ),
     (
@@ -41,8 +55,16 @@ const ELSEWHERE: [(Range<u64>, &str); 8] = [
     ),
 ];
 
-/// What lies at an address outside of the flash, in words.
+/// Addresses of 32 bits among those of an ELF file.
+const fn wide(start: u32, end: u32) -> Range<u64> {
+    start as u64..end as u64
+}
+
+/// What lies at an address where a segment may not reach, in words.
 pub fn place(address: u64) -> &'static str {
+    if PLACES.iter().any(|place| place.contains(&address)) {
+        return "the place of another part of the image";
+    }
     let there = ELSEWHERE.iter().find(|(range, _)| range.contains(&address));
     there.map_or("no memory of the chip", |(_, what)| what)
 }
@@ -53,11 +75,8 @@ mod tests {
 
     #[test]
     fn the_map_is_that_of_the_linker() {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../memory.x");
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../firmware/memory.x");
         let text = std::fs::read_to_string(path).expect("the memory map");
-        let flash = format!("FLASH : ORIGIN = {:#010x}, LENGTH = 768K", FLASH.start);
-        assert!(text.contains(&flash), "{text}");
-        assert_eq!(FLASH.end - FLASH.start, 768 * 1024);
         // The stack lies at the start of the RAM, the variables at its end.
         let stack = format!("STACK : ORIGIN = {:#010x}, LENGTH = 32K", RAM.start);
         let variables = format!(
@@ -66,5 +85,12 @@ mod tests {
         );
         assert!(text.contains(&stack) && text.contains(&variables), "{text}");
         assert_eq!(RAM.end - RAM.start, (32 + 96) * 1024);
+    }
+
+    #[test]
+    fn no_address_of_the_flash_is_without_a_word() {
+        for address in (0..0x0810_0000).step_by(0x4000) {
+            assert_ne!(place(address), "no memory of the chip", "{address:#x}");
+        }
     }
 }

@@ -1,15 +1,16 @@
-//! Programming the board through a debug probe.
+//! The board's image, and programming the board through a debug probe.
 //!
 //! [`Image`] is what the ELF file asks for, checked without any hardware; [`program`] brings
-//! it into the flash of a board behind a probe.
+//! it into the flash of a board behind a probe. Over the serial line it goes by `host/src/update`.
 
 mod image;
 mod image_error;
 mod map;
 #[cfg(feature = "flash")]
 mod program;
+mod segments;
 
-pub use image::Image;
+pub use image::{Image, Program};
 #[cfg(feature = "flash")]
 pub use program::{FlashError, Progress, choose_probe, program};
 

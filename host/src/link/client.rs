@@ -218,13 +218,9 @@ impl Client {
         })
     }
 
-    /// The error for a board of another protocol version.
+    /// The error for a board of another protocol version, or whose loader speaks.
     pub(crate) fn foreign_version(&self, theirs: u8, board: Option<Hello>) -> LinkError {
-        LinkError::Version {
-            port: self.name.clone(),
-            theirs,
-            board: board.map(Box::new),
-        }
+        LinkError::of_version(self.name.clone(), theirs, board)
     }
 
     /// The error for an answer that does not belong to its request.

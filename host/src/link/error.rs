@@ -3,6 +3,7 @@
 use std::io;
 use std::time::Duration;
 
+use inm_protocol::update::LOADER;
 use inm_protocol::{Hello, Refusal, Request, VERSION};
 
 use super::words::{board_of, release_of, why};
@@ -75,6 +76,14 @@ pub enum LinkError {
         /// What it says of itself; `None` of firmware from before it did so to hosts of any version.
         board: Option<Box<Hello>>,
     },
+    /// No program runs there: the board's loader listens.
+    #[error("{port}: the board{} runs no program: its loader listens", board_of(board.as_deref()))]
+    Loader {
+        /// Name of the port.
+        port: String,
+        /// What it says of itself; the release is the loader's.
+        board: Option<Box<Hello>>,
+    },
     /// The board said no.
     #[error("{port}: the board refuses `{request:?}`: {}", why(*refusal))]
     Refused {
@@ -96,6 +105,19 @@ pub enum LinkError {
 }
 
 impl LinkError {
+    /// The error for frames of a version that is not ours.
+    pub(super) fn of_version(port: String, theirs: u8, board: Option<Hello>) -> Self {
+        let board = board.map(Box::new);
+        match theirs {
+            LOADER => Self::Loader { port, board },
+            theirs => Self::Version {
+                port,
+                theirs,
+                board,
+            },
+        }
+    }
+
     /// What to do about it.
     pub fn remedy(&self) -> String {
         match self {
@@ -123,9 +145,13 @@ impl LinkError {
                     .to_owned()
             }
             Self::Version { board, .. } => format!(
-                "flash the firmware of this release (`inm flash`), or use the program {}",
+                "bring the firmware of this release onto it (`inm board update`, with a probe `inm flash`), or use the \
+                 program {}",
                 release_of(board.as_deref())
             ),
+            Self::Loader { .. } => "bring a program onto it (`inm board update`); where it has one, it starts it \
+                                    after a minute of silence"
+                .to_owned(),
             Self::Refused { refusal, .. } => match refusal {
                 Refusal::Streaming => "stop the stream first".to_owned(),
                 Refusal::LinkTooSlow { .. } | Refusal::BusTooSlow { .. } => {

@@ -7,14 +7,20 @@ use std::time::{Duration, Instant};
 
 use inm_emulator::{Bench, Converter};
 use inm_firmware::emulated::{VirtualBoard, VirtualLink, describe};
+use inm_firmware::update::{Slots, start};
 use inm_firmware::{Board, Instrument};
-use inm_protocol::{AXES, Restart, SensorRange};
+use inm_protocol::slot::{BLANK, PROVED};
+use inm_protocol::{AXES, Hello, Restart, SensorRange};
 
 use super::line::{Line, PARCEL, Parcel};
+use super::loading::{flash, listen};
 use super::shaken::{Pins, Shaken};
 use super::witness::{note_by_axis, note_words};
 use super::{Misfortune, VirtualConnect};
 use crate::link::Clock;
+
+/// What the board calls itself.
+const PLATFORM: &str = "virtual";
 
 /// Transmit queue of the board, bytes; that of the image.
 const QUEUE: usize = 4096;
@@ -27,10 +33,28 @@ const STEPS: u32 = 200;
 pub(super) fn power_on(plan: &VirtualConnect, line: &mut Line) {
     let mut restart = Restart::Power;
     let mut misfortunes = plan.restarts.iter();
+    let mut loader_asked = false;
     loop {
+        let starts = match std::mem::take(&mut loader_asked) {
+            true => None,
+            false => start(&mut *flash(plan)),
+        };
+        let Some(slot) = starts else {
+            let hello = Hello {
+                serial: plan.serial,
+                // Cannot fail: both are short.
+                firmware: env!("CARGO_PKG_VERSION").try_into().unwrap_or_default(),
+                platform: PLATFORM.try_into().unwrap_or_default(),
+                ..Hello::default()
+            };
+            match listen(plan, hello, line) {
+                Some(()) => continue,
+                None => return,
+            }
+        };
         let pins = Arc::default();
         let bench = Bench::new(plan.sensors(&pins).map(Converter::new));
-        let described = describe("virtual");
+        let described = describe(PLATFORM);
         let board = Board {
             restart,
             serial: plan.serial,
@@ -42,8 +66,12 @@ pub(super) fn power_on(plan: &VirtualConnect, line: &mut Line) {
         let flash = instrument.platform_mut().flash_mut();
         flash.clone_from(&plan.kept.lock().unwrap_or_else(PoisonError::into_inner));
         let misfortune = misfortunes.as_slice().first();
-        restart = match run(instrument, plan, &pins, misfortune, line) {
+        restart = match run(instrument, plan, slot, &pins, misfortune, line) {
             Some(End::Command) => Restart::Command,
+            Some(End::Loader) => {
+                loader_asked = true;
+                Restart::Command
+            }
             Some(End::Misfortune(Misfortune { cause, dark, .. })) => {
                 misfortunes.next();
                 stay_dark(*dark, &plan.clock);
@@ -69,6 +97,8 @@ type Running<'b> = Instrument<VirtualBoard<'b, Shaken, VirtualLink<QUEUE>>>;
 enum End<'p> {
     /// The host asked for it.
     Command,
+    /// The host asked for the loader.
+    Loader,
     /// Nobody did.
     Misfortune(&'p Misfortune),
 }
@@ -77,6 +107,7 @@ enum End<'p> {
 fn run<'p>(
     mut instrument: Running<'_>,
     plan: &VirtualConnect,
+    slot: usize,
     pins: &Pins,
     misfortune: Option<&'p Misfortune>,
     line: &mut Line,
@@ -117,17 +148,18 @@ fn run<'p>(
         pins.coarse.store(coarse, Ordering::Relaxed);
         link.take(now_ps, |byte| parcel.push(byte, now_ps));
         parcel.at_ps = now_ps;
-        if link.restarts() > 0 {
-            keep(&mut instrument, plan);
+        let (restarts, loader) = (link.restarts() > 0, link.loader_is_asked_for());
+        if restarts || loader {
+            keep(&mut instrument, slot, plan);
             // Its reply is on the line by then. What the host writes meanwhile finds nobody.
             line.exchange(parcel)?;
-            return Some(End::Command);
+            return Some(if loader { End::Loader } else { End::Command });
         }
         if steps < STEPS {
             continue;
         }
         steps = 0;
-        keep(&mut instrument, plan);
+        keep(&mut instrument, slot, plan);
         let link = instrument.platform_mut().environment_mut();
         link.send(&line.exchange(std::mem::take(&mut parcel))?);
         keep_pace(started, now_ps, plan.speed);
@@ -135,8 +167,13 @@ fn run<'p>(
 }
 
 /// What the board keeps stays when it is off.
-fn keep(instrument: &mut Running<'_>, plan: &VirtualConnect) {
-    let flash = instrument.platform_mut().flash_mut();
+fn keep(instrument: &mut Running<'_>, slot: usize, plan: &VirtualConnect) {
+    let board = instrument.platform_mut();
+    if board.environment().program_has_proved() && flash(plan).read(slot, PROVED) == BLANK {
+        // Power stays on, and a word that is not written is tried again.
+        let _ = flash(plan).write(slot, PROVED, 0);
+    }
+    let flash = board.flash_mut();
     let mut kept = plan.kept.lock().unwrap_or_else(PoisonError::into_inner);
     if *kept != *flash {
         kept.clone_from(flash);

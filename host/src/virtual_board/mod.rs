@@ -20,6 +20,7 @@
 pub mod hide;
 mod life;
 mod line;
+mod loading;
 mod port;
 mod shaken;
 pub mod turned;
@@ -35,6 +36,7 @@ use inm_emulator::sensor::{Sensor, Unfit};
 use inm_firmware::emulated::VirtualFlash;
 use inm_protocol::{AXES, Restart, SensorRange};
 
+pub use loading::ProgramFlash;
 pub use shaken::Hidden;
 pub use witness::{AxisWitness, Witness};
 
@@ -87,6 +89,8 @@ pub struct VirtualConnect {
     pub block: Option<Turned>,
     /// What is kept while the board is off, whoever opens it again.
     pub kept: Arc<Mutex<VirtualFlash>>,
+    /// The flash that holds its programs, whoever opens it again.
+    pub programs: Arc<Mutex<ProgramFlash>>,
     /// Where the converters' words are noted down, if anywhere.
     pub witness: Option<Witness>,
     /// The same, for each axis by itself.
@@ -144,6 +148,7 @@ impl VirtualConnect {
             hidden: None,
             block: None,
             kept: Arc::default(),
+            programs: Arc::new(Mutex::new(loading::with_a_program())),
             witness: None,
             axis_witness: None,
             clock: Clock::counted(),

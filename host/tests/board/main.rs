@@ -1,12 +1,17 @@
 //! `inm board` as a user runs it: against virtual boards behind pseudo terminals, which to the program are
 //! serial ports, and against `virtual`.
 
+#[cfg(feature = "image")]
+#[path = "../image/mod.rs"]
+mod image;
 #[path = "../pty/mod.rs"]
 mod pty;
 
 mod asked;
 mod checked;
 mod logged;
+#[cfg(feature = "image")]
+mod updated;
 
 use std::process::{Command, Output};
 
@@ -52,6 +57,7 @@ fn steady() -> Settings {
             r#""firmware": "\d+\.\d+\.\d+""#,
             r#""firmware": "[release]""#,
         ),
+        (r#""before": "\d+\.\d+\.\d+""#, r#""before": "[release]""#),
         (r#""program": "\d+\.\d+\.\d+""#, r#""program": "[release]""#),
         (r"\b\d+\.\d+\.\d+ for", "[release] for"),
         (r"firmware \d+\.\d+\.\d+", "firmware [release]"),
@@ -87,6 +93,7 @@ fn every_command_says_what_its_options_mean() {
         &["board", "info", "--help"],
         &["board", "selftest", "--help"],
         &["board", "reset", "--help"],
+        &["board", "update", "--help"],
         &["board", "log", "--help"],
     ] {
         let output = inm(command);

@@ -139,6 +139,12 @@ impl Core {
         }
     }
 
+    /// Where the table of vectors is.
+    #[must_use]
+    pub fn vectors(&self) -> u32 {
+        self.registers.get(VTOR)
+    }
+
     /// When SysTick turns over.
     pub(super) fn next_ps(&self) -> Option<u64> {
         self.tick_ps

@@ -214,7 +214,7 @@ impl Chip {
         }
     }
 
-    fn note(&mut self, what: String) {
+    pub(crate) fn note(&mut self, what: String) {
         self.misuse.insert(what);
     }
 }

@@ -7,6 +7,7 @@ pub mod adc;
 pub mod core;
 mod course;
 pub mod exti;
+pub mod flash;
 pub mod gpio;
 pub mod map;
 pub mod rcc;
@@ -21,6 +22,7 @@ use crate::board::Board;
 use adc::Adc;
 use core::Core;
 use exti::Exti;
+use flash::Flash;
 use gpio::{Gpio, Pull};
 use rcc::{Cause, Rcc};
 use spi::Spi;
@@ -96,8 +98,8 @@ pub struct Chip {
     pub now_ps: u64,
     /// Clocks and resets.
     pub rcc: Rcc,
-    /// Wait states of the flash.
-    flash: Registers,
+    /// Wait states of the flash, erasing and programming.
+    pub(crate) flash: Flash,
     /// Ports A, B, C.
     pub gpio: [Gpio; 3],
     exti: Exti,
@@ -144,7 +146,7 @@ impl Chip {
         let mut chip = Self {
             now_ps: 0,
             rcc: Rcc::new(board.crystal, 0, Cause::Power),
-            flash: Registers::default(),
+            flash: Flash::new(),
             gpio: [0, 1, 2].map(Gpio::new),
             exti: Exti::default(),
             spi: Default::default(),
@@ -174,7 +176,7 @@ impl Chip {
     pub(crate) fn reset(&mut self, cause: Cause) {
         let line = std::mem::take(&mut self.usart.line);
         self.rcc = Rcc::new(self.board.crystal, self.rcc.flags(), cause);
-        self.flash = Registers::default();
+        self.flash = Flash::new();
         self.gpio = [0, 1, 2].map(Gpio::new);
         self.exti = Exti::default();
         self.spi = Default::default();
@@ -219,6 +221,13 @@ impl Chip {
             self.stop = Some(Stop::Reset(Cause::Software));
         }
         self.settle();
+    }
+
+    /// The core stands still for so long; everything else goes on.
+    pub(crate) fn stand_still(&mut self, ps: u64) {
+        self.now_ps += ps;
+        self.spent.waiting_ps += ps;
+        self.catch_up_if_due();
     }
 
     /// Wait states of the flash (RM0090, 3.9.1).

@@ -2,6 +2,7 @@
 
 mod blocks;
 mod exceptions;
+mod flash;
 mod talk;
 
 use unicorn_engine::{Arch, ArmCpuModel, Mode, Prot, RegisterARM, Unicorn};
@@ -70,6 +71,7 @@ impl Machine {
             .expect("the engine has the core");
         map_memory(&mut uc, image);
         map_registers(&mut uc);
+        flash::program(&mut uc);
         let blocks = Blocks::new(image);
         blocks::count(&mut uc, blocks);
         exceptions::handle(&mut uc);
@@ -281,6 +283,7 @@ fn map(
     };
     let write = move |uc: &mut Unicorn<'_, Chip>, offset: u64, size: usize, value: u64| {
         write(uc.get_data_mut(), offset as u32, size as u32, value as u32);
+        flash::erase(uc);
     };
     uc.mmio_map(at, len, Some(read), Some(write))
         .expect("it is free");

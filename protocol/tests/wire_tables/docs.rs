@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 
+use inm_protocol::update::{CHUNK, LOADER};
 use inm_protocol::{
     AXES, BATCH_LEN, Flags, MAX_FRAME, MAX_MARK, MAX_PAYLOAD, REGISTERS, UNPROVEN_PERIODS, VERSION,
 };
@@ -11,7 +12,7 @@ use syn::{
 };
 
 /// Constants that who speaks the protocol needs, with their values.
-const CONSTANTS: [(&str, u64); 8] = [
+const CONSTANTS: [(&str, u64); 10] = [
     ("VERSION", VERSION as u64),
     ("AXES", AXES as u64),
     ("REGISTERS", REGISTERS as u64),
@@ -20,6 +21,8 @@ const CONSTANTS: [(&str, u64); 8] = [
     ("MAX_FRAME", MAX_FRAME as u64),
     ("UNPROVEN_PERIODS", UNPROVEN_PERIODS),
     ("MAX_MARK", MAX_MARK as u64),
+    ("LOADER", LOADER as u64),
+    ("CHUNK", CHUNK as u64),
 ];
 
 /// Bits of a flag byte; that none is missing is checked against the source.

@@ -1,5 +1,6 @@
 //! What serde writes of each type: names, order and form of its fields, numbers of its variants.
 
+use inm_protocol::update::{FromLoader, LoaderRefusal, ToLoader};
 use inm_protocol::{
     Answer, Filter, Note, Phase, Rate, Refusal, Request, Restart, SensorRange, ToBoard, ToHost,
     Trouble,
@@ -11,8 +12,8 @@ use serde_reflection::{
 
 use crate::docs::Docs;
 
-/// Messages of either direction: the first types of the document.
-const ROOTS: [&str; 2] = ["ToBoard", "ToHost"];
+/// Messages of either direction, of the program and of the loader: the first types of the document.
+const ROOTS: [&str; 4] = ["ToBoard", "ToHost", "ToLoader", "FromLoader"];
 
 /// The forms of all types that a message can hold.
 pub struct Forms(Registry);
@@ -33,6 +34,7 @@ impl Forms {
             Filter, Rate, SensorRange, Restart, Trouble, Refusal, Note
         );
         trace!(Request, Answer, Result<Answer, Refusal>, ToBoard, ToHost);
+        trace!(LoaderRefusal, ToLoader, FromLoader);
         Self(tracer.registry().expect("every variant of every type"))
     }
 

@@ -1,10 +1,13 @@
-//! `inm board`: which boards there are, what they are, whether they measure, what goes wrong on them.
+//! `inm board`: which boards there are, what they are, whether they measure, what goes wrong on them,
+//! and a new program for one.
 
 mod info;
 mod log;
 mod ports;
 mod reset;
 mod selftest;
+#[cfg(feature = "image")]
+mod update;
 pub(super) mod which;
 
 use std::process::ExitCode;
@@ -30,6 +33,9 @@ enum Question {
     Info(info::InfoCommand),
     /// Whether a board measures: self-test step, output at rest, noise, supply, clock. Stops its stream.
     Selftest(selftest::Selftest),
+    /// Bring a new program onto a board over its serial line, and wait until it answers.
+    #[cfg(feature = "image")]
+    Update(update::UpdateCommand),
     /// Restart a board, and wait until it is back.
     Reset(reset::ResetCommand),
     /// What goes wrong on a board, in words, as it says it.
@@ -46,6 +52,8 @@ impl BoardCommand {
             Question::Ports(command) => command.run(),
             Question::Info(command) => command.run(),
             Question::Selftest(command) => command.run(),
+            #[cfg(feature = "image")]
+            Question::Update(command) => command.run(),
             Question::Reset(command) => command.run(),
             Question::Log(command) => command.run(),
         }

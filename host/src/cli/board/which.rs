@@ -119,11 +119,7 @@ impl Which {
 
     /// How to open the port of a board that was found, once more.
     pub(super) fn connect(&self, name: &str) -> Box<dyn Connect> {
-        if name == VIRTUAL {
-            // As fast as it goes: its host's clock is its own.
-            return Box::new(VirtualConnect::published(SEED, 0.0));
-        }
-        Box::new(SerialConnect::new(name, self.baud))
+        connect(name, self.baud)
     }
 
     fn open(&self, name: &str, patience: Patience) -> Result<Found, LinkError> {
@@ -156,6 +152,15 @@ impl Which {
         );
         Ok(self.port.clone())
     }
+}
+
+/// How to open a port, or a board without hardware.
+pub(super) fn connect(name: &str, baud: u32) -> Box<dyn Connect> {
+    if name == VIRTUAL {
+        // As fast as it goes: its host's clock is its own.
+        return Box::new(VirtualConnect::published(SEED, 0.0));
+    }
+    Box::new(SerialConnect::new(name, baud))
 }
 
 /// Opens a port and asks who is there.
