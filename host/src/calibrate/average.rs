@@ -21,14 +21,14 @@ const LEAST: f64 = 1e-2;
 const MOST: f64 = 1e5;
 
 /// Number of strengths, evenly in the logarithm: 1.6 times the one before, and the likelihood of a dozen
-/// misfits is three times as wide; what is expected of sensors like the published ones has a deviation of one step, which
-/// sums to the same as an integral.
+/// misfits is three times as wide; what is expected of sensors like the published ones has a deviation of two thirds of a step,
+/// which sums to the same as an integral to 2e-4.
 const STRENGTHS: usize = 36;
 
 /// By how much of itself the wander of a sensor of the published make differs from the published one, where the misfits
-/// do not tell, as the spread of its logarithm. Assumed, not measured: a quarter, so that an interval is a tenth wider than
-/// by the published wander itself.
-const LIKE_PUBLISHED: f64 = 0.25;
+/// do not tell, as the spread of its logarithm. Assumed, not measured: a seventh, so that an interval is a few hundredths
+/// wider than by the published wander itself.
+const LIKE_PUBLISHED: f64 = 0.15;
 
 /// Halvings of the interval in which a half width is looked for: to a millionth of it.
 const HALVINGS: usize = 24;
