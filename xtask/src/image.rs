@@ -11,7 +11,7 @@ use crate::run::{cargo, output, root, run, target};
 use crate::tools::TARGET;
 
 /// Profile of the images; link-time optimisation cannot be set for one package.
-const PROFILE: &str = "firmware";
+pub const PROFILE: &str = "firmware";
 
 /// The images: one source, two machines below it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,7 +38,7 @@ impl Image {
     }
 
     /// The program it is made of.
-    fn program(self) -> &'static str {
+    pub fn program(self) -> &'static str {
         match self {
             Self::Board | Self::Qemu => "inm-board",
             Self::Count => "inm-count",
