@@ -68,9 +68,9 @@ pub mod fit {
 
 #[cfg(feature = "image")]
 pub mod flash {
-    #[cfg(feature = "flash")]
-    pub use crate::flash::program;
     pub use crate::flash::{CHIP, Image};
+    #[cfg(feature = "flash")]
+    pub use crate::flash::{Line, LogError, LogTable, follow, program, ring, shipped};
 }
 
 pub mod link {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use inm_protocol::image::{About, BOARD, checksum, find};
+use inm_protocol::image::{About, BOARD, MARK_LEN, checksum, find};
 use object::Endianness;
 use object::elf::{self, FileHeader32};
 use object::read::elf::{FileHeader, ProgramHeader};
@@ -62,6 +62,15 @@ impl Image {
         })
     }
 
+    /// What the image says of itself, and where that lies in flash; `None` of one that was made by hand.
+    pub fn mark(&self) -> Option<(u64, &[u8])> {
+        self.segments.iter().find_map(|(address, bytes)| {
+            let at = find(bytes)?;
+            let mark = bytes.get(at..at + MARK_LEN)?;
+            Some((address + at as u64, mark))
+        })
+    }
+
     /// Bytes to program.
     pub fn len(&self) -> usize {
         self.segments.iter().map(|(_, bytes)| bytes.len()).sum()
@@ -70,6 +79,12 @@ impl Image {
     /// Whether there is nothing to program; never so for an image that was read.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+}
+
+impl std::fmt::Display for Image {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "firmware {} of revision {}", self.version, self.revision)
     }
 }
 

@@ -3,8 +3,11 @@
 mod info;
 mod log;
 mod ports;
+#[cfg(feature = "flash")]
+mod probed;
 mod reset;
 mod selftest;
+mod sink;
 pub(super) mod which;
 
 use std::process::ExitCode;
