@@ -98,7 +98,7 @@ pub fn start(bins: &'static mut ProofBins) -> (Machine<Attached>, [Axis; 3], PB0
 
     let timer_hz = rcc.clocks.timclk1().raw();
     let core_hz = rcc.clocks.hclk().raw();
-    clock::start(chip.TIM2, 1, &mut core.SYST, core_hz, &mut rcc);
+    clock::start(chip.TIM2, (timer_hz, 1), &mut core.SYST, core_hz, &mut rcc);
 
     let a = chip.GPIOA.split(&mut rcc);
     let b = chip.GPIOB.split(&mut rcc);

@@ -113,7 +113,13 @@ pub fn start(
     // The reset clock stays.
     let mut rcc = chip.RCC.constrain();
     let divider = TIMER_INPUT_HZ / TIMER_HZ;
-    clock::start(chip.TIM2, divider, &mut core.SYST, CORE_HZ, &mut rcc);
+    clock::start(
+        chip.TIM2,
+        (TIMER_INPUT_HZ, divider),
+        &mut core.SYST,
+        CORE_HZ,
+        &mut rcc,
+    );
     let gpioa = chip.GPIOA.split(&mut rcc);
     let link = start_link(chip.USART1, gpioa.pa9, gpioa.pa10, &mut rcc);
 

@@ -6,6 +6,7 @@
 //!   platform  what the instrument needs of the machine it runs on
 //!   mma7331l  from codes to volts and m/s^2
 //!   proof     the bins that board and host compare
+//!   log       what goes wrong, for a debug probe
 //!   keep      what stays while the board is off: calibrations, in two sectors of flash
 //!   update    programs in two slots of flash: which one starts, how a new one comes in
 //!   ticks     a 32-bit timer made 64 bits wide
@@ -23,6 +24,7 @@ pub mod converters;
 #[cfg(feature = "emulator")]
 pub mod emulated;
 pub mod keep;
+mod log;
 pub mod mma7331l;
 pub mod platform;
 pub mod proof;

@@ -23,8 +23,8 @@ pub mod bins {
 
 pub mod calibrate {
     pub use crate::calibrate::{
-        BLOCK_S, Doubt, FEWEST, Fit, NAMES, PARAMETERS, Position, Stretch, Unfit, Unsteady,
-        alike_deg, doubts, fit,
+        BLOCK_S, CUBE_NAMES, CUBE_PARAMETERS, CubeFit, Doubt, FEWEST, Face, Fit, NAMES, PARAMETERS,
+        Position, Stretch, Unfit, Unsteady, alike_deg, doubts, fit, fit_cube,
     };
 }
 
@@ -68,9 +68,9 @@ pub mod fit {
 
 #[cfg(feature = "image")]
 pub mod flash {
-    #[cfg(feature = "flash")]
-    pub use crate::flash::program;
     pub use crate::flash::{CHIP, Image};
+    #[cfg(feature = "flash")]
+    pub use crate::flash::{Line, LogError, LogTable, follow, program, ring, shipped};
 }
 
 pub mod link {
@@ -151,7 +151,9 @@ pub mod spectrum {
 }
 
 pub mod virtual_board {
-    pub use crate::virtual_board::turned::{Hand, Truth, Turned};
+    pub use crate::virtual_board::cube::Cube;
+    pub use crate::virtual_board::hand::Hand;
+    pub use crate::virtual_board::turned::{Truth, Turned};
     pub use crate::virtual_board::{
         AxisWitness, ClocksOff, Misfortune, ProgramFlash, VirtualConnect, Witness,
     };

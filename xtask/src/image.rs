@@ -13,7 +13,7 @@ use crate::tools::TARGET;
 use crate::{assemble, mark};
 
 /// Profile of the images; link-time optimisation cannot be set for one package.
-const PROFILE: &str = "firmware";
+pub const PROFILE: &str = "firmware";
 
 /// File name of the board's image as it lies in flash, from its start.
 pub const BINARY: &str = "inm-board.bin";
@@ -49,7 +49,7 @@ impl Image {
     }
 
     /// The program it is made of.
-    fn program(self) -> &'static str {
+    pub fn program(self) -> &'static str {
         match self {
             Self::Board | Self::SecondSlot | Self::Qemu => "inm-board",
             Self::Loader => "inm-loader",
@@ -79,18 +79,30 @@ impl Image {
     /// Builds it and returns its ELF.
     ///
     /// Cargo gives several images one name, so each is copied to a place of its own, with revision and
-    /// checksum in its mark. That of the board has its loader and the program for the other slot in it.
+    /// checksum in its mark.
     ///
     /// # Errors
     /// The build fails, or the copy.
     pub fn build(self) -> Result<PathBuf> {
-        let mut image = self.link()?;
+        let image = self.assemble(Self::link)?;
         if self == Self::Board {
-            let programs = [image, Self::SecondSlot.link()?];
-            image = assemble::board(programs, &Self::Loader.link()?)?;
             keep(BINARY, &assemble::flat(&image)?)?;
         }
         keep(self.name(), &image)
+    }
+
+    /// Its ELF of what `link` makes, marked: that of the board has its loader and the program for the other slot in
+    /// it.
+    ///
+    /// # Errors
+    /// One cannot be linked, or has no room.
+    pub fn assemble(self, link: impl Fn(Self) -> Result<Vec<u8>>) -> Result<Vec<u8>> {
+        if self == Self::Board {
+            let programs = [link(self)?, link(Self::SecondSlot)?];
+            assemble::board(programs, &link(Self::Loader)?)
+        } else {
+            link(self)
+        }
     }
 
     /// Builds what cargo makes of it, marked.

@@ -4,6 +4,7 @@
 //!   main      the subcommands
 //!   test      every check and every test, what is missing installed first
 //!   firmware  the image for the board
+//!   shipped   the images that come with `inm`, built again and compared; of which sources: `sources`
 //!   size      flash and RAM of the images against their budgets
 //!   instructions
 //!             what a conversion takes of the processor, counted under QEMU
@@ -47,7 +48,9 @@ mod names;
 mod packages;
 mod pictures;
 mod run;
+mod shipped;
 mod size;
+mod sources;
 mod study;
 mod test;
 mod tools;
@@ -61,6 +64,7 @@ usage: cargo xtask <command>
   test --quick
              formatting, lints and the tests of the workspace: no image, no QEMU, nothing installed
   firmware   builds the image for the board and says where it is
+  image      builds the images that come with `inm` into host/image, with a digest of their sources
   size       flash and RAM of the images and the loader, by section and symbol, held to their budgets
   instructions
              what a conversion takes of the processor at 4000/s, counted under QEMU
@@ -104,6 +108,7 @@ fn main() -> ExitCode {
         ["test"] => test::run(),
         ["test", "--quick"] => test::quick(),
         ["firmware"] => firmware::run(),
+        ["image"] => shipped::run(),
         ["size"] => size::run(),
         ["instructions"] => instructions::run(),
         ["image-test"] => image_test::run(),

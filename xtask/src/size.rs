@@ -26,8 +26,9 @@ const BINS: u64 = 3 * 16 * 1024;
 /// The board's program: 66 KB until each axis was proved, identified at its defaults and able to drive the reading, which
 /// takes 4 KB. The messages that it shares with the host have the text of a mark among them since 2026-11-23, which it never
 /// sends: half a KB. 10 KB since it keeps a calibration: its messages both ways, the two copies, the flash's driver. Half
-/// a KB since a loader starts it: asking for it, and the word that says that the program is sound.
-const PROGRAM: u64 = 84 * 1024;
+/// a KB since a loader starts it: asking for it, and the word that says that the program is sound. 2 KB since it logs each
+/// trouble for a probe.
+const PROGRAM: u64 = 86 * 1024;
 
 /// What an image says of itself (`inm_protocol::image`), and the code that keeps it there.
 const MARK: u64 = 256;

@@ -14,7 +14,7 @@ use crate::image::Image;
 use crate::run::{cargo, run as execute};
 use crate::size;
 use crate::tools::{QEMU_VARIABLE, TARGET, ensure_qemu, ensure_target, qemu};
-use crate::{deny, fuzz, image_test, instructions, packages};
+use crate::{deny, fuzz, image_test, instructions, packages, shipped};
 
 /// Crates that run on the board. Each is checked alone: in a build of the workspace the host's
 /// features leak into what they share.
@@ -86,6 +86,7 @@ fn run_all(stages: &mut Stages) -> Result<()> {
     stages.run("checks for the board", check_for_the_board)?;
     let board = stages.run("image of the board", || check_image(Image::Board))?;
     stages.run("loader", || check_image(Image::Loader))?;
+    stages.run("image that comes with `inm`", shipped::check)?;
     let qemu = stages.run("image for QEMU", || check_image(Image::Qemu))?;
     let overflow = stages.run("image that overflows", || Image::Overflow.build())?;
     stages.run("instructions", instructions::check)?;

@@ -87,6 +87,7 @@ impl<P: Platform> Instrument<P> {
             bins: mark.filter(|_| streaming),
             stream,
         };
+        self.logged.counters(health.axes, &health.link);
         self.outbox.health(&mut self.platform, health);
         self.platform.enter(Part::Rest);
     }

@@ -32,6 +32,7 @@ use ads1281::register::Address;
 use ads1281::{Ads1281, POWER_UP_US};
 use inm_protocol::{AXES, BinsMark, Decoder, REGISTERS, Settings};
 
+use crate::log::Logged;
 use crate::{Board, Platform};
 
 use axis::Axis;
@@ -128,6 +129,7 @@ pub struct Instrument<P: Platform> {
     /// The bins as the record on its way will tell of them. Nothing of the stream is sent
     /// between the two.
     mark: Option<BinsMark>,
+    logged: Logged,
 }
 
 impl<P: Platform> Instrument<P> {
@@ -165,6 +167,7 @@ impl<P: Platform> Instrument<P> {
             proved: false,
             next_health: power_up,
             mark: None,
+            logged: Logged::default(),
         }
     }
 

@@ -9,7 +9,7 @@ use inm_protocol::{
     Batch, Command, Event, Health, Hello, MAX_FRAME, Reply, ToHost, Trouble, encode,
 };
 
-use crate::Platform;
+use crate::{Platform, log};
 
 /// Events that can wait.
 const EVENTS: usize = 16;
@@ -115,6 +115,9 @@ impl Outbox {
 
     /// Answers a command.
     pub(super) fn reply(&mut self, reply: Reply) {
+        if let Err(refusal) = &reply.result {
+            log::refused(reply.id, refusal);
+        }
         if let Some((_, last)) = &mut self.last {
             *last = Some(reply.clone());
         }
@@ -123,7 +126,9 @@ impl Outbox {
 
     /// Tells the host what happened.
     pub(super) fn event(&mut self, event: Event) {
+        log::event(&event);
         if self.events.push_back(event).is_err() {
+            log::event_lost();
             self.given_up = self.given_up.saturating_add(1);
         }
     }

@@ -17,14 +17,22 @@ const HEARTBEAT_HZ: u32 = 1_000_000 / LONGEST_SLEEP_US;
 
 struct Clock {
     timer: TIM2,
+    /// Ticks in a second.
+    hz: u32,
     ticks: Ticks,
 }
 
 static CLOCK: Mutex<RefCell<Option<Clock>>> = Mutex::new(RefCell::new(None));
 
-/// Starts TIM2 with its input clock divided by `divider` (1 to 65536), and the heartbeat on a
+/// Starts TIM2 with its input clock of `input_hz` divided by `divider` (1 to 65536), and the heartbeat on a
 /// core that runs at `core_hz`.
-pub fn start(timer: TIM2, divider: u32, syst: &mut SYST, core_hz: u32, rcc: &mut Rcc) {
+pub fn start(
+    timer: TIM2,
+    (input_hz, divider): (u32, u32),
+    syst: &mut SYST,
+    core_hz: u32,
+    rcc: &mut Rcc,
+) {
     TIM2::enable(rcc);
     TIM2::reset(rcc);
     timer.psc().write(|w| w.psc().set((divider - 1) as u16));
@@ -35,6 +43,7 @@ pub fn start(timer: TIM2, divider: u32, syst: &mut SYST, core_hz: u32, rcc: &mut
     critical_section::with(|cs| {
         CLOCK.borrow_ref_mut(cs).replace(Clock {
             timer,
+            hz: input_hz / divider,
             ticks: Ticks::new(),
         });
     });
@@ -55,6 +64,23 @@ pub fn now() -> u64 {
         })
     })
 }
+
+/// Microseconds since [`start`], for the log: 0 ahead of it, and where the program broke off while it read the timer.
+fn log_us() -> u64 {
+    critical_section::with(|cs| {
+        let Ok(mut clock) = CLOCK.borrow(cs).try_borrow_mut() else {
+            return 0;
+        };
+        clock.as_mut().map_or(0, |clock| {
+            let now = clock.ticks.extend(clock.timer.cnt().read().cnt().bits());
+            let hz = u64::from(clock.hz);
+            now / hz * 1_000_000 + now % hz * 1_000_000 / hz
+        })
+    })
+}
+
+// Whoever reads the log has the board's own time with each line, from the timer that stamps DRDY.
+defmt::timestamp!("{=u64:us}", log_us());
 
 /// The handler does nothing: that it ends the sleep is all it is for.
 #[exception]

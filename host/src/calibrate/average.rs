@@ -6,24 +6,29 @@
 //! of its restricted likelihood (Patterson and Thompson, Biometrika 58, 1971), with the parameters' normal law at
 //! that strength; what is told is of the mixture (Harville, Biometrika 61, 1974).
 
-use nalgebra::SVector;
+use nalgebra::{DMatrix, DVector};
 use statrs::function::erf::erf;
 
-use super::PARAMETERS;
 use super::drift::Drift;
-use super::weighted::{Linear, Solved};
+use super::weighted::Solved;
 
 /// What the intervals hold.
 const LEVEL: f64 = 0.95;
 
-/// Strengths looked through, as multiples of the one at which the wander is as large as the noise of a stretch:
-/// from one that no session shows to one that would be some g.
+/// Strengths looked through, as multiples of the one about which they are: from one that no session shows to one
+/// that would be some g.
 const LEAST: f64 = 1e-2;
 const MOST: f64 = 1e5;
 
 /// Number of strengths, evenly in the logarithm: 1.6 times the one before, and the likelihood of a dozen
-/// misfits is three times as wide.
+/// misfits is three times as wide; what is expected of sensors like the published ones has a deviation of two thirds of a step,
+/// which sums to the same as an integral to 2e-4.
 const STRENGTHS: usize = 36;
+
+/// By how much of itself the wander of a sensor of the published make differs from the published one, where the misfits
+/// do not tell, as the spread of its logarithm. Assumed, not measured: a seventh, so that an interval is a few hundredths
+/// wider than by the published wander itself.
+const LIKE_PUBLISHED: f64 = 0.15;
 
 /// Halvings of the interval in which a half width is looked for: to a millionth of it.
 const HALVINGS: usize = 24;
@@ -36,7 +41,36 @@ struct Strength {
     weight: f64,
     solved: Solved,
     /// Change of the parameters that the misfits ask for.
-    step: SVector<f64, PARAMETERS>,
+    step: DVector<f64>,
+}
+
+/// What is known of the strength ahead of any misfit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Expected {
+    /// Nothing: beyond the noise of a stretch none is likelier than another in the logarithm, and below it none than
+    /// another.
+    Anything,
+    /// That of the published sensors, and by [`LIKE_PUBLISHED`] about it.
+    Published,
+}
+
+impl Expected {
+    /// The strength about which they are looked through.
+    fn about(self, noise: &Drift) -> f64 {
+        match self {
+            Self::Anything => noise.balance(),
+            Self::Published => 1.0,
+        }
+    }
+
+    /// Weight of so many times that strength, in the logarithm.
+    fn log_weight(self, times: f64) -> f64 {
+        match self {
+            Self::Anything => (times / (1.0 + times)).ln(),
+            // The factor is of the variance, the spread of the wander itself.
+            Self::Published => -0.5 * (0.5 * times.ln() / LIKE_PUBLISHED).powi(2),
+        }
+    }
 }
 
 /// All strengths with their weights, at some parameters.
@@ -46,19 +80,22 @@ pub(super) struct Average {
 
 impl Average {
     /// `None` where the positions allow no solution.
-    pub(super) fn new(noise: &Drift, linear: &Linear) -> Option<Self> {
-        let balance = noise.balance();
+    pub(super) fn new(
+        noise: &Drift,
+        slopes: &DMatrix<f64>,
+        misfits: &DVector<f64>,
+        expected: Expected,
+    ) -> Option<Self> {
+        let about = expected.about(noise);
         let mut strengths = Vec::with_capacity(STRENGTHS);
         for number in 0..STRENGTHS {
             let share = number as f64 / (STRENGTHS - 1) as f64;
             let times = LEAST * (MOST / LEAST).powf(share);
-            let solved = Solved::new(&noise.covariance(times * balance), &linear.slopes)?;
+            let solved = Solved::new(&noise.covariance(times * about), slopes)?;
             strengths.push(Strength {
-                factor: times * balance,
-                // Ahead of any misfit no strength beyond the noise is likelier than another in the logarithm,
-                // and below it none than another.
-                weight: (times / (1.0 + times)).ln() + solved.log_likelihood(&linear.misfits),
-                step: solved.step(&linear.misfits),
+                factor: times * about,
+                weight: expected.log_weight(times) + solved.log_likelihood(misfits),
+                step: solved.step(misfits),
                 solved,
             });
         }
@@ -77,27 +114,42 @@ impl Average {
     }
 
     /// Mean change of the parameters that the misfits ask for.
-    pub(super) fn step(&self) -> SVector<f64, PARAMETERS> {
-        self.strengths.iter().map(|one| one.weight * one.step).sum()
+    pub(super) fn step(&self) -> DVector<f64> {
+        let mut mean = DVector::zeros(self.strengths[0].step.len());
+        for one in &self.strengths {
+            mean += one.weight * &one.step;
+        }
+        mean
     }
 
     /// Half the 95 % interval of a parameter about the mean.
     pub(super) fn half_width(&self, at: usize) -> f64 {
-        let mean = self.step()[at];
+        let number = self.strengths[0].step.len();
+        self.half_width_along(&DVector::from_fn(number, |row, _| {
+            f64::from(u8::from(row == at))
+        }))
+    }
+
+    /// The same of so much of each parameter, added.
+    pub(super) fn half_width_along(&self, shares: &DVector<f64>) -> f64 {
+        let mean = self.step().dot(shares);
+        let laws = self.strengths.iter().map(|one| {
+            let variance = shares.dot(&(&one.solved.covariance * shares));
+            (one.weight, one.step.dot(shares) - mean, variance.sqrt())
+        });
+        let laws: Vec<(f64, f64, f64)> = laws.collect();
         let inside = |half: f64| -> f64 {
-            let shares = self.strengths.iter().map(|one| {
-                let reach = (2.0 * one.solved.covariance[(at, at)]).sqrt();
-                let off = one.step[at] - mean;
-                one.weight * 0.5 * (erf((half - off) / reach) + erf((half + off) / reach))
+            let shares = laws.iter().map(|&(weight, off, deviation)| {
+                let reach = std::f64::consts::SQRT_2 * deviation;
+                weight * 0.5 * (erf((half - off) / reach) + erf((half + off) / reach))
             });
             shares.sum()
         };
-        let mut high = 0.0_f64;
-        for one in &self.strengths {
-            let deviation = one.solved.covariance[(at, at)].sqrt();
-            // Every law of the mixture has all but 1e-6 of itself inside.
-            high = high.max((one.step[at] - mean).abs() + 5.0 * deviation);
-        }
+        // Every law of the mixture has all but 1e-6 of itself inside.
+        let reaches = laws
+            .iter()
+            .map(|&(_, off, deviation)| off.abs() + 5.0 * deviation);
+        let mut high = reaches.fold(0.0_f64, f64::max);
         let mut low = 0.0;
         for _ in 0..HALVINGS {
             let half = 0.5 * (low + high);

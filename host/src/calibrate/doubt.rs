@@ -6,7 +6,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 use super::{Fit, Position};
 
 /// Chance that any position of a sound session is doubted.
-const FAMILY_LEVEL: f64 = 0.01;
+pub(super) const FAMILY_LEVEL: f64 = 0.01;
 
 /// Positions closer than this are one and the same, degrees: of 24 spread evenly neighbours are 40 apart.
 const ALIKE_DEG: f64 = 10.0;
@@ -16,7 +16,11 @@ const ALIKE_DEG: f64 = 10.0;
 pub struct Doubt {
     /// The position, from 1.
     pub position: usize,
-    /// Its magnitude less gravity by what the others say, m/s^2.
+    /// On a cube the one on the opposite face, from 1: which of the two it is does not show. `None` elsewhere.
+    pub or_position: Option<usize>,
+    /// On a cube the axis whose reading is not borne out: X, Y or Z. `None` elsewhere.
+    pub axis: Option<char>,
+    /// Its magnitude (on a cube the reading of that axis) less what the others say, m/s^2.
     pub misfit_m_s2: f64,
     /// Chance of a misfit as large among all positions of a sound session.
     pub p_value: f64,
@@ -33,6 +37,8 @@ pub fn doubts(fit: &Fit) -> Vec<Doubt> {
     let mut doubts: Vec<Doubt> = judged
         .map(|(at, (studentised, misfit))| Doubt {
             position: at + 1,
+            or_position: None,
+            axis: None,
             misfit_m_s2: -misfit,
             p_value: (2.0 * number * law.sf(studentised.abs())).min(1.0),
         })

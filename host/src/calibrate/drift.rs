@@ -5,7 +5,7 @@
 //! ([`PublishedAxis`]), times a factor common to all axes: the misfits of the magnitudes tell that one number, and with
 //! nine parameters taken out of a dozen or two not three or six of them.
 
-use nalgebra::{DMatrix, SVector};
+use nalgebra::{DMatrix, DVector, SVector};
 
 use super::Position;
 use crate::model::published::PublishedAxis;
@@ -14,7 +14,7 @@ use crate::model::published::PublishedAxis;
 /// 1.5` (second difference of `x^2 ln x`), for means over 5 s `ln(t / 1.1 s)`.
 const FLICKER_FROM_S: f64 = 1.0;
 
-/// Covariance of the magnitudes in two parts.
+/// Covariance of the magnitudes, or of the readings, in two parts.
 pub(super) struct Drift {
     /// By each stretch's own noise, (m/s^2)^2.
     own: DMatrix<f64>,
@@ -26,10 +26,7 @@ impl Drift {
     /// Of positions in which 1 m/s^2 of the readings adds so much to the magnitude.
     pub(super) fn new(positions: &[Position], directions: &[SVector<f64, 3>], end_s: f64) -> Self {
         let number = positions.len();
-        // One tells its variance badly, all together well.
-        let variance = [0, 1, 2].map(|axis| {
-            positions.iter().map(|one| one.variance[axis]).sum::<f64>() / number as f64
-        });
+        let variance = variances(positions);
         let own = DMatrix::from_fn(number, number, |row, column| {
             if row != column {
                 return 0.0;
@@ -48,7 +45,26 @@ impl Drift {
         Self { own, wander }
     }
 
-    /// Of the magnitudes, for so many times the wander of the published sensors.
+    /// Of the readings of X, Y, Z in each position, one after the other, to which something else adds `besides`,
+    /// (m/s^2)^2.
+    pub(super) fn of_readings(positions: &[Position], besides: &DMatrix<f64>, end_s: f64) -> Self {
+        let number = 3 * positions.len();
+        let variance = DVector::from_fn(number, |at, _| variances(positions)[at % 3]);
+        let time_s = |at: usize| positions[at / 3].time_s;
+        Self {
+            own: besides + DMatrix::from_diagonal(&variance),
+            wander: DMatrix::from_fn(number, number, |row, column| {
+                match PublishedAxis::ALL.get(row % 3) {
+                    Some(axis) if row % 3 == column % 3 => {
+                        common(*axis, time_s(row), time_s(column), end_s)
+                    }
+                    _ => 0.0,
+                }
+            }),
+        }
+    }
+
+    /// For so many times the wander of the published sensors.
     pub(super) fn covariance(&self, factor: f64) -> DMatrix<f64> {
         &self.own + factor * &self.wander
     }
@@ -62,6 +78,12 @@ impl Drift {
     pub(super) fn balance(&self) -> f64 {
         self.own.trace() / self.wander.trace()
     }
+}
+
+/// Variances of the means of X, Y, Z: one stretch tells its own badly, all together well.
+fn variances(positions: &[Position]) -> [f64; 3] {
+    let number = positions.len() as f64;
+    [0, 1, 2].map(|axis| positions.iter().map(|one| one.variance[axis]).sum::<f64>() / number)
 }
 
 /// Covariance of a published sensor's zeros at two times, both less that at the end, (m/s^2)^2.

@@ -4,7 +4,9 @@ use inm_firmware::mma7331l::Scaling;
 use inm_protocol::{SensorCalibration, SensorRange};
 use serde::Serialize;
 
-use super::{Doubt, Fit, NAMES, PARAMETERS, Since};
+use super::{
+    CUBE_FRAME, CUBE_NAMES, CubeFit, Doubt, FACES, FREEDOM, Fit, NAMES, PARAMETERS, Since,
+};
 
 /// The frame of the result, in words.
 pub const FRAME: &str = "x along the sensitive axis of X, y in the plane of X and Y";
@@ -16,7 +18,7 @@ const NORMAL_95: f64 = 1.959_963_984_540_054;
 /// One parameter with its 95 % interval.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Parameter {
-    /// What it is, as [`NAMES`] has it.
+    /// What it is, as [`NAMES`] has it, on a cube [`CUBE_NAMES`].
     pub name: &'static str,
     /// Its value.
     pub value: f64,
@@ -41,13 +43,18 @@ pub struct Found {
     pub positions: usize,
     /// Time from the first to the last, seconds.
     pub session_s: f64,
-    /// The nine parameters.
+    /// How far off level each face of a cube is taken to be, a standard deviation in two directions, mrad; `None`
+    /// where there was no cube.
+    pub tilt_mrad: Option<f64>,
+    /// The nine parameters, twelve on a cube.
     pub parameters: Vec<Parameter>,
-    /// Wander of the zeros that the positions show, m/s^2 per root second.
+    /// Wander of the zeros that the positions show, m/s^2 per root second; on a cube that which is expected, where they do not.
     pub drift_m_s2_per_root_s: f64,
-    /// Squared misfits by the noise of the stretches alone.
+    /// What was left to check: readings less parameters.
+    pub freedom: usize,
+    /// Squared misfits by the noise of the stretches alone, on a cube by wander and tilts besides.
     pub chi_squared: f64,
-    /// Chance of a larger one if nothing wandered between the positions.
+    /// Chance of a larger one if nothing wandered between the positions; on a cube, if all is as it is taken to be.
     pub p_value: f64,
     /// Positions that the others do not bear out, the worst first.
     pub doubts: Vec<Doubt>,
@@ -79,25 +86,52 @@ pub struct Circumstances {
 impl Found {
     /// From a fit to readings by this scale.
     pub fn new(fit: &Fit, doubts: Vec<Doubt>, scaling: Scaling, of: Circumstances) -> Self {
-        let parameter = |at: usize| Parameter {
-            name: NAMES[at],
-            value: fit.values[at],
-            half_width: fit.half_widths[at],
-            unit: if at < 6 { "1" } else { "m/s^2" },
-        };
-        let record = record(fit, scaling, of);
+        let positions = fit.misfits_m_s2.len();
+        let record = record(&fit.values, &fit.half_widths, positions, scaling, of);
+        Self {
+            frame: FRAME,
+            parameters: parameters(&NAMES, &fit.values, &fit.half_widths),
+            drift_m_s2_per_root_s: fit.drift,
+            freedom: positions - PARAMETERS,
+            chi_squared: fit.chi_squared,
+            p_value: fit.p_value,
+            doubts,
+            ..Self::of(record, scaling, of)
+        }
+    }
+
+    /// From a fit on a cube whose faces are off level by so many mrad. A board keeps it in the frame of the sensors.
+    pub fn on_cube(fit: CubeFit, tilt_mrad: f64, scaling: Scaling, of: Circumstances) -> Self {
+        let record = record(&fit.kept, &fit.kept_half_widths, FACES, scaling, of);
+        Self {
+            frame: CUBE_FRAME,
+            tilt_mrad: Some(tilt_mrad),
+            parameters: parameters(&CUBE_NAMES, &fit.values, &fit.half_widths),
+            drift_m_s2_per_root_s: fit.drift,
+            freedom: FREEDOM,
+            chi_squared: fit.chi_squared,
+            p_value: fit.p_value,
+            doubts: fit.doubts,
+            ..Self::of(record, scaling, of)
+        }
+    }
+
+    /// What does not depend on how it was found, the rest empty.
+    fn of(record: SensorCalibration, scaling: Scaling, of: Circumstances) -> Self {
         Self {
             range: of.range,
             frame: FRAME,
             gravity_m_s2: of.gravity_m_s2,
             mcu_celsius: of.centi_celsius.map(|centi| f64::from(centi) / 100.0),
-            positions: fit.misfits_m_s2.len(),
+            positions: usize::from(record.positions),
             session_s: of.session_s,
-            parameters: (0..PARAMETERS).map(parameter).collect(),
-            drift_m_s2_per_root_s: fit.drift,
-            chi_squared: fit.chi_squared,
-            p_value: fit.p_value,
-            doubts,
+            tilt_mrad: None,
+            parameters: Vec::new(),
+            drift_m_s2_per_root_s: f64::NAN,
+            freedom: 0,
+            chi_squared: f64::NAN,
+            p_value: f64::NAN,
+            doubts: Vec::new(),
             since: of.before.map(|old| Since::new(&old, &record, scaling)),
             stored: false,
             record,
@@ -105,8 +139,26 @@ impl Found {
     }
 }
 
+/// Parameters, of which the last three are zeros.
+fn parameters(names: &[&'static str], values: &[f64], half_widths: &[f64]) -> Vec<Parameter> {
+    let zeros = names.len() - 3;
+    let parameter = |at: usize| Parameter {
+        name: names[at],
+        value: values[at],
+        half_width: half_widths[at],
+        unit: if at < zeros { "1" } else { "m/s^2" },
+    };
+    (0..names.len()).map(parameter).collect()
+}
+
 /// The parameters in counts of the code, as a board keeps them.
-fn record(fit: &Fit, scaling: Scaling, of: Circumstances) -> SensorCalibration {
+fn record(
+    values: &[f64; PARAMETERS],
+    half_widths: &[f64; PARAMETERS],
+    positions: usize,
+    scaling: Scaling,
+    of: Circumstances,
+) -> SensorCalibration {
     let per_row = scaling.scale() / SensorCalibration::ROW_UNIT;
     let per_zero = 1.0 / scaling.scale();
     // A deviation of nothing would be none: rounded up.
@@ -116,12 +168,12 @@ fn record(fit: &Fit, scaling: Scaling, of: Circumstances) -> SensorCalibration {
         unix_s: of.unix_s,
         centi_celsius: of.centi_celsius,
         gravity_um_s2: (of.gravity_m_s2 * 1e6).round() as u32,
-        positions: u16::try_from(fit.misfits_m_s2.len()).unwrap_or(u16::MAX),
-        rows: std::array::from_fn(|at| (fit.values[at] * per_row).round() as i32),
-        row_deviations: std::array::from_fn(|at| deviation(fit.half_widths[at], per_row)),
+        positions: u16::try_from(positions).unwrap_or(u16::MAX),
+        rows: std::array::from_fn(|at| (values[at] * per_row).round() as i32),
+        row_deviations: std::array::from_fn(|at| deviation(half_widths[at], per_row)),
         zero: std::array::from_fn(|axis| {
-            (fit.values[6 + axis] * per_zero + scaling.zero()).round() as i32
+            (values[6 + axis] * per_zero + scaling.zero()).round() as i32
         }),
-        zero_deviations: std::array::from_fn(|axis| deviation(fit.half_widths[6 + axis], per_zero)),
+        zero_deviations: std::array::from_fn(|axis| deviation(half_widths[6 + axis], per_zero)),
     }
 }

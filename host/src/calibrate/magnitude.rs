@@ -7,9 +7,9 @@
 use nalgebra::{DMatrix, SVector};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use super::average::Average;
+use super::average::{Average, Expected};
 use super::drift::{Drift, published_walk};
-use super::weighted::{Solved, linear};
+use super::weighted::{Linear, Solved, linear};
 use super::{FEWEST, PARAMETERS, Position};
 
 /// Steps after which there is no hope: from sensors within a tenth of their sheets five do.
@@ -53,6 +53,12 @@ pub enum Unfit {
         /// Positions that there are.
         have: usize,
     },
+    /// Not a position on each of a cube's faces.
+    #[error("{have} positions, and one on each of the six faces of the cube is needed")]
+    Faces {
+        /// Positions that there are.
+        have: usize,
+    },
     /// Positions that do not differ enough.
     #[error(
         "the positions are too much alike to tell nine parameters apart: put the block on each of its \
@@ -86,9 +92,9 @@ pub fn fit(positions: &[Position], gravity_m_s2: f64, end_s: f64) -> Result<Fit,
         let linear = linear(positions, &values, gravity_m_s2);
         spread(&linear.slopes)?;
         let noise = Drift::new(positions, &linear.directions, end_s);
-        let average = Average::new(&noise, &linear).ok_or(Unfit::NoFit)?;
+        let average = average(&noise, &linear)?;
         let change = average.step();
-        values += change;
+        values += SVector::<f64, PARAMETERS>::from_fn(|at, _| change[at]);
         if !values.iter().all(|value| value.is_finite()) {
             return Err(Unfit::NoFit);
         }
@@ -97,6 +103,11 @@ pub fn fit(positions: &[Position], gravity_m_s2: f64, end_s: f64) -> Result<Fit,
         }
     }
     Err(Unfit::NoFit)
+}
+
+fn average(noise: &Drift, linear: &Linear) -> Result<Average, Unfit> {
+    let (slopes, misfits) = (&linear.slopes, &linear.misfits);
+    Average::new(noise, slopes, misfits, Expected::Anything).ok_or(Unfit::NoFit)
 }
 
 /// Refuses positions that do not tell the parameters apart.
@@ -125,7 +136,7 @@ fn finish(
     }
     let linear = linear(positions, &values, gravity_m_s2);
     let noise = Drift::new(positions, &linear.directions, end_s);
-    let average = Average::new(&noise, &linear).ok_or(Unfit::NoFit)?;
+    let average = average(&noise, &linear)?;
     let likeliest = average.likeliest().ok_or(Unfit::NoFit)?;
     let projector = likeliest.projector();
     let freedom = (positions.len() - PARAMETERS) as f64;

@@ -13,9 +13,12 @@
 //! `acceleration = M (reading - zero)`, `M` lower triangular: x is the sensitive axis of X, y lies in the
 //! plane of X and Y. Nothing else is known of a frame, since gravity's magnitude is the same in all of
 //! them. Zeros are means over as long as a stretch, at the end of the session, after which they are used.
+//!
+//! On a levelled cube gravity's direction is known too: six positions give all of `M`, in the frame of its faces ([`fit_cube`]).
 
 mod average;
 mod change;
+mod cube;
 mod doubt;
 mod drift;
 mod found;
@@ -24,6 +27,7 @@ mod stretch;
 mod weighted;
 
 pub use change::Since;
+pub use cube::{CUBE_FRAME, CUBE_NAMES, CUBE_PARAMETERS, CubeFit, FACES, FREEDOM, Face, fit_cube};
 pub use doubt::{Doubt, alike_deg, doubts};
 pub use found::{Circumstances, FRAME, Found};
 pub use magnitude::{Fit, Unfit, fit};

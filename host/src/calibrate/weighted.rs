@@ -85,9 +85,8 @@ impl Solved {
     }
 
     /// Change of the parameters that these misfits ask for.
-    pub(super) fn step(&self, misfits: &DVector<f64>) -> SVector<f64, PARAMETERS> {
-        let change = &self.covariance * (&self.weighted * misfits);
-        SVector::from_fn(|at, _| change[at])
+    pub(super) fn step(&self, misfits: &DVector<f64>) -> DVector<f64> {
+        &self.covariance * (&self.weighted * misfits)
     }
 
     /// What takes the fitted part out of misfits and weights the rest.

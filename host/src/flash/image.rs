@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use inm_protocol::crc32;
-use inm_protocol::image::{About, BOARD, checksum, find};
+use inm_protocol::image::{About, BOARD, MARK_LEN, checksum, find};
 use inm_protocol::slot::{HEADER, HEADER_WORDS, Header, SLOT_STARTS, SLOTS};
 
 use super::image_error::{ImageError, Problem};
@@ -86,6 +86,15 @@ impl Image {
         })
     }
 
+    /// What the image says of itself, and where that lies in flash; `None` of one that was made by hand.
+    pub fn mark(&self) -> Option<(u64, &[u8])> {
+        self.segments.iter().find_map(|(address, bytes)| {
+            let at = find(bytes)?;
+            let mark = bytes.get(at..at + MARK_LEN)?;
+            Some((address + at as u64, mark))
+        })
+    }
+
     /// Bytes to program.
     pub fn len(&self) -> usize {
         self.segments.iter().map(|(_, bytes)| bytes.len()).sum()
@@ -94,6 +103,21 @@ impl Image {
     /// Whether there is nothing to program; never so for an image that was read.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+}
+
+impl std::fmt::Display for Image {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "firmware {} of revision {}", self.version, self.revision)
+    }
+}
+
+impl Program {
+    /// What the program says of itself, and where that lies in flash; `None` of one that was made by hand.
+    pub fn mark(&self) -> Option<(u32, &[u8])> {
+        let at = find(&self.bytes)?;
+        let mark = self.bytes.get(at..at + MARK_LEN)?;
+        Some((self.address + at as u32, mark))
     }
 }
 

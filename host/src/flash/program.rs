@@ -5,7 +5,7 @@ use probe_rs::flashing::{
 };
 use probe_rs::probe::Probe;
 use probe_rs::probe::list::Lister;
-use probe_rs::{Session, flashing};
+use probe_rs::{Permissions, Session, flashing};
 
 use super::{CHIP, FLASH_ORIGIN, Image};
 
@@ -34,7 +34,9 @@ pub enum FlashError {
     #[error("the debug probe cannot be opened; is another program using it?")]
     Probe(#[from] probe_rs::probe::DebugProbeError),
     /// The probe sees no such chip.
-    #[error("no {CHIP} answers behind the probe; is the board powered, is the SWD cable right?")]
+    #[error(
+        "no {CHIP} answers behind the probe; is the board powered, is the SWD cable right? `--connect-under-reset` helps where a program keeps the probe out"
+    )]
     Attach(#[source] probe_rs::Error),
     /// The chip is not known to this build.
     #[error("the description of {CHIP} is missing from this build")]
@@ -79,6 +81,25 @@ pub fn choose_probe(wanted: Option<&str>) -> Result<Probe, FlashError> {
         ([], None) => Err(FlashError::NoProbe),
         (_, _) => Err(FlashError::ManyProbes(names())),
     }
+}
+
+/// The probes that are plugged in, as they are called.
+pub fn probes() -> Vec<String> {
+    let probes = Lister::new().list_all();
+    probes.iter().map(ToString::to_string).collect()
+}
+
+/// The board behind a probe, whatever it does at the moment. With `under_reset` it is held in reset meanwhile: of a
+/// program that sleeps too deeply or has taken the debug pins nothing else helps. That needs the wire NRST.
+///
+/// # Errors
+/// [`FlashError::Attach`].
+pub fn attach(probe: Probe, under_reset: bool) -> Result<Session, FlashError> {
+    let session = match under_reset {
+        true => probe.attach_under_reset(CHIP, Permissions::default()),
+        false => probe.attach(CHIP, Permissions::default()),
+    };
+    session.map_err(FlashError::Attach)
 }
 
 /// Programs, verifies and restarts the board in `session`.

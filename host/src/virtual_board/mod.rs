@@ -17,6 +17,8 @@
 //!   host            asks for 0 --+  for 1 --+    each with what it wrote since it last asked
 //! ```
 
+pub mod cube;
+pub mod hand;
 pub mod hide;
 mod life;
 mod line;

@@ -7,25 +7,19 @@ use inm_emulator::channel::Channel;
 use inm_emulator::sensor::{Coefficients, GRAVITY_M_S2, Sensor, Unfit};
 use inm_protocol::{AXES, SensorRange};
 use nalgebra::{Matrix3, Vector3};
-use rand_distr::{Distribution, Normal, Uniform};
-use rand_pcg::Pcg64;
+use rand_distr::{Distribution, Uniform};
 
 use crate::model::Seed;
 use crate::model::random::random;
 
-/// Streams of random numbers, others than those of noise and of what is hidden.
+/// Stream of random numbers, another than those of noise and of what is hidden.
 const TRUTH: u64 = 3 << 48;
-const HAND: u64 = 4 << 48;
 
 /// Largest error of a sensitivity, of a zero (volts) and of the direction of an axis (rad): those of the
 /// sheet as remembered, and an axis within two degrees, as packages are soldered.
 const SCALE_ERROR: f64 = 0.06;
 const ZERO_ERROR_V: f64 = 0.08;
 const TILT_RAD: f64 = 0.035;
-
-/// How far a table, and the faces of a block that is not square, are from where they should be, rad: half
-/// a degree as standard deviation, more than a spirit level leaves.
-const ASKEW_RAD: f64 = 0.009;
 
 /// What a sensor of each axis is in truth.
 #[derive(Debug, Clone)]
@@ -44,15 +38,6 @@ pub struct Turned {
     felt: Arc<Mutex<Vector3<f64>>>,
     /// How far the zeros have wandered since power came on, steps of the code.
     wandered: Arc<Mutex<[f64; AXES]>>,
-}
-
-/// A hand that turns a block.
-#[derive(Debug)]
-pub struct Hand {
-    random: Pcg64,
-    places: Vec<Vector3<f64>>,
-    turned: Turned,
-    gravity_m_s2: f64,
 }
 
 impl Truth {
@@ -96,13 +81,9 @@ impl Truth {
     /// The parameters of a calibration by the nominal scale of a range, in its order: the lower triangle,
     /// then zeros in m/s^2 without what they wander.
     pub fn parameters(&self, range: SensorRange) -> [f64; 9] {
-        let nominal = at(&Sensor::XY, range);
-        let sensors = self.sensors.map(|sensor| at(&sensor, range));
-        let scales = Vector3::from(sensors.map(|one| one.steps_per_m_s2()));
-        let scales = scales / nominal.steps_per_m_s2();
-        let inverse = (Matrix3::from_diagonal(&scales) * self.directions).try_inverse();
+        let inverse = self.rows(range).try_inverse();
         let matrix = inverse.unwrap_or_else(Matrix3::identity);
-        let zero = sensors.map(|one| one.rest_steps() / nominal.steps_per_m_s2());
+        let zero = self.zeros(range);
         [
             matrix[(0, 0)],
             matrix[(1, 0)],
@@ -114,6 +95,20 @@ impl Truth {
             zero[1],
             zero[2],
         ]
+    }
+
+    /// What each sensor reads by the nominal scale of 1 m/s^2 along x, y, z, one sensor a row.
+    pub(super) fn rows(&self, range: SensorRange) -> Matrix3<f64> {
+        let scales = Vector3::from(self.steps_per_m_s2(range));
+        let scales = scales / at(&Sensor::XY, range).steps_per_m_s2();
+        Matrix3::from_diagonal(&scales) * self.directions
+    }
+
+    /// Zeros by the nominal scale of a range, m/s^2, without what they wander.
+    pub(super) fn zeros(&self, range: SensorRange) -> [f64; AXES] {
+        let nominal = at(&Sensor::XY, range).steps_per_m_s2();
+        self.sensors
+            .map(|sensor| at(&sensor, range).rest_steps() / nominal)
     }
 
     /// The sensors as channels on a range.
@@ -185,47 +180,5 @@ impl Turned {
     pub(super) fn note(&self, axis: usize, steps: f64) {
         let mut wandered = self.wandered.lock().unwrap_or_else(PoisonError::into_inner);
         wandered[axis] = steps;
-    }
-
-    /// A hand that puts this block into `positions` places all over the sphere, one after the other in a
-    /// random order, on a table and on faces that are askew.
-    pub fn hand(&self, positions: usize, gravity_m_s2: f64, seed: u64) -> Hand {
-        let mut random = random(Seed { seed, stream: HAND });
-        let number = positions.max(1) as f64;
-        // Fibonacci's lattice: evenly spread, whatever the number.
-        let golden = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
-        let mut places: Vec<Vector3<f64>> = (0..positions)
-            .map(|at| {
-                let height = 1.0 - (2.0 * at as f64 + 1.0) / number;
-                let radius = (1.0 - height * height).sqrt();
-                let (sine, cosine) = (golden * at as f64).sin_cos();
-                Vector3::new(radius * cosine, radius * sine, height)
-            })
-            .collect();
-        for last in (1..places.len()).rev() {
-            let share = Uniform::new(0.0, 1.0).map_or(0.0, |law| law.sample(&mut random));
-            let other = ((share * (last + 1) as f64) as usize).min(last);
-            places.swap(last, other);
-        }
-        Hand {
-            random,
-            places,
-            turned: self.clone(),
-            gravity_m_s2,
-        }
-    }
-}
-
-impl Hand {
-    /// Puts the block into the next place; `false` if there is none.
-    pub fn turn(&mut self) -> bool {
-        let Some(place) = self.places.pop() else {
-            return false;
-        };
-        let askew = Normal::new(0.0, ASKEW_RAD);
-        let tilt = [(); 3].map(|()| askew.map_or(0.0, |law| law.sample(&mut self.random)));
-        let direction = (place + Vector3::from(tilt)).normalize();
-        self.turned.put((self.gravity_m_s2 * direction).into());
-        true
     }
 }

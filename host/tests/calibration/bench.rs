@@ -110,11 +110,20 @@ pub fn next(hand: &mut Hand) {
 /// The truth as words have it: the converter's filter passes 1.00003 of a steady input, as the part's own
 /// coefficients do, and what is found is of the whole channel.
 pub fn behind_the_filter(truth: [f64; PARAMETERS]) -> [f64; PARAMETERS] {
+    behind(truth, 6)
+}
+
+/// The same of so many numbers of the matrix, the rest zeros.
+pub fn behind<const N: usize>(truth: [f64; N], matrix: usize) -> [f64; N] {
     let gain = Response::new(Phase::Linear, Settings::default().rate.hz()).gain(0.0);
     let mut at = 0;
     truth.map(|value| {
         at += 1;
-        if at <= 6 { value / gain } else { value * gain }
+        if at <= matrix {
+            value / gain
+        } else {
+            value * gain
+        }
     })
 }
 

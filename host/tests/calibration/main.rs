@@ -5,6 +5,7 @@
 mod pty;
 
 mod bench;
+mod cube;
 mod program;
 mod told;
 
@@ -13,7 +14,7 @@ use inm_emulator::channel::Channel;
 use inm_emulator::filter::DECIMATION;
 use inm_emulator::sensor::{Coefficients, GRAVITY_M_S2, Sensor};
 use inm_host::internals::calibrate::{BLOCK_S, NAMES, PARAMETERS, Position, Stretch, doubts, fit};
-use inm_host::internals::virtual_board::{Truth, Turned};
+use inm_host::internals::virtual_board::{Hand, Truth, Turned};
 use inm_protocol::SensorRange;
 
 /// Conversions a second: a slow rate, since the sensors' noise is the same at any, with five to a block.
@@ -47,6 +48,29 @@ struct Bench {
 }
 
 impl Bench {
+    /// Sensors of a truth with this noise on a block.
+    fn new(truth: &Truth, noise: [Coefficients; 3], seed: u64) -> Self {
+        let range = SensorRange::G4;
+        let channels = |truth: &Truth| truth.channels(range, seed).expect("noise that fits");
+        let quiet = noise.map(|noise| Coefficients {
+            white: 0.0,
+            quantisation: 0.0,
+            ..noise
+        });
+        let mut bench = Self {
+            block: truth.block(),
+            channels: channels(truth),
+            quiet: channels(&Truth::draw(quiet, seed)),
+            zero: [0.0; 3],
+            steps_per_m_s2: truth.steps_per_m_s2(range),
+            nominal: Sensor::XY.steps_per_m_s2(),
+        };
+        for channel in bench.channels.iter_mut().chain(&mut bench.quiet) {
+            channel.set_rate(RATE * DECIMATION as u32);
+        }
+        bench
+    }
+
     /// Means of the readings of so many conversions, by the nominal scale.
     fn mean(&mut self, conversions: u32) -> [f64; 3] {
         std::array::from_fn(|axis| {
@@ -84,25 +108,20 @@ fn inputs(channel: &mut Channel, felt: f64, conversions: u32) -> f64 {
 
 fn session(number: usize, noise: [Coefficients; 3], seed: u64) -> Session {
     let truth = Truth::draw(noise, seed);
-    let range = SensorRange::G4;
-    let channels = |truth: &Truth| truth.channels(range, seed).expect("noise that fits");
-    let quiet = noise.map(|noise| Coefficients {
-        white: 0.0,
-        quantisation: 0.0,
-        ..noise
-    });
-    let mut bench = Bench {
-        block: truth.block(),
-        channels: channels(&truth),
-        quiet: channels(&Truth::draw(quiet, seed)),
-        zero: [0.0; 3],
-        steps_per_m_s2: truth.steps_per_m_s2(range),
-        nominal: Sensor::XY.steps_per_m_s2(),
-    };
-    for channel in bench.channels.iter_mut().chain(&mut bench.quiet) {
-        channel.set_rate(RATE * DECIMATION as u32);
-    }
+    let mut bench = Bench::new(&truth, noise, seed);
     let mut hand = bench.block.hand(number, GRAVITY_M_S2, seed);
+    let (positions, end_s) = read(&mut bench, &mut hand, seed);
+    let mut parameters = truth.parameters(SensorRange::G4);
+    parameters[6..].copy_from_slice(&bench.zeros(STRETCH_S));
+    Session {
+        positions,
+        truth: parameters,
+        end_s,
+    }
+}
+
+/// All positions of a hand, and the middle of the seconds behind them, over which zeros are.
+fn read(bench: &mut Bench, hand: &mut Hand, seed: u64) -> (Vec<Position>, f64) {
     let mut positions = Vec::new();
     let mut time_s = 0.0;
     while hand.turn() {
@@ -117,13 +136,7 @@ fn session(number: usize, noise: [Coefficients; 3], seed: u64) -> Session {
         let position = stretch.position(None);
         positions.push(position.unwrap_or_else(|error| panic!("seed {seed}: {error}")));
     }
-    let mut parameters = truth.parameters(range);
-    parameters[6..].copy_from_slice(&bench.zeros(STRETCH_S));
-    Session {
-        positions,
-        truth: parameters,
-        end_s: time_s + 0.5 * STRETCH_S,
-    }
+    (positions, time_s + 0.5 * STRETCH_S)
 }
 
 /// Shares of the sessions whose interval holds the truth, by parameter, and of those with a doubt.

@@ -12,6 +12,9 @@ fn help_and_refusals_say_what_is_meant() {
         &["--gravity", "1"],
         &["--range", "8"],
         &["--show", "--erase"],
+        &["--cube", "--positions", "18"],
+        &["--cube", "--tilt", "50"],
+        &["--tilt", "0.5"],
         &["--port", "/dev/ttyNOPE"],
     ] {
         let mut command = vec!["calibrate"];

@@ -1,16 +1,17 @@
-//! `inm board log`: what goes wrong on a board, in words, as it says it.
+//! `inm board log`: what goes wrong on a board, in words, as it says it over the serial port; through a debug probe:
+//! `probed`.
 
-use std::fs::File;
-use std::io::Write;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use anyhow::Context;
 use clap::Args;
 use inm_protocol::{Identity, Request};
 
 use super::super::recording::parse_positive;
 use super::super::{interrupt, output};
+#[cfg(feature = "flash")]
+use super::probed::ProbeOptions;
+use super::sink::{LONGEST_S, Sink};
 use super::which::{Found, Which};
 use crate::inspect::log::{Entry, Log};
 use crate::inspect::serial;
@@ -22,6 +23,9 @@ use crate::source::SourceError;
 pub struct LogCommand {
     #[command(flatten)]
     which: Which,
+    #[cfg(feature = "flash")]
+    #[command(flatten)]
+    probe: ProbeOptions,
     /// End after this many seconds; until Ctrl-C where not given.
     #[arg(long, value_name = "S", value_parser = parse_positive)]
     duration: Option<f64>,
@@ -29,9 +33,6 @@ pub struct LogCommand {
     #[arg(long, value_name = "OUT")]
     json: Option<String>,
 }
-
-/// Longest duration, seconds: a century, which is for ever and still a time.
-const LONGEST_S: f64 = 3.2e9;
 
 impl LogCommand {
     /// Runs the subcommand. Ctrl-C ends it.
@@ -41,17 +42,24 @@ impl LogCommand {
     pub fn run(self) -> anyhow::Result<ExitCode> {
         output::check(&[self.json.as_deref()], &[])?;
         let mut sink = Sink::open(self.json.as_deref())?;
+        #[cfg(feature = "flash")]
+        if self.probe.is_asked_for() {
+            return self.probe.run(self.duration, &mut sink);
+        }
         let stop = interrupt::stop_on_signal()?;
         let mut found = self.which.find()?;
         let mut log = Log::new(found.identity.timer_hz);
-        sink.write(&log.say(format!(
-            "{}: board {}, firmware {} for {}; it started: {}",
-            found.port,
-            serial(&found.identity),
-            found.identity.firmware,
-            found.identity.platform,
-            restarted(&found.identity.restart)
-        )))?;
+        write(
+            &mut sink,
+            &log.say(format!(
+                "{}: board {}, firmware {} for {}; it started: {}",
+                found.port,
+                serial(&found.identity),
+                found.identity.firmware,
+                found.identity.platform,
+                restarted(&found.identity.restart)
+            )),
+        )?;
         let begun = found.session.now();
         let ends = self
             .duration
@@ -88,22 +96,28 @@ impl Watch {
             self.silent = false;
             if log.has_restarted(&heard) {
                 let cause = cause(found)?;
-                sink.write(&log.say(format!("the board restarted: {cause}")))?;
+                write(sink, &log.say(format!("the board restarted: {cause}")))?;
             }
             for entry in log.take(&heard) {
-                sink.write(&entry)?;
+                write(sink, &entry)?;
             }
         }
         let damaged = found.session.damaged();
         if damaged > self.damaged {
             let more = damaged - self.damaged;
-            sink.write(&log.say(format!("{more} frames of the board arrived damaged")))?;
+            write(
+                sink,
+                &log.say(format!("{more} frames of the board arrived damaged")),
+            )?;
             self.damaged = damaged;
         }
         let silence = Patience::default().silence;
         if !self.silent && found.session.now() > self.heard + silence {
             self.silent = true;
-            sink.write(&log.say(format!("nothing intact for {} s", silence.as_secs())))?;
+            write(
+                sink,
+                &log.say(format!("nothing intact for {} s", silence.as_secs())),
+            )?;
         }
         Ok(())
     }
@@ -118,41 +132,9 @@ fn cause(found: &mut Found) -> anyhow::Result<String> {
     }
 }
 
-/// Where entries go.
-enum Sink {
-    /// The terminal, in words.
-    Text,
-    /// The terminal, as JSON.
-    Json,
-    /// A file as JSON, and the terminal in words.
-    Both(String, File),
-}
-
-impl Sink {
-    fn open(json: Option<&str>) -> anyhow::Result<Self> {
-        Ok(match json {
-            None => Self::Text,
-            Some("-") => Self::Json,
-            Some(path) => {
-                let file =
-                    File::create(path).with_context(|| format!("{path}: cannot be created"))?;
-                Self::Both(path.to_owned(), file)
-            }
-        })
-    }
-
-    fn write(&mut self, entry: &Entry) -> anyhow::Result<()> {
-        let json = format!("{}\n", serde_json::to_string(entry)?);
-        if let Self::Both(path, file) = self {
-            file.write_all(json.as_bytes())
-                .with_context(|| format!("{path}: cannot be written"))?;
-        }
-        match self {
-            Self::Json => output::say(&json)?,
-            Self::Text | Self::Both(..) => output::say(&line(entry))?,
-        }
-        Ok(())
-    }
+/// Writes an entry.
+fn write(sink: &mut Sink, entry: &Entry) -> anyhow::Result<()> {
+    sink.write(entry, &line(entry))
 }
 
 /// An entry on a line: wall clock, time since the board's start, axis, conversion, words.

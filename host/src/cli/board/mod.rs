@@ -4,8 +4,11 @@
 mod info;
 mod log;
 mod ports;
+#[cfg(feature = "flash")]
+mod probed;
 mod reset;
 mod selftest;
+mod sink;
 #[cfg(feature = "image")]
 mod update;
 pub(super) mod which;

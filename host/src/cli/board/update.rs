@@ -9,16 +9,16 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::JsonOption;
 use super::which::connect;
-use crate::flash::Image;
+use crate::flash::{Image, shipped};
 use crate::update::{Progress, Updated, update};
 
 /// Arguments of `inm board update`.
 #[derive(Debug, Args)]
 pub struct UpdateCommand {
-    /// The image: the ELF file that `cargo xtask firmware` builds. Of it the program for the slot that is
-    /// free is taken; the loader stays as it is.
+    /// The image: an ELF file as `cargo xtask firmware` builds it; the one that comes with this program if none is named.
+    /// Of it the program for the slot that is free is taken; the loader stays as it is.
     #[arg(value_name = "ELF")]
-    image: PathBuf,
+    image: Option<PathBuf>,
     /// Serial port of the board (`/dev/ttyUSB0`, `COM3`), or `virtual` for one without hardware.
     #[arg(long, value_name = "PORT")]
     port: String,
@@ -37,7 +37,10 @@ impl UpdateCommand {
     pub fn run(self) -> anyhow::Result<ExitCode> {
         self.json.check()?;
         // Before anything is said to the board.
-        let image = Image::read(&self.image)?;
+        let image = match &self.image {
+            Some(path) => Image::read(path)?,
+            None => shipped::image()?,
+        };
         let bar = Bar::new();
         let updated = update(connect(&self.port, self.baud).as_mut(), &image, |told| {
             bar.show(told);

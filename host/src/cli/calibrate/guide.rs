@@ -6,7 +6,9 @@ use anyhow::bail;
 
 use super::tell;
 use crate::virtual_board::VirtualConnect;
-use crate::virtual_board::turned::{Hand, Truth};
+use crate::virtual_board::cube::Cube;
+use crate::virtual_board::hand::Hand;
+use crate::virtual_board::turned::Truth;
 use inm_emulator::sensor::Coefficients;
 
 /// Which axes point up (1) or down (-1): faces, then edges, then corners. Opposite ones follow each other.
@@ -39,6 +41,18 @@ const PLACES: [[i8; 3]; 26] = [
     [1, -1, -1],
 ];
 
+/// What a virtual board lies on.
+#[derive(Debug, Clone, Copy)]
+pub enum Lies {
+    /// A block that is neither level nor square.
+    Anyhow,
+    /// A cube whose faces are off level by so much, a standard deviation in two directions, rad.
+    OnCube {
+        /// The standard deviation.
+        tilt_rad: f64,
+    },
+}
+
 /// Leads through a session.
 pub struct Guide {
     hand: Option<Hand>,
@@ -60,13 +74,18 @@ impl Guide {
     /// If the sensors cannot be made.
     pub fn on_virtual(
         positions: usize,
+        lies: Lies,
         gravity_m_s2: f64,
         seed: u64,
     ) -> anyhow::Result<(Self, VirtualConnect)> {
         let truth = Truth::draw(Coefficients::PUBLISHED, seed);
         let board = VirtualConnect::published(seed, 0.0);
         let (connect, block) = board.turning(&truth, seed)?;
-        let hand = Some(block.hand(positions, gravity_m_s2, seed));
+        let hand = match lies {
+            Lies::Anyhow => block.hand(positions, gravity_m_s2, seed),
+            Lies::OnCube { tilt_rad } => Cube::draw(tilt_rad, seed).hand(&block, gravity_m_s2),
+        };
+        let hand = Some(hand);
         Ok((Self { hand, positions }, connect))
     }
 
@@ -75,6 +94,31 @@ impl Guide {
     /// # Errors
     /// If nobody is there any more.
     pub fn next(&mut self, done: usize) -> anyhow::Result<()> {
+        let wanted = PLACES.get(done).map_or_else(
+            || "in any way that is new".to_owned(),
+            |place| format!("for instance with {}", words(*place)),
+        );
+        self.put(done, &format!("lay the block down {wanted}"))
+    }
+
+    /// Has a face of the cube put up, of which so many are done; any other new one will do.
+    ///
+    /// # Errors
+    /// If nobody is there any more.
+    pub fn next_face(&mut self, done: usize, wanted: &str) -> anyhow::Result<()> {
+        self.put(done, &format!("lay the cube down with {wanted}"))
+    }
+
+    /// Says which face was up, where it is another than was asked for.
+    pub fn taken(&self, face: &str, wanted: &str) {
+        if self.hand.is_none() && face != wanted {
+            tell(&format!(
+                "{face}, and not {wanted} as asked: it counts as {face}"
+            ));
+        }
+    }
+
+    fn put(&mut self, done: usize, how: &str) -> anyhow::Result<()> {
         let number = done + 1;
         if let Some(hand) = &mut self.hand {
             if !hand.turn() {
@@ -82,12 +126,8 @@ impl Guide {
             }
             return Ok(());
         }
-        let wanted = PLACES.get(done).map_or_else(
-            || "in any way that is new".to_owned(),
-            |place| format!("for instance with {}", words(*place)),
-        );
         tell(&format!(
-            "position {number} of {}: lay the block down {wanted}, let go, press Enter",
+            "position {number} of {}: {how}, let go, press Enter",
             self.positions
         ));
         let mut line = String::new();

@@ -1,5 +1,6 @@
 //! `inm calibrate`: scale, misalignment and zero of the accelerometers from gravity, kept on the board.
 
+mod faces;
 mod guide;
 mod text;
 
@@ -15,11 +16,14 @@ use serde::Serialize;
 use super::board::which::{Found as Board, Which};
 use super::board::{JsonOption, status};
 use super::recording::{parse_positive, parse_range};
-use crate::calibrate::{Circumstances, FEWEST, Found, Position, alike_deg, doubts, fit};
+use crate::calibrate::{
+    Circumstances, FACES, FEWEST, Face, Found, Position, alike_deg, doubts, fit, fit_cube,
+};
 use crate::inspect::gravity::Readings;
 use crate::inspect::serial;
 use crate::source::SourceError;
-use guide::Guide;
+use crate::virtual_board::VirtualConnect;
+use guide::{Guide, Lies};
 
 /// Arguments of `inm calibrate`.
 #[derive(Debug, Args)]
@@ -32,6 +36,14 @@ pub struct CalibrateCommand {
     /// Positions to put the board into; 12 at least.
     #[arg(long, value_name = "N", default_value_t = 18, value_parser = parse_positions)]
     positions: usize,
+    /// Six positions on the faces of a levelled cube, in place of many on anything: all nine numbers of the matrix, in the
+    /// frame of its faces.
+    #[arg(long, conflicts_with = "positions")]
+    cube: bool,
+    /// How far off level the cube's faces are when they are up, mrad (mm in a metre): table and cube together, a standard
+    /// deviation in two directions.
+    #[arg(long, value_name = "MRAD", default_value_t = 1.0, value_parser = parse_tilt, requires = "cube")]
+    tilt: f64,
     /// How long to read in each position.
     #[arg(long, value_name = "S", default_value_t = 5.0, value_parser = parse_seconds)]
     seconds: f64,
@@ -54,6 +66,12 @@ pub struct CalibrateCommand {
     json: JsonOption,
 }
 
+/// What was read.
+enum Read {
+    Anyhow(Vec<Position>),
+    OnCube(Vec<(Face, Position)>),
+}
+
 /// What a board keeps for a range.
 #[derive(Debug, Serialize)]
 struct Kept {
@@ -74,11 +92,10 @@ impl CalibrateCommand {
         self.json.check()?;
         let (guide, mut board) = match self.which.is_virtual() {
             true => {
-                let (guide, mut connect) =
-                    Guide::on_virtual(self.positions, self.gravity, self.seed)?;
+                let (guide, mut connect) = self.on_virtual()?;
                 (guide, Which::open_virtual(&mut connect)?)
             }
-            false => (Guide::of_a_person(self.positions), self.which.find()?),
+            false => (Guide::of_a_person(self.number()), self.which.find()?),
         };
         if self.erase {
             let erase = Request::EraseSensorCalibration(self.range);
@@ -96,6 +113,22 @@ impl CalibrateCommand {
         }
         self.json.write(&found, &text::found(&found))?;
         Ok(status(found.doubts.is_empty()))
+    }
+
+    /// Positions to read.
+    fn number(&self) -> usize {
+        if self.cube { FACES } else { self.positions }
+    }
+
+    /// A board without hardware, and a hand that turns it.
+    fn on_virtual(&self) -> anyhow::Result<(Guide, VirtualConnect)> {
+        let lies = match self.cube {
+            true => Lies::OnCube {
+                tilt_rad: 1e-3 * self.tilt,
+            },
+            false => Lies::Anyhow,
+        };
+        Guide::on_virtual(self.number(), lies, self.gravity, self.seed)
     }
 
     /// Reads all positions, and what they come to.
@@ -117,10 +150,11 @@ impl CalibrateCommand {
              restarts: restart it first (`inm board reset`)",
             board.port
         );
-        let positions = self.read(&mut readings, &mut guide)?;
+        let read = match self.cube {
+            true => Read::OnCube(faces::read(self.seconds, &mut readings, &mut guide)?),
+            false => Read::Anyhow(self.read(&mut readings, &mut guide)?),
+        };
         let end_s = readings.end_s();
-        // The zeros of the seconds behind the last position, as many as one takes.
-        let fit = fit(&positions, self.gravity, end_s + 0.5 * self.seconds)?;
         let of = Circumstances {
             range: self.range,
             gravity_m_s2: self.gravity,
@@ -129,7 +163,19 @@ impl CalibrateCommand {
             unix_s: Timestamp::now().as_second(),
             before,
         };
-        Ok(Found::new(&fit, doubts(&fit), readings.scaling(), of))
+        // The zeros of the seconds behind the last position, as many as one takes.
+        let zeros_s = end_s + 0.5 * self.seconds;
+        let scaling = readings.scaling();
+        Ok(match read {
+            Read::Anyhow(positions) => {
+                let fit = fit(&positions, self.gravity, zeros_s)?;
+                Found::new(&fit, doubts(&fit), scaling, of)
+            }
+            Read::OnCube(faces) => {
+                let fit = fit_cube(&faces, self.gravity, 1e-3 * self.tilt, zeros_s)?;
+                Found::on_cube(fit, self.tilt, scaling, of)
+            }
+        })
     }
 
     /// Reads one position after the other; one that is none is asked for again.
@@ -206,6 +252,17 @@ fn parse_seconds(text: &str) -> Result<f64, String> {
         .ok()
         .filter(|seconds| SECONDS.contains(seconds))
         .ok_or_else(|| "a number of seconds from 2 to 600 is expected".to_owned())
+}
+
+/// Angles that a cube may be off level by, mrad: from a granite table's to half a degree, beyond which nobody calls it
+/// levelled and six positions tell less than many on anything.
+const TILT_MRAD: std::ops::RangeInclusive<f64> = 0.01..=10.0;
+
+fn parse_tilt(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(tilt) if TILT_MRAD.contains(&tilt) => Ok(tilt),
+        _ => Err("an angle from 0.01 to 10 mrad is expected".to_owned()),
+    }
 }
 
 /// Gravity on the ground of the Earth, m/s^2, with room.

@@ -6,7 +6,7 @@ use inm_protocol::{SensorCalibration, SensorRange};
 use jiff::Timestamp;
 
 use super::Kept;
-use crate::calibrate::{FRAME, Found, Since};
+use crate::calibrate::{Doubt, FRAME, Found, Since};
 
 /// A range in words.
 fn range(range: SensorRange) -> &'static str {
@@ -38,21 +38,12 @@ pub(super) fn found(found: &Found) -> String {
             parameter.name, parameter.value, parameter.half_width, parameter.unit
         );
     }
-    let _ = writeln!(
-        text,
-        "\n95 % intervals. Misfits by the noise of the positions alone: chi^2 {:.1}, p {:.2e}; between them the \
-         zeros wander by {:.1e} m/s^2 in a second.",
-        found.chi_squared, found.p_value, found.drift_m_s2_per_root_s
-    );
+    text += &checked(found);
     if let Some(before) = &found.since {
         text += &since(before);
     }
     for doubt in &found.doubts {
-        let _ = writeln!(
-            text,
-            "DOUBTED: position {} is {:+.1e} m/s^2 from gravity by the others (p {:.1e}): was it at rest?",
-            doubt.position, doubt.misfit_m_s2, doubt.p_value
-        );
+        text += &doubted(doubt, found.gravity_m_s2);
     }
     text += match (found.stored, found.doubts.is_empty()) {
         (true, _) => "kept on the board\n",
@@ -60,6 +51,46 @@ pub(super) fn found(found: &Found) -> String {
         (false, false) => "kept nowhere: read the positions again\n",
     };
     text
+}
+
+/// How far what was left to check bears the intervals out.
+fn checked(found: &Found) -> String {
+    let (chi_squared, p_value, wander) = (
+        found.chi_squared,
+        found.p_value,
+        found.drift_m_s2_per_root_s,
+    );
+    match found.tilt_mrad {
+        None => format!(
+            "\n95 % intervals. Misfits by the noise of the positions alone: chi^2 {chi_squared:.1}, p {p_value:.2e}; \
+             between them the zeros wander by {wander:.1e} m/s^2 in a second.\n"
+        ),
+        Some(tilt_mrad) => format!(
+            "\n95 % intervals, for faces that are off level by {tilt_mrad} mrad (standard deviation) and zeros that wander by \
+             {wander:.1e} m/s^2 in a second.\n{} of 18 readings are left to check: chi^2 {chi_squared:.1}, p {p_value:.2e}. \
+             They see what opposite faces have in common; what is off one way on a face and the other way on the one opposite, \
+             as on a cube that is not square, is in the misalignments, and nothing shows it.\n",
+            found.freedom
+        ),
+    }
+}
+
+/// A position that the others do not bear out.
+fn doubted(doubt: &Doubt, gravity_m_s2: f64) -> String {
+    match (doubt.or_position, doubt.axis) {
+        (Some(other), Some(axis)) => format!(
+            "DOUBTED: in position {} or {other} {axis} is {:+.1e} m/s^2 ({:.1} mrad) off what the others say (p {:.1e}): \
+             did the face lie flat, is the table as level as that?\n",
+            doubt.position,
+            doubt.misfit_m_s2,
+            1e3 * (doubt.misfit_m_s2 / gravity_m_s2).abs(),
+            doubt.p_value
+        ),
+        _ => format!(
+            "DOUBTED: position {} is {:+.1e} m/s^2 from gravity by the others (p {:.1e}): was it at rest?\n",
+            doubt.position, doubt.misfit_m_s2, doubt.p_value
+        ),
+    }
 }
 
 /// What became of the parameters.
