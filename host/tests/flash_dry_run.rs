@@ -70,7 +70,7 @@ fn board_with(bytes: &[u8]) -> Vec<u8> {
     for word in [1, 0x0800_0001, 52, begin + sections as u32, 0] {
         file.extend(u32::to_le_bytes(word));
     }
-    for half in [52_u16, 32, 2, 40, 3, 0] {
+    for half in [52_u16, 32, 2, 40, 4, 3] {
         file.extend(half.to_le_bytes());
     }
     let mut offset = begin;
@@ -86,6 +86,10 @@ fn board_with(bytes: &[u8]) -> Vec<u8> {
         }
         offset += len;
     }
+    // Names of the sections: none, a zero of the file's own beginning.
+    for word in [0, 3, 0, 0, 8, 1, 0, 0, 1, 0] {
+        table.extend(u32::to_le_bytes(word));
+    }
     [file, header, ring, table].concat()
 }
 
@@ -96,7 +100,7 @@ fn the_log_is_read_out_of_a_running_board() {
     let [low, high] = number.to_le_bytes();
     assert_eq!(high, 0, "a small number");
     // Number, and a time of 0x01020304 us: seven bytes with zeros at 1 and 6, three with zeros at all.
-    let frame = [low, 4, 3, 2, 1, 0b110_0010, 0b111_1111, 0];
+    let frame = [low, 4, 3, 2, 1, 0b100_0010, 0b111_1111, 0];
     let folder = tempfile::tempdir().expect("a folder");
     let file = folder.path().join("ram.elf");
     std::fs::write(&file, board_with(&frame)).expect("writable");

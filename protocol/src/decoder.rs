@@ -1,5 +1,7 @@
 //! From bytes in any split, with any damage, back to messages.
 
+use serde::de::DeserializeOwned;
+
 use crate::frame::{CRC, CRC_LEN, FRAME_END, MAX_FRAME};
 use crate::update::ENTER;
 use crate::{Hello, Message, VERSION, WITHOUT_STREAM};
@@ -122,7 +124,10 @@ impl<const N: usize> Decoder<N> {
     ///
     /// Zeros in a row are not a fault: a sender may put one ahead of a frame to end whatever
     /// the receiver believes to be in.
-    pub fn next<M: Message>(&mut self, input: &mut &[u8]) -> Option<Result<M, Fault>> {
+    pub fn next<M: Message + DeserializeOwned>(
+        &mut self,
+        input: &mut &[u8],
+    ) -> Option<Result<M, Fault>> {
         loop {
             let end = input.iter().position(|&byte| byte == FRAME_END);
             let taken = &input[..end.unwrap_or(input.len())];
@@ -171,7 +176,7 @@ impl<const N: usize> Decoder<N> {
     }
 
     /// The message of a frame, or its fault; `None` of a hello, which is kept.
-    fn finish<M: Message>(&mut self, len: usize) -> Option<Result<M, Fault>> {
+    fn finish<M: Message + DeserializeOwned>(&mut self, len: usize) -> Option<Result<M, Fault>> {
         self.enter = false;
         let frame = self.frame.get_mut(..len).ok_or(Fault::TooLong);
         let result = match frame.and_then(check) {
@@ -222,7 +227,7 @@ fn check(frame: &mut [u8]) -> Result<&[u8], Fault> {
 }
 
 /// The message of a checked frame: its version, its bytes, and a zero.
-fn message<M: Message>(payload: &[u8]) -> Result<M, Fault> {
+fn message<M: Message + DeserializeOwned>(payload: &[u8]) -> Result<M, Fault> {
     let (version, message) = payload.split_first().ok_or(Fault::Framing)?;
     let (_, exact) = message.split_last().ok_or(Fault::Framing)?;
     // Left-over bytes mean that the sender knows a longer message.

@@ -1,7 +1,6 @@
 //! From a message to the bytes of its frame.
 
 use serde::Serialize;
-use serde::de::DeserializeOwned;
 
 use crate::{AXES, BATCH_LEN, VERSION};
 
@@ -53,7 +52,7 @@ impl core::fmt::Display for EncodeError {
 impl core::error::Error for EncodeError {}
 
 /// What a frame can hold.
-pub trait Message: Serialize + DeserializeOwned {
+pub trait Message: Serialize {
     /// Version byte of its frames.
     const VERSION: u8 = VERSION;
 }

@@ -6,6 +6,8 @@ use std::fmt::Debug;
 use inm_protocol::update::{FromLoader, ToLoader};
 use inm_protocol::{Counts, Decoder, Fault, MAX_FRAME, Message, ToBoard, ToHost, encode};
 
+use serde::de::DeserializeOwned;
+
 use super::pieces::stream;
 
 /// Holds for both directions of the link, to the program and to the loader.
@@ -17,7 +19,7 @@ pub fn keeps(bytes: &[u8]) {
     both_ways::<FromLoader>(&stream);
 }
 
-fn both_ways<M: Message + PartialEq + Debug>(stream: &[u8]) {
+fn both_ways<M: Message + DeserializeOwned + PartialEq + Debug>(stream: &[u8]) {
     let (whole, counts) = decoded::<M>(stream, stream.len());
     // Seven bytes: no divisor of a frame's length, and shorter than any message.
     let (split, same) = decoded::<M>(stream, 7);
@@ -41,7 +43,10 @@ fn both_ways<M: Message + PartialEq + Debug>(stream: &[u8]) {
 }
 
 /// The messages and faults of a stream that comes in parts of `part` bytes.
-fn decoded<M: Message>(stream: &[u8], part: usize) -> (Vec<Result<M, Fault>>, Counts) {
+fn decoded<M: Message + DeserializeOwned>(
+    stream: &[u8],
+    part: usize,
+) -> (Vec<Result<M, Fault>>, Counts) {
     let mut decoder = Decoder::new();
     let mut all = Vec::new();
     for mut bytes in stream.chunks(part.max(1)) {

@@ -1,6 +1,6 @@
 //! Frames with a right check sum around any bytes: without it nothing behind the decoder is ever tried.
 
-use inm_protocol::{MAX_FRAME, MAX_PAYLOAD, encode};
+use inm_protocol::{MAX_FRAME, MAX_PAYLOAD, Message, encode};
 use serde::ser::{Serialize, SerializeTuple, Serializer};
 
 /// Bytes that stand in a frame as they are.
@@ -15,6 +15,8 @@ impl Serialize for Raw<'_> {
         tuple.end()
     }
 }
+
+impl Message for Raw<'_> {}
 
 /// The pieces that `bytes` are cut into, each in a frame of its own. Ahead of each piece stands its
 /// length, two bytes, the lower first.

@@ -159,7 +159,13 @@ fn a_face_that_lies_on_something_is_named_with_the_one_opposite() {
 #[test]
 fn a_cube_that_is_not_square_is_misalignment_and_no_doubt() {
     const ASKEW_RAD: f64 = 0.01;
-    let askew = |at: usize| if at % 2 == 0 { ASKEW_RAD } else { -ASKEW_RAD };
+    let askew = |at: usize| {
+        if at.is_multiple_of(2) {
+            ASKEW_RAD
+        } else {
+            -ASKEW_RAD
+        }
+    };
     let square = fitted(&on(3, 0.0, 0.0, |_| 0.0), 3);
     let found = fitted(&on(3, 0.0, 0.0, askew), 3);
     assert_eq!(found.doubts, [], "{}", found.chi_squared);

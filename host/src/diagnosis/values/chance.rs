@@ -148,8 +148,11 @@ impl Parabola {
         }
         let top = (second * sum - first * moment) / determinant;
         let bend = (weight * moment - first * sum) / determinant;
-        let off =
-            |(square, &count): (f64, &f64)| count * (height(count) - top - bend * square).powi(2);
+        // By the law's own counts, so that one which has none where it should counts too.
+        let off = |(square, &count): (f64, &f64)| {
+            let expected = (top + bend * square).exp().max(f64::MIN_POSITIVE);
+            (count - expected).powi(2) / expected
+        };
         let freedom = counts.len() as f64 - 2.0;
         Some(Self {
             top,
