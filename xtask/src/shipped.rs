@@ -39,7 +39,7 @@ const FLAGS: [&str; 2] = [
 pub fn run() -> Result<()> {
     ensure_target()?;
     for image in SHIPPED {
-        let (elf, record) = (image.assemble(built)?, record(image)?);
+        let (elf, record) = (built(image)?, record(image)?);
         let [to, beside] = files(image);
         fs::create_dir_all(root().join(FOLDER))?;
         fs::write(&to, &elf).with_context(|| format!("cannot write {}", to.display()))?;
@@ -78,7 +78,7 @@ pub fn check() -> Result<()> {
         }
         let shipped = fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
         ensure!(
-            shipped == image.assemble(built)?,
+            shipped == built(image)?,
             "{}: a second build of the same sources gives other bytes: run `cargo xtask image`",
             path.display()
         );
@@ -108,8 +108,15 @@ fn compiler() -> Result<String> {
     Ok(line.trim().to_owned())
 }
 
-/// Builds an image without anything of this machine in it.
+/// Builds an image without anything of this machine in it. All of its parts are marked with its sources: they are the
+/// same ones, linked for another place.
 fn built(image: Image) -> Result<Vec<u8>> {
+    let sources = sources_line(image)?;
+    image.assemble(|part| linked(part, &sources))
+}
+
+/// Links a part of an image and marks it.
+fn linked(image: Image, sources: &str) -> Result<Vec<u8>> {
     let folder = target().join("shipped");
     let mut build = cargo(&["build", "--locked", "--package", "inm-firmware"]);
     build
@@ -132,8 +139,7 @@ fn built(image: Image) -> Result<Vec<u8>> {
     execute(&mut build)?;
     let path = folder.join(TARGET).join(PROFILE).join(image.program());
     let linked = fs::read(&path).with_context(|| format!("cannot read {}", path.display()))?;
-    mark::fill_in(linked, &sources_line(image)?)
-        .with_context(|| format!("{} cannot be marked", path.display()))
+    mark::fill_in(linked, sources).with_context(|| format!("{} cannot be marked", path.display()))
 }
 
 /// Options of the compiler by which no path of this machine is in an image.
