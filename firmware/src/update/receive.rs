@@ -72,11 +72,6 @@ impl<S: Slots> Updater<S> {
         &self.slots
     }
 
-    /// The slots, to change them behind its back.
-    pub fn slots_mut(&mut self) -> &mut S {
-        &mut self.slots
-    }
-
     /// Gives the slots back.
     pub fn release(self) -> S {
         self.slots

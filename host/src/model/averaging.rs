@@ -66,6 +66,10 @@ struct RunningMean {
     /// enough for its mirror image.
     past: Vec<f64>,
     has_begun: bool,
+    /// Sum of the samples that count as a whole, up to the latest.
+    sum: f64,
+    /// Outputs until it is summed up anew.
+    until_anew: usize,
 }
 
 impl RunningMean {
@@ -76,7 +80,23 @@ impl RunningMean {
             rest: samples.fract(),
             past: Vec::new(),
             has_begun: false,
+            sum: 0.0,
+            until_anew: 0,
         }
+    }
+
+    /// The mean over a window, the oldest sample of which counts by what is left. A sample costs two additions: the sum goes
+    /// on from the last one and is made anew after as many as it holds, so that no error adds up.
+    fn mean(&mut self, window: &[f64]) -> f64 {
+        let (oldest, newest) = (window[0], window[self.whole]);
+        if self.until_anew == 0 {
+            self.sum = window[1..].iter().sum();
+            self.until_anew = self.whole;
+        } else {
+            self.sum += newest - oldest;
+        }
+        self.until_anew -= 1;
+        (self.sum + self.rest * oldest) / (self.whole as f64 + self.rest)
     }
 }
 
@@ -93,13 +113,9 @@ impl Distorter for RunningMean {
             self.past = mirror.chain(self.past.iter().copied()).collect();
             self.has_begun = true;
         }
-        let window = before + 1;
-        let length = before as f64 + self.rest;
-        // Each from its own samples, so that no error adds up.
-        samples.extend(self.past.windows(window).map(|window| {
-            let whole: f64 = window[1..].iter().sum();
-            (whole + self.rest * window[0]) / length
-        }));
+        let past = std::mem::take(&mut self.past);
+        samples.extend(past.windows(before + 1).map(|window| self.mean(window)));
+        self.past = past;
         let gone = self.past.len() - before;
         self.past.drain(..gone);
     }
