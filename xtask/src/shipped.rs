@@ -132,7 +132,10 @@ fn linked(image: Image, sources: &str) -> Result<Vec<u8>> {
         .arg("--target-dir")
         .arg(&folder)
         .env("CARGO_ENCODED_RUSTFLAGS", mapped()?.join("\x1f"))
-        .env_remove("RUSTFLAGS");
+        .env_remove("RUSTFLAGS")
+        // What a machine has set for itself makes other bytes: the level of the log is that of .cargo/config.toml.
+        .env("CARGO_INCREMENTAL", "0")
+        .env_remove("DEFMT_LOG");
     for flag in FLAGS {
         build.args(["--config", flag]);
     }
