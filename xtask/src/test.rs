@@ -5,13 +5,14 @@
 //! come from one build of the workspace.
 
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result};
 
 use crate::elf::Elf;
 use crate::image::Image;
-use crate::run::{cargo, run as execute};
+use crate::run::{cargo, run as execute, target};
 use crate::size;
 use crate::tools::{QEMU_VARIABLE, TARGET, ensure_qemu, ensure_target, qemu};
 use crate::{deny, fuzz, image_test, instructions, packages, shipped};
@@ -104,8 +105,10 @@ fn run_all(stages: &mut Stages) -> Result<()> {
 
 /// Has `inm flash` look at the image of the board; its own tests know images that are made up.
 fn flash_takes(image: &Path) -> Result<()> {
-    // The program that the tests have built: a package by itself would be built anew, with other features.
-    execute(cargo(&["run", "--bin", "inm", "--", "flash", "--dry-run"]).arg(image))
+    // The program that the tests have built: `cargo run` would build it anew, as the features of the workspace are not those
+    // of this package alone.
+    let inm = target().join("debug/inm");
+    execute(Command::new(inm).args(["flash", "--dry-run"]).arg(image))
 }
 
 /// What was run, and how long it took.

@@ -144,11 +144,18 @@ pub trait Distorter: Send {
 /// In words, if a parameter is missing, unknown or out of its range.
 pub fn in_order(effect: &dyn Effect, named: &BTreeMap<String, f64>) -> Result<Vec<f64>, String> {
     let is_named = |one: &Parameter| named.contains_key(one.name.as_ref());
-    let left_out = effect.parameters(&vec![0.0; named.len()]).into_iter();
-    let left_out = left_out
-        .filter(|one| one.optional && !is_named(one))
-        .count();
-    let parameters = effect.parameters(&vec![0.0; named.len() + left_out]);
+    let mut parameters = effect.parameters(&vec![0.0; named.len()]);
+    loop {
+        let left_out = parameters
+            .iter()
+            .filter(|one| one.optional && !is_named(one));
+        let all = effect.parameters(&vec![0.0; named.len() + left_out.count()]);
+        if all.len() <= parameters.len() {
+            break;
+        }
+        // Where something is left out of every row, there may be more rows than as many values make.
+        parameters = all;
+    }
     let expected = || {
         let names: Vec<&str> = parameters.iter().map(|one| one.name.as_ref()).collect();
         names.join(", ")

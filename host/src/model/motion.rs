@@ -2,8 +2,8 @@
 //!
 //! A hand on the block or its cable, people who walk past, a lorry outside. It has no course that a later
 //! record would have again; what stays the same is how strong it was, about which frequencies, and for how long:
-//! bands of noise that are let in between two times. What is at rest before and after comes back on the whole: the noise of
-//! a stretch has no mean.
+//! bands of noise that are let in between two times, which have no mean, and a level of its own meanwhile: what is turned has a
+//! rate for as long as that takes, what lies on its side has gravity.
 
 mod course;
 mod stretch;
@@ -19,16 +19,19 @@ use course::{Moved, Passing, mean};
 pub use stretch::Stretch;
 
 /// Numbers that describe one band of a stretch.
-pub const ROW: usize = 6;
+pub const ROW: usize = 7;
 
 /// Place of the step among them.
 pub const STEP: usize = 2;
+
+/// Place of the level meanwhile among them.
+pub const MEAN: usize = 6;
 
 /// Stretches at given times. As for [`Steps`](super::steps::Steps) the law says zero, as they do not come again;
 /// what they add to a record that holds them is said by [`Once::in_record`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Motion(
-    /// Each of them; one of several bands is there once for each, its step with one of them.
+    /// Each of them; one of several bands is there once for each, its step and its level meanwhile with one of them.
     pub Vec<Stretch>,
 );
 
@@ -54,6 +57,7 @@ impl Once for Motion {
                 from,
                 to,
                 step: one.step,
+                level: one.mean,
                 mean: mean(one.band.generator(rate_hz, own), to - from),
                 noise: one.band.generator(rate_hz, own),
             }
@@ -107,6 +111,12 @@ impl Effect for Entry {
                     Quantity::Signal,
                     "its root mean square while it lasts",
                 ),
+                Parameter::new(
+                    name("mean"),
+                    Quantity::Signal,
+                    "the level meanwhile less the middle of those before and afterwards; once where a stretch has several bands",
+                )
+                .or_zero(),
             ]
         };
         (1..=values.len().div_ceil(ROW).max(1))
@@ -157,6 +167,7 @@ mod tests {
             time_s: 50.0,
             duration_s: 13.0,
             step: 0.0,
+            mean: 0.0,
             band: Band {
                 f_hz,
                 width_hz,
@@ -191,8 +202,23 @@ mod tests {
     }
 
     #[test]
+    fn a_turn_has_its_rate_while_it_lasts_and_leaves_a_step() {
+        let turned = Stretch {
+            step: -3.0,
+            mean: 5.0,
+            ..stretch(2.0, 0.5)
+        };
+        let samples = made(vec![turned], 2, 20_000);
+        assert!(samples[..5000].iter().all(|one| *one == 0.0));
+        assert!(samples[6300..].iter().all(|one| *one == -3.0));
+        let mean = samples[5000..6300].iter().sum::<f64>() / 1300.0;
+        // The noise of the stretch has none, and the step is there for half of it.
+        assert!((mean - (5.0 - 1.5)).abs() < 1e-9, "{mean}");
+    }
+
+    #[test]
     fn a_motion_beyond_the_end_of_time_adds_nothing() {
-        let motion = Motion(vec![Stretch::of(&[5e107, 0.5, -0.02, 3.0, 1.0, 0.05])]);
+        let motion = Motion(vec![Stretch::of(&[5e107, 0.5, -0.02, 3.0, 1.0, 0.05, 0.1])]);
         let mut samples = vec![0.0; 1000];
         let seed = Seed { seed: 1, stream: 0 };
         motion.course(RATE_HZ, seed).add_to(&mut samples);

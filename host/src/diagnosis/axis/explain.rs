@@ -11,6 +11,7 @@ use crate::diagnosis::record::residual::TakenOut;
 use crate::diagnosis::result::estimate::Estimate;
 use crate::fit::likelihood::{Data, Fit};
 use crate::model::kind::Kind;
+use crate::numeric::mixture::add_mixture;
 
 /// Samples over which a converter's filter spreads a jump, on either side: those of the ADS1281
 /// settle within 63 conversions.
@@ -143,6 +144,18 @@ impl AxisState {
             }
             self.explanations[place].effect = after;
         }
+    }
+
+    /// Adds a law whose size `squared` something else than the bins has told, behind all others; the bins are `expected` to be
+    /// that of size 1. Nothing is fitted anew, and the fit knows nothing of its scatter.
+    pub fn add_law(&mut self, law: Law, squared: f64, expected: Vec<f64>) {
+        add_mixture(&mut self.fit.expected, &[expected], &[squared]);
+        self.fit.squared.push(squared);
+        let components = self.fit.squared.len();
+        for matrix in [&mut self.fit.information, &mut self.fit.covariance] {
+            matrix.resize_mut(components, components, 0.0);
+        }
+        self.laws.push(law);
     }
 
     /// Takes over all laws, those without a name behind those that have one, with their fit to `data`, the whole

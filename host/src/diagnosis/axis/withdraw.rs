@@ -56,7 +56,7 @@ impl AxisState {
         let motions = self.explanations.iter_mut();
         for one in motions.filter(|one| one.kind() == motion::KIND) {
             if let Change::Happened { waves, .. } = &mut one.change {
-                waves.clear();
+                waves.retain(|one| !matches!(one, Wave::Steps(_)));
             }
             for row in one.effect.values.chunks_mut(motion::ROW) {
                 row[motion::STEP] = Some(Value::exact(0.0));

@@ -2,35 +2,32 @@
 
 mod coefficients;
 mod effects;
+mod judged;
 mod unnamed;
 
 use crate::diagnosis::axis::AxisState;
-use crate::diagnosis::axis::ramp;
 use crate::diagnosis::describe::coefficients::{coefficients, even_density, of_ramp};
-use crate::diagnosis::describe::effects::{all_effects, finding, law_effects};
+use crate::diagnosis::describe::effects::all_effects;
+use crate::diagnosis::describe::judged::{Judge, Judged, JudgedAxis, last_ramp};
 use crate::diagnosis::describe::unnamed::without_name;
 use crate::diagnosis::explain::{Explained, slope};
-use crate::diagnosis::explanation::{Explanation, Snapshot};
 use crate::diagnosis::family::level_of_one_test;
 use crate::diagnosis::held_out;
 use crate::diagnosis::held_out::allan::HeldCurve;
-use crate::diagnosis::held_out::size::Sizes;
 use crate::diagnosis::options::Options;
 use crate::diagnosis::record::residual::Residual;
 use crate::diagnosis::refused::Refused;
-use crate::diagnosis::result::finding::{AxisDiagnosis, Base, Final, Finding, Gain, Remark};
+use crate::diagnosis::result::finding::{AxisDiagnosis, Base, Final, Finding, Remark};
 use crate::diagnosis::result::verdict::Verdict;
 use crate::diagnosis::result::views::Views;
 use crate::diagnosis::suspect::suspicions;
-use crate::diagnosis::views::{self, Models};
+use crate::diagnosis::unnamed::long_times;
+use crate::diagnosis::views::Models;
 use crate::fft::ring::Series;
-use crate::fit::likelihood::Fit;
 use crate::fit::likelihood::components::SEEN;
 use crate::fit::likelihood::ramp::Ramp;
 use crate::model::axis::ModelAxis;
-use crate::model::kind::Kind;
 use crate::model::{Coefficient as Letter, PerCoefficient};
-use crate::model::{drift, steps, telegraph, thermal, warmup};
 use crate::signal::Axis;
 
 /// Diagnosis of an axis, and what is left of its record: NaN where missing or masked.
@@ -40,7 +37,7 @@ pub(crate) fn describe(
     options: &Options,
 ) -> (AxisDiagnosis, Vec<f32>) {
     let Explained {
-        axis,
+        mut axis,
         mean,
         recognised,
         base: bare,
@@ -49,32 +46,50 @@ pub(crate) fn describe(
         squares_sd,
         held_out_nats,
     } = explained;
-    let judge = Judge {
-        signal,
-        mean,
-        held: HeldCurve::new(&axis),
-        axis: &axis,
+    let level = level_of_one_test(options);
+    let held = HeldCurve::new(&axis);
+    let ramp = last_ramp(&axis);
+    let judged = |axis: &AxisState| {
+        let judge = Judge {
+            signal,
+            axis,
+            mean,
+            held: &held,
+        };
+        JudgedAxis::new(&judge, &bare, ramp, &held_out_nats)
     };
-    let base = judge.judged(&Snapshot::default(), &bare.fit, bare.slope);
-    let last_ramp = last_ramp(&axis);
-    let noise = judge.judged(&explained_now(&axis), &axis.fit, slope(last_ramp));
-    let findings = judge.findings(held_out_nats, &noise.model);
-    let last = last(&axis, &noise, last_ramp, &findings, squares_sd);
+    let first = judged(&axis);
+    let lacking = long_times::lacking(&first.allan, axis.rate_hz, level);
+    let last_judged = match &lacking {
+        Some(lacking) => {
+            lacking.add_to(&mut axis);
+            judged(&axis)
+        }
+        None => first,
+    };
+    let at_long_times = lacking.map(|one| one.p_value);
+    let unnamed = unnamed.into_iter().chain(at_long_times).reduce(f64::min);
+    let JudgedAxis {
+        base,
+        noise,
+        findings,
+        allan,
+    } = last_judged;
+    let last = last(&axis, &noise, ramp, &findings, squares_sd);
     let models = Models {
         base: &base.model,
         noise: &noise.model,
         whole: &last.model,
     };
-    let allan = views::allan(&axis, models, &findings);
     let verdict = Verdict::new(&allan);
     let unnamed = unnamed.map(|p_value| without_name(p_value, &noise.model, axis.rate_hz, &allan));
     let covariate = options.covariate.as_deref();
     let views = bare.before.map(|before| Views {
-        held_out: judge.held.beside(&base.expected, &noise.expected),
+        held_out: held.beside(&base.expected, &noise.expected),
         ..Views::new(&axis, before, (models, allan), &findings, covariate)
     });
     let filled_samples = axis.filled_samples();
-    let suspicions = suspicions(&axis, &options.suspects, level_of_one_test(options));
+    let suspicions = suspicions(&axis, &options.suspects, level);
     let passed = passed(&axis);
     let residual = residual(&axis.into_residual(), passed);
     let diagnosis = AxisDiagnosis {
@@ -93,13 +108,6 @@ pub(crate) fn describe(
         views: views.unwrap_or_default(),
     };
     (diagnosis, residual)
-}
-
-/// All that explains an axis; what has no name is a law too.
-fn explained_now(axis: &AxisState) -> Snapshot {
-    let mut now = Snapshot::of(axis.explanations());
-    now.laws.clone_from(&axis.laws);
-    now
 }
 
 /// The five terms alone, and where they fail.
@@ -149,15 +157,6 @@ pub(crate) fn undiagnosed(signal: &Axis, refused: &Refused) -> AxisDiagnosis {
     }
 }
 
-/// The slope of what is left, unless effects were taken out that go with one: then what is left tells little of it.
-fn last_ramp(axis: &AxisState) -> Option<Ramp> {
-    if takes_slope(axis.explanations()) {
-        None
-    } else {
-        ramp::ramp(axis)
-    }
-}
-
 /// The last model of an axis: its noise less what belongs to effects, and all findings.
 fn last(
     axis: &AxisState,
@@ -186,71 +185,6 @@ fn last(
     }
 }
 
-/// Holds models against the half of the record that they were not fitted to.
-struct Judge<'a> {
-    signal: &'a Axis,
-    axis: &'a AxisState,
-    mean: f64,
-    held: HeldCurve,
-}
-
-/// A model, and how far off its Allan deviation is.
-struct Judged {
-    model: ModelAxis,
-    /// Its variances at the points of the held-out half.
-    expected: Vec<f64>,
-    /// Root mean square error of its deviations, percent.
-    error_percent: Option<f64>,
-    /// What sampling alone makes of that.
-    sampling_percent: Option<f64>,
-}
-
-impl Judge<'_> {
-    /// The model of a snapshot and its fit, with the ramp `r`.
-    fn judged(&self, snapshot: &Snapshot, fit: &Fit, r: f64) -> Judged {
-        let model = ModelAxis {
-            name: self.signal.name.clone(),
-            unit: self.signal.unit,
-            mean: self.mean,
-            chain: self.axis.chain.clone(),
-            coefficients: PerCoefficient {
-                r,
-                ..held_out::coefficients(&fit.squared)
-            },
-            effects: law_effects(&self.axis.bins, snapshot, fit),
-        };
-        let expected = self.held.expected(self.axis, &model, snapshot);
-        let error = self.held.error_percent(&expected);
-        Judged {
-            model,
-            expected,
-            error_percent: error.map(|(error, _)| error),
-            sampling_percent: error.map(|(_, sampling)| sampling),
-        }
-    }
-
-    /// What was accepted, with its gains; `last` is the noise of the last model.
-    fn findings(&self, nats: Vec<Option<f64>>, last: &ModelAxis) -> Vec<Finding> {
-        let explanations = self.axis.explanations();
-        let now = Snapshot::of(explanations);
-        let sizes = Sizes::new(self.axis, &self.held, last, &now);
-        let error_percent = |snapshot: &Snapshot, fit: &Fit| {
-            let judged = self.judged(snapshot, fit, last.coefficients.r);
-            judged.error_percent
-        };
-        let reported = |(one, nats): (&Explanation, Option<f64>)| {
-            let gain = Gain {
-                heldout_nats: nats,
-                allan_change_percent: sizes.change_percent(one),
-                allan_error_percent_before: error_percent(&one.without, &one.before),
-                allan_error_percent_after: error_percent(&one.with, &one.after),
-            };
-            finding(one, gain)
-        };
-        explanations.iter().zip(nats).map(reported).collect()
-    }
-}
-
 /// Squares of the five terms' components and their deviations, less what belongs to effects whose
 /// noise is as white.
 fn own_squares(axis: &AxisState, mut squares_sd: Vec<f64>) -> (Vec<f64>, Vec<f64>) {
@@ -261,19 +195,6 @@ fn own_squares(axis: &AxisState, mut squares_sd: Vec<f64>) -> (Vec<f64>, Vec<f64
         squares_sd[white] = squares_sd[white].hypot(even_sd);
     }
     (squares, squares_sd)
-}
-
-/// Whether effects were taken out that go with a slope, so that what is left says little of it.
-fn takes_slope(explanations: &[Explanation]) -> bool {
-    const SLOW: [Kind; 5] = [
-        steps::KIND,
-        warmup::KIND,
-        drift::KIND,
-        thermal::KIND,
-        telegraph::KIND,
-    ];
-    let mut courses = explanations.iter().filter(|one| one.law().is_none());
-    courses.any(|one| SLOW.contains(&one.kind()))
 }
 
 /// What is left of an axis without the bands that are excluded, where there are any: a tone that

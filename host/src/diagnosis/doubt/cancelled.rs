@@ -78,7 +78,8 @@ fn most_cancelled(axis: &AxisState) -> Option<Kind> {
 fn levels_are_cancelled(axis: &AxisState) -> bool {
     let motions = axis.explanations().iter();
     let motions = motions.filter(|one| one.kind() == motion::KIND);
-    let waves: Vec<&Wave> = motions.flat_map(Explanation::waves).collect();
+    let stays = |wave: &&Wave| matches!(wave, Wave::Steps(_));
+    let waves: Vec<&Wave> = motions.flat_map(Explanation::waves).filter(stays).collect();
     if waves.is_empty() {
         return false;
     }
@@ -155,7 +156,7 @@ mod tests {
             let mut axis = axis(1, short(1), |n, noise| {
                 noise + if n < middle { 0.0 } else { 3.0 }
             });
-            let row = [middle as f64 / RATE_HZ, 0.01, taken, 100.0, 10.0, 1.0];
+            let row = [middle as f64 / RATE_HZ, 0.01, taken, 100.0, 10.0, 1.0, 0.0];
             let change = Change::Happened {
                 masked: vec![middle..middle + 10],
                 waves: vec![jump(middle, taken)],

@@ -1,5 +1,6 @@
 //! Waveforms that are taken out of a record, and the events that they are made of.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use realfft::num_complex::Complex64;
@@ -40,11 +41,22 @@ pub struct Jump {
     pub p_value: f64,
 }
 
+/// A level that is there for a while.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Meanwhile {
+    /// Samples at that level.
+    pub samples: Range<usize>,
+    /// How much higher they are than the others, in the unit of the record.
+    pub height: f64,
+}
+
 /// A waveform in the record.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Wave {
     /// Jumps of the level that stay.
     Steps(Vec<Jump>),
+    /// Levels that come back.
+    Meanwhile(Vec<Meanwhile>),
     /// Exponential settling from the start of the record.
     WarmUp {
         /// Distance from the final level at the start, in the unit of the signal.
@@ -152,6 +164,13 @@ impl Wave {
             Self::Steps(jumps) => {
                 let down = |jump: &Jump| (jump.index as u64, -jump.height);
                 Staircase::new(jumps.iter().map(down)).add_to(values);
+            }
+            Self::Meanwhile(levels) => {
+                for Meanwhile { samples, height } in levels {
+                    let end = samples.end.min(values.len());
+                    let own = values.get_mut(samples.start..end).unwrap_or_default();
+                    own.iter_mut().for_each(|value| *value -= height);
+                }
             }
             Self::WarmUp { amplitude, samples } => {
                 // Beyond 40 time constants nothing is left.

@@ -33,7 +33,8 @@ pub struct Band {
 }
 
 impl Band {
-    fn term(self) -> unnamed::Band {
+    /// As noise of amplitude 1.
+    pub fn term(self) -> unnamed::Band {
         unnamed::Band {
             f_hz: self.f_hz,
             width_hz: self.width_hz,

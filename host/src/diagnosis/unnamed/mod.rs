@@ -7,6 +7,7 @@
 
 mod bands;
 mod dictionary;
+pub mod long_times;
 
 use rayon::prelude::*;
 

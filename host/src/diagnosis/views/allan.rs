@@ -7,8 +7,8 @@ use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::record::in_record::InRecord;
 use crate::diagnosis::result::views::AllanPoint;
 use crate::diagnosis::statistic::allan_curve;
-use crate::diagnosis::views::Models;
 use crate::diagnosis::views::passing::Passing;
+use crate::model::axis::ModelAxis;
 
 impl AllanPoint {
     /// Whether the five terms alone lie outside of the measured interval.
@@ -20,12 +20,12 @@ impl AllanPoint {
 /// The points of an axis, the simulated ones not yet among them.
 pub(crate) fn points(
     axis: &AxisState,
-    models: Models<'_>,
+    before_and_after: [&ModelAxis; 2],
     own: &InRecord,
     passing: &Passing,
 ) -> Vec<AllanPoint> {
     let (rate_hz, samples) = (axis.rate_hz, axis.residual.len() as u64);
-    let (before, after) = (models.base.law(rate_hz), models.noise.law(rate_hz));
+    let [before, after] = before_and_after.map(|model| model.law(rate_hz));
     let measured = allan_curve::allan(axis.residual.whole(), rate_hz);
     let added = own.adds(|values| {
         let curve = allan_curve::allan(values, rate_hz);

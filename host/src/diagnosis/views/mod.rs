@@ -98,11 +98,16 @@ impl Views {
     }
 }
 
-/// The Allan deviation of an axis, measured and as two models expect it in this very record.
-pub fn allan(axis: &AxisState, models: Models<'_>, findings: &[Finding]) -> Vec<AllanPoint> {
+/// The Allan deviation of an axis, measured and as two models expect it in this very record: that of the five terms alone and
+/// the noise of the extended one.
+pub fn allan(
+    axis: &AxisState,
+    before_and_after: [&ModelAxis; 2],
+    findings: &[Finding],
+) -> Vec<AllanPoint> {
     allan::points(
         axis,
-        models,
+        before_and_after,
         &in_record(axis),
         &Passing::new(axis, findings),
     )

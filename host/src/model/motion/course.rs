@@ -1,4 +1,4 @@
-//! Motions sample by sample: each stretch's noise about no mean, its step in the middle.
+//! Motions sample by sample: each stretch's noise about its own level, its step in the middle.
 
 use crate::model::random::Generator;
 
@@ -6,6 +6,8 @@ pub(super) struct Passing {
     pub(super) from: u64,
     pub(super) to: u64,
     pub(super) step: f64,
+    pub(super) level: f64,
+    /// Mean of its noise, which is taken out.
     pub(super) mean: f64,
     pub(super) noise: Box<dyn Generator>,
 }
@@ -36,7 +38,8 @@ impl Generator for Moved {
             if from < to {
                 let part = &mut samples[(from - first) as usize..(to - first) as usize];
                 one.noise.add_to(part);
-                part.iter_mut().for_each(|sample| *sample -= one.mean);
+                part.iter_mut()
+                    .for_each(|sample| *sample += one.level - one.mean);
             }
             // The level goes over in the middle of it.
             let middle = one.from.midpoint(one.to).clamp(first, end);

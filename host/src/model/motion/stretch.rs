@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use super::{ROW, STEP};
+use super::{MEAN, STEP};
 use crate::model::Term;
 use crate::model::unnamed::Band;
 
@@ -15,6 +15,8 @@ pub struct Stretch {
     pub duration_s: f64,
     /// The level afterwards less that before, in the unit of the signal.
     pub step: f64,
+    /// The level meanwhile less the middle of those before and afterwards, in the unit of the signal.
+    pub mean: f64,
     /// What it adds to the noise.
     pub band: Band,
 }
@@ -26,7 +28,8 @@ impl Stretch {
             time_s: row[0],
             duration_s: row[1],
             step: row[STEP],
-            band: Band::of(&row[3..ROW]),
+            mean: row[MEAN],
+            band: Band::of(&row[3..MEAN]),
         }
     }
 

@@ -10,7 +10,7 @@ use crate::diagnosis::axis::SPREAD;
 use crate::diagnosis::detect::burst::{Burst, MOST_STRETCHES, candidate};
 use crate::diagnosis::detect::look::Look;
 use crate::diagnosis::explanation::{Candidate, Change};
-use crate::diagnosis::record::wave::{Jump, Wave};
+use crate::diagnosis::record::wave::{Jump, Meanwhile, Wave};
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
 use crate::model::shock::Shock;
@@ -146,13 +146,13 @@ fn of_shocks(look: &Look<'_>, shocks: &[Course], p_value: f64) -> Candidate {
 
 fn of_motion(look: &Look<'_>, all: &[Moved], p_value: f64) -> Candidate {
     let rows = all.iter().flat_map(|one| {
-        let with_step = std::iter::once(one.step).chain(std::iter::repeat(None));
-        let bands = one.bands.iter().zip(with_step);
-        bands.flat_map(move |(band, step)| motion_row(look, one, band, step))
+        let levels = std::iter::once([one.step, one.mean]).chain(std::iter::repeat([None; 2]));
+        let bands = one.bands.iter().zip(levels);
+        bands.flat_map(move |(band, levels)| motion_row(look, one, band, levels))
     });
     let effect = Estimate {
         kind: motion::KIND,
-        values: rows.map(Some).collect(),
+        values: rows.collect(),
     };
     let jump = |one: &Moved| {
         let [height, height_sd] = one.step?;
@@ -168,13 +168,18 @@ fn of_motion(look: &Look<'_>, all: &[Moved], p_value: f64) -> Candidate {
         })
     };
     let jumps: Vec<Jump> = all.iter().filter_map(jump).collect();
-    let waves = if jumps.is_empty() {
-        Vec::new()
-    } else {
-        vec![Wave::Steps(jumps)]
+    let level = |one: &Moved| {
+        one.mean.map(|[height, _]| Meanwhile {
+            samples: one.samples.clone(),
+            height,
+        })
     };
+    let levels: Vec<Meanwhile> = all.iter().filter_map(level).collect();
+    let steps = (!jumps.is_empty()).then_some(Wave::Steps(jumps));
+    let levels = (!levels.is_empty()).then_some(Wave::Meanwhile(levels));
+    let waves = steps.into_iter().chain(levels).collect();
     let masked = masked(look, all.iter().map(|one| &one.samples));
-    let freedom = effect.values.len() as f64;
+    let freedom = effect.values.iter().flatten().count() as f64;
     let change = Change::Happened { masked, waves };
     Candidate {
         held_out_nats: Some(all.iter().map(|one| one.nats).sum()),
@@ -183,21 +188,23 @@ fn of_motion(look: &Look<'_>, all: &[Moved], p_value: f64) -> Candidate {
 }
 
 /// The parameters of one band of a stretch, ahead of the chain.
-fn motion_row(look: &Look<'_>, one: &Moved, band: &Band, step: Option<[f64; 2]>) -> [Value; 6] {
+fn motion_row(
+    look: &Look<'_>,
+    one: &Moved,
+    band: &Band,
+    [step, mean]: [Option<[f64; 2]>; 2],
+) -> [Option<Value>; motion::ROW] {
     let rate_hz = look.axis.rate_hz;
-    let [height, height_sd] = step.unwrap_or_default();
+    let known = |[height, sd]: [f64; 2]| Value::normal(height, sd);
     let f_hz = band.f_hz * rate_hz;
     [
-        Value::told(one.samples.start as f64 / rate_hz),
-        Value::told(one.samples.len() as f64 / rate_hz),
-        if step.is_some() {
-            Value::normal(height, height_sd)
-        } else {
-            Value::told(0.0)
-        },
-        Value::told(f_hz),
-        Value::told(band.width_hz * rate_hz),
-        Value::told(band.amplitude / passed(look, f_hz)),
+        Some(Value::told(one.samples.start as f64 / rate_hz)),
+        Some(Value::told(one.samples.len() as f64 / rate_hz)),
+        Some(step.map_or(Value::told(0.0), known)),
+        Some(Value::told(f_hz)),
+        Some(Value::told(band.width_hz * rate_hz)),
+        Some(Value::told(band.amplitude / passed(look, f_hz))),
+        mean.map(known),
     ]
 }
 

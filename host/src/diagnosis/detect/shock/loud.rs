@@ -37,7 +37,7 @@ pub fn of(scan: &Scan<'_>, quiet: &Quiet, samples: &Range<usize>) -> Option<Burs
         quiet: &quiet.whole,
         own: &own,
     };
-    let louder = Inside::new(&beside, &burst.range).and_then(|one| one.louder());
+    let louder = Inside::new(&beside, &burst.range, None).and_then(|one| one.louder());
     if let Some(louder) = louder.filter(|one| one.factor > 1.0) {
         (burst.factor, burst.log_factor_sd) = (louder.factor, louder.log_factor_sd);
         burst.level = louder.above.map(|cycles| (TAU * cycles).recip());

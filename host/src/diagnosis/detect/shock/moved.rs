@@ -6,8 +6,9 @@
 use std::ops::Range;
 
 use super::about::About;
+use super::bands;
 use super::bands::bands;
-use super::course::{levels, of_strength};
+use super::course::{deflection, levels, of_strength};
 use super::strength::{Beside, Inside};
 use crate::model::unnamed::Band;
 use crate::numeric::order::median;
@@ -22,6 +23,8 @@ pub struct Moved {
     pub samples: Range<usize>,
     /// The level afterwards less that before, and its standard deviation; `None` where it has not changed.
     pub step: Option<[f64; 2]>,
+    /// Its own level less the middle of both, and its standard deviation; `None` where it has none.
+    pub mean: Option<[f64; 2]>,
     /// What it is about: cycles a sample, and the unit of the record.
     pub bands: Vec<Band>,
     /// Gain in log-likelihood of its strength, on every other error of prediction.
@@ -47,18 +50,22 @@ impl Moved {
         samples: &Range<usize>,
         about: Option<&About>,
     ) -> Result<Self, NotMoved> {
-        let inside = Inside::new(beside, samples).ok_or(NotMoved::Short)?;
+        let inside = Inside::new(beside, samples, None).ok_or(NotMoved::Short)?;
+        let mean = beside.mean(samples);
+        let about_mean = mean.and_then(|[mean, _]| Inside::new(beside, samples, Some(mean)));
         let Inside {
             groups,
             data,
             noise,
             is_known,
-        } = &inside;
-        let (bands, gain) = bands(data, noise, groups).ok_or(NotMoved::Short)?;
+        } = about_mean.as_ref().unwrap_or(&inside);
+        let (bands, of_bands) = bands(data, noise, groups).ok_or(NotMoved::Short)?;
+        let gain = of_bands + mean.map_or(0.0, |[mean, sd]| 0.5 * (mean / sd).powi(2));
         // Each number costs as by the information criterion of G. Schwarz, Ann. Stat. 6 (1978): a band has three, noise
         // that is louder has one.
         let ordinates = samples.len() / 2;
-        let cost_nats = 0.5 * (3 * bands.len() - 1) as f64 * (ordinates as f64).ln();
+        let numbers = 3 * bands.len() + usize::from(mean.is_some()) - 1;
+        let cost_nats = 0.5 * numbers as f64 * (ordinates as f64).ln();
         let of_louder = inside.louder().map_or(0.0, |louder| louder.gain_nats);
         if *is_known && of_louder > gain - cost_nats {
             return Err(NotMoved::Louder);
@@ -66,6 +73,7 @@ impl Moved {
         Ok(Self {
             samples: samples.clone(),
             step: beside.step(samples),
+            mean,
             bands,
             nats: about.map_or(1.0, |about| of_strength(about, samples)),
         })
@@ -75,10 +83,29 @@ impl Moved {
 impl Beside<'_> {
     /// Change of the level over an event, where it is larger than levels as far apart differ by anyway.
     fn step(&self, samples: &Range<usize>) -> Option<[f64; 2]> {
+        self.beyond(samples, |place, own| {
+            let [before, after] = levels(self.values, place, own);
+            Some(after? - before?)
+        })
+    }
+
+    /// Level of an event less the middle of those before and after it, where that is further than it is anyway.
+    fn mean(&self, samples: &Range<usize>) -> Option<[f64; 2]> {
+        self.beyond(samples, |place, own| {
+            Some(bands::mean(&deflection(self.values, place, own)))
+        })
+    }
+
+    /// What is `of` an event, and the standard deviation of the same of places as long in which nothing happens, where it is
+    /// beyond that.
+    fn beyond(
+        &self,
+        samples: &Range<usize>,
+        of: impl Fn(&Range<usize>, &Range<usize>) -> Option<f64>,
+    ) -> Option<[f64; 2]> {
         /// Places that are compared, at least and at most: choices.
         const PLACES: [usize; 2] = [8, 256];
-        let [before, after] = levels(self.values, samples, self.own);
-        let step = after? - before?;
+        let own = of(samples, self.own)?;
         let reach = 2 * samples.len();
         let room = |run: &Range<usize>| run.len().checked_sub(samples.len() + 2 * reach);
         let starts = |run: &Range<usize>| {
@@ -93,14 +120,12 @@ impl Beside<'_> {
         let chosen = all.into_iter().step_by(stride);
         let differs = |start: usize| {
             let place = start..start + samples.len();
-            let own = start - reach..place.end + reach;
-            let [before, after] = levels(self.values, &place, &own);
-            Some((after? - before?).abs())
+            Some(of(&place, &(start - reach..place.end + reach))?.abs())
         };
         let mut differ: Vec<f64> = chosen.filter_map(differs).collect();
         // The middle of the sizes of a normal law.
         let sd = median(&mut differ)? / 0.6745;
-        (step.abs() > CHANGED * sd).then_some([step, sd])
+        (own.abs() > CHANGED * sd).then_some([own, sd])
     }
 }
 
@@ -112,7 +137,11 @@ mod tests {
     use crate::model::random::{Gaussian, Generator, Seed};
 
     /// White noise of deviation 1 with a stretch from 20 000 to 21 000 in it, and the mean square of that.
-    fn moved(seed: u64, f_hz: f64, width_hz: f64, step: f64) -> (Result<Moved, NotMoved>, f64) {
+    fn moved(
+        seed: u64,
+        [f_hz, width_hz]: [f64; 2],
+        [step, level]: [f64; 2],
+    ) -> (Result<Moved, NotMoved>, f64) {
         let seed = Seed { seed, stream: 0 };
         let mut values = vec![0.0; 40_000];
         Gaussian::new(seed, 1.0).add_to(&mut values);
@@ -120,6 +149,7 @@ mod tests {
             time_s: 20_000.0,
             duration_s: 1000.0,
             step,
+            mean: level,
             band: Band {
                 f_hz,
                 width_hz,
@@ -146,7 +176,7 @@ mod tests {
     #[test]
     fn the_band_and_the_step_are_those_that_were_made() {
         for seed in 1..=5 {
-            let (one, square) = moved(seed, 0.05, 0.02, 3.0);
+            let (one, square) = moved(seed, [0.05, 0.02], [3.0, 0.0]);
             let one = one.expect("a stretch");
             // Noise of deviation 1 in means over a thousand: the difference strays by 0.045.
             let [step, sd] = one.step.expect("a step");
@@ -168,11 +198,30 @@ mod tests {
     #[test]
     fn a_level_that_comes_back_has_no_step() {
         let steps = (10..30).filter(|&seed| {
-            let (one, _) = moved(seed, 0.1, 0.05, 0.0);
+            let (one, _) = moved(seed, [0.1, 0.05], [0.0, 0.0]);
             one.expect("a stretch").step.is_some()
         });
         // One in 16 000 each, and a scale that 38 places know to 13 %.
         assert_eq!(steps.count(), 0);
+    }
+
+    #[test]
+    fn a_level_meanwhile_is_no_band_about_zero() {
+        for seed in 40..45 {
+            let (one, _) = moved(seed, [0.1, 0.03], [0.0, 30.0]);
+            let one = one.expect("a stretch");
+            let [mean, sd] = one.mean.expect("a level");
+            // A thousand samples of deviation 1, and the levels beside them with a thousand each.
+            let expected_sd = (1.5_f64 / 1000.0).sqrt();
+            assert!((sd / expected_sd - 1.0).abs() < 0.5, "seed {seed}: {sd}");
+            assert!(
+                (mean - 30.0).abs() < 5.0 * expected_sd,
+                "seed {seed}: {mean}"
+            );
+            let slow = one.bands.iter().filter(|band| band.f_hz < 0.02);
+            let slow: f64 = slow.map(|band| band.amplitude).sum();
+            assert!(slow < 10.0, "seed {seed}: {slow}");
+        }
     }
 
     /// Noise that is louder for a while, from end to end of the band, is a burst of it.

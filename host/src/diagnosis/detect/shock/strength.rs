@@ -50,15 +50,21 @@ pub struct Louder {
 }
 
 impl Inside {
-    /// Of the `samples` of a record; `None` where they are too few, or nothing is in them.
-    pub fn new(beside: &Beside<'_>, samples: &Range<usize>) -> Option<Self> {
+    /// Of the `samples` of a record, without their mean where that is given; `None` where they are too few, or nothing is in
+    /// them.
+    pub fn new(beside: &Beside<'_>, samples: &Range<usize>, mean: Option<f64>) -> Option<Self> {
         if samples.len() < LEAST {
             return None;
         }
         // Of an even number ordinates lie alike.
         let even = samples.start..samples.end - samples.len() % 2;
-        let inside = deflection(beside.values, &even, beside.own);
-        let groups = groups(even.len() / 2);
+        let mut inside = deflection(beside.values, &even, beside.own);
+        let mut groups = groups(even.len() / 2);
+        if let Some(mean) = mean {
+            inside.iter_mut().for_each(|value| *value -= mean);
+            // The sum of all samples says nothing any more.
+            groups.remove(0);
+        }
         let data = data(&periodogram(&inside), &groups)?;
         let (noise, is_known) = beside.noise(&even, &groups, &data);
         Some(Self {
