@@ -12,13 +12,9 @@ use super::fit::{self, Fitted};
 use super::loud;
 use super::moved::{Moved, NotMoved};
 use super::quiet::Quiet;
-use super::scan::{Scan, Stretch};
+use super::scan::{NOTHING, Scan, Stretch};
 use super::strength;
 use crate::diagnosis::detect::burst::Burst;
-
-/// Height below which a window beside a cut, or without one sample, shows nothing: a choice, beyond which one of
-/// some 10 000 windows stands.
-const NOTHING: f64 = 4.0;
 
 /// Samples up to which a stretch may be one moment: two of the shortest windows, and what joins them.
 pub const MOMENT: usize = 64;

@@ -32,6 +32,10 @@ const LONGEST_PART: usize = 24;
 /// are looked across.
 const IN_RUNS: f64 = 0.5;
 
+/// Height below which a window shows nothing: a choice, beyond which one of some 10 000 windows stands. What stands out lasts
+/// until there is nothing, not only while chance does not explain it.
+pub const NOTHING: f64 = 4.0;
+
 /// A record that is looked through.
 pub struct Scan<'a> {
     values: &'a [f64],
@@ -162,7 +166,8 @@ impl<'a> Scan<'a> {
                 continue;
             };
             let shorter = self.usual.last().and_then(Usual::rare);
-            let high = usual.heights(self.values, &starts, self.threshold, shorter);
+            let least = NOTHING.min(self.threshold);
+            let high = usual.heights(self.values, &starts, least, shorter);
             found.extend(high.into_iter().map(|(start, height)| Stretch {
                 samples: middle(start, len, &runs),
                 z: height.z,
@@ -171,6 +176,7 @@ impl<'a> Scan<'a> {
                 longest: 0,
             }));
             found = joined(found, |_, _| 0);
+            found.retain(|one| one.z >= self.threshold);
             found
                 .iter_mut()
                 .for_each(|one| one.longest = one.samples.len());
