@@ -50,22 +50,20 @@ impl Moved {
         samples: &Range<usize>,
         about: Option<&About>,
     ) -> Result<Self, NotMoved> {
-        let inside = Inside::new(beside, samples, None).ok_or(NotMoved::Short)?;
         let mean = beside.mean(samples);
-        let about_mean = mean.and_then(|[mean, _]| Inside::new(beside, samples, Some(mean)));
+        let level = mean.map(|[level, _]| level);
+        let inside = Inside::new(beside, samples, level).ok_or(NotMoved::Short)?;
         let Inside {
             groups,
             data,
             noise,
             is_known,
-        } = about_mean.as_ref().unwrap_or(&inside);
-        let (bands, of_bands) = bands(data, noise, groups).ok_or(NotMoved::Short)?;
-        let gain = of_bands + mean.map_or(0.0, |[mean, sd]| 0.5 * (mean / sd).powi(2));
+        } = &inside;
+        let (bands, gain) = bands(data, noise, groups).ok_or(NotMoved::Short)?;
         // Each number costs as by the information criterion of G. Schwarz, Ann. Stat. 6 (1978): a band has three, noise
-        // that is louder has one.
+        // that is louder has one. A level of its own is either's: what is louder strays further from its mean.
         let ordinates = samples.len() / 2;
-        let numbers = 3 * bands.len() + usize::from(mean.is_some()) - 1;
-        let cost_nats = 0.5 * numbers as f64 * (ordinates as f64).ln();
+        let cost_nats = 0.5 * (3 * bands.len() - 1) as f64 * (ordinates as f64).ln();
         let of_louder = inside.louder().map_or(0.0, |louder| louder.gain_nats);
         if *is_known && of_louder > gain - cost_nats {
             return Err(NotMoved::Louder);

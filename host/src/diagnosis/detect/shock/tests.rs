@@ -164,7 +164,11 @@ fn a_short_shock_among_many_single_samples_is_some_that_came_together() {
         };
         assert_eq!(with(0, 15.0).len(), 1, "seed {seed}: alone");
         assert_eq!(with(3, 15.0).len(), 1, "seed {seed}: beside three");
-        assert!(with(10, 15.0).is_empty(), "seed {seed}: beside ten");
+        assert!(
+            with(10, 15.0).is_empty(),
+            "seed {seed}: beside ten: {:?}",
+            with(10, 15.0)
+        );
         // One that stands out far beyond them is none of them.
         assert_eq!(with(10, 300.0).len(), 1, "seed {seed}: far beyond ten");
     }
