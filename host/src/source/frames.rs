@@ -5,7 +5,7 @@ mod notes;
 mod status;
 
 use inm_protocol::{
-    Answer, Batch, Decoder, Event, Fault, Health, Reply, ToHost, Trouble, UNPROVEN_PERIODS, VERSION,
+    Answer, Batch, Decoder, Event, Health, Reply, ToHost, Trouble, UNPROVEN_PERIODS, VERSION,
 };
 
 use self::status::REPLIES;
@@ -16,6 +16,7 @@ use super::told::Told;
 use super::{Chunk, Gap};
 use crate::capture::{BoardHeader, ClockSource};
 use crate::clocks::pairs::Pairs;
+use crate::clocks::pulses::Pulses;
 use crate::link::{axis_name, describe};
 
 pub use self::status::Status;
@@ -41,6 +42,8 @@ pub struct Frames {
     timer: Option<(u32, ClockSource)>,
     /// What the host's clock said beside it.
     pairs: Pairs,
+    /// What a pulse a second said, where there was one.
+    pulses: Pulses,
 }
 
 impl Frames {
@@ -102,6 +105,9 @@ impl Frames {
                 "{} frames behind the end of the recording are left out: they are no part of it",
                 self.behind_end
             ));
+        }
+        if let Some(words) = self.odd_pulses() {
+            self.assembler.news(words);
         }
         let cut = self.decoder.pending();
         if cut > 0 {
@@ -177,6 +183,7 @@ impl Frames {
             ToHost::Reply(reply) => self.reply(reply),
             ToHost::Event(event) => self.event(event),
             ToHost::Note(note) => self.note(note),
+            ToHost::Pulse(pulse) => self.pulse(&pulse),
         }
     }
 
@@ -282,14 +289,5 @@ impl Frames {
         if let Some(state) = state {
             self.assembler.news(state.to_string());
         }
-    }
-
-    fn fault(&mut self, fault: Fault) {
-        if let Fault::Version { theirs } = fault {
-            self.status.foreign_version = Some(theirs);
-        }
-        let n = self.decoder.counts().frames;
-        self.assembler
-            .news(format!("after frame {n}: a damaged frame ({fault})"));
     }
 }
