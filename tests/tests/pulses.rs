@@ -5,7 +5,7 @@ use std::path::Path;
 use inm_host::internals::source::Source;
 use inm_host::internals::source::board::{BoardSource, Plan, Stop};
 use inm_host::internals::source::capture::CaptureSource;
-use inm_host::internals::virtual_board::{ClocksOff, Receiver, VirtualConnect};
+use inm_host::internals::virtual_board::{ClocksOff, VirtualConnect};
 use inm_host::{Clocks, Diagnosis, DiagnosisOptions, Report, diagnose};
 use inm_tests::record::Record;
 use rand::SeedableRng;
@@ -22,23 +22,32 @@ const TICKS: f64 = 1e6;
 /// Standard uncertainties by which a number may be off: 0.1 % of Student's law with ten degrees of freedom.
 const FAR: f64 = 4.6;
 
-/// What is drawn of a board: clocks that are up to `most_ppm` off, a receiver that jitters and misses some.
-fn drawn(seed: u64, most_ppm: f64) -> (ClocksOff, Receiver) {
+/// A board whose clocks are off, with a receiver that is drawn: it jitters and misses some.
+fn board(seed: u64, off: ClocksOff) -> VirtualConnect {
+    let mut random = Pcg64::seed_from_u64(seed + 1000);
+    let mut within = |from: f64, to: f64| {
+        let law = Uniform::new(from, to).expect("a range");
+        law.sample(&mut random)
+    };
+    let mut board = VirtualConnect::published(seed, 0.0).with_pulses(seed);
+    board.off = off;
+    let receiver = board.receiver.as_mut().expect("it has one");
+    receiver.jitter_s = within(1e-6, 1e-5);
+    receiver.missing = within(0.05, 0.3);
+    board
+}
+
+/// Clocks that are up to so much off.
+fn drawn(seed: u64, most_ppm: f64) -> ClocksOff {
     let mut random = Pcg64::seed_from_u64(seed);
     let mut within = |from: f64, to: f64| {
         let law = Uniform::new(from, to).expect("a range");
         law.sample(&mut random)
     };
-    let off = ClocksOff {
+    ClocksOff {
         converters_ppm: within(-most_ppm, most_ppm),
         crystal_ppm: within(-most_ppm, most_ppm),
-    };
-    let receiver = Receiver {
-        jitter_s: within(1e-6, 1e-5),
-        missing: within(0.05, 0.3),
-        seed,
-    };
-    (off, receiver)
+    }
 }
 
 /// Records a board and reads the capture again: what was said live is said of it.
@@ -69,13 +78,10 @@ fn diagnosis(path: &Path) -> Diagnosis {
 fn the_rate_by_a_pulse_a_second_is_that_of_the_converters() {
     let folder = tempfile::tempdir().expect("a folder");
     for seed in [81, 82, 83] {
-        let (off, receiver) = drawn(seed, 3000.0);
+        let off = drawn(seed, 3000.0);
         let path = folder.path().join(format!("run-{seed}.inmcap"));
-        let board = VirtualConnect {
-            off,
-            receiver: Some(receiver),
-            ..VirtualConnect::published(seed, 0.0)
-        };
+        let board = board(seed, off);
+        let receiver = board.receiver;
         let clocks = recorded(&path, board);
         let told = format!("seed {seed}, {off:?}, {receiver:?}: {clocks:?}");
         println!("{told}");
@@ -104,16 +110,11 @@ fn a_diagnosis_takes_the_word_of_the_pulses_and_says_so() {
     let folder = tempfile::tempdir().expect("a folder");
     for (converters_ppm, named) in [(80.0, true), (30.0, false)] {
         let path = folder.path().join(format!("{converters_ppm}.inmcap"));
-        let (_, receiver) = drawn(84, 0.0);
-        let board = VirtualConnect {
-            off: ClocksOff {
-                converters_ppm,
-                crystal_ppm: -20.0,
-            },
-            receiver: Some(receiver),
-            ..VirtualConnect::published(84, 0.0)
+        let off = ClocksOff {
+            converters_ppm,
+            crystal_ppm: -20.0,
         };
-        recorded(&path, board);
+        recorded(&path, board(84, off));
         let diagnosis = diagnosis(&path);
         let text = diagnosis.text();
         assert!(text.contains("Data rate by a pulse a second: "), "{text}");

@@ -5,7 +5,7 @@ mod notes;
 mod status;
 
 use inm_protocol::{
-    Answer, Batch, Decoder, Event, Health, Reply, ToHost, Trouble, UNPROVEN_PERIODS, VERSION,
+    Answer, Batch, Decoder, Event, Health, Pulse, Reply, ToHost, Trouble, UNPROVEN_PERIODS, VERSION,
 };
 
 use self::status::REPLIES;
@@ -44,12 +44,17 @@ pub struct Frames {
     pairs: Pairs,
     /// What a pulse a second said, where there was one.
     pulses: Pulses,
+    /// Those that came ahead of the header.
+    early_pulses: Vec<Pulse>,
 }
 
 impl Frames {
     /// The record begins: says what is to be said of the clock of its stamps.
     pub fn begin(&mut self, board: &BoardHeader) {
         self.timer = Some((board.timer_hz, board.clock));
+        for pulse in std::mem::take(&mut self.early_pulses) {
+            self.pulse(pulse);
+        }
         if let Some(warning) = board.clock.warning() {
             self.assembler.news(warning.to_owned());
         }
@@ -183,7 +188,7 @@ impl Frames {
             ToHost::Reply(reply) => self.reply(reply),
             ToHost::Event(event) => self.event(event),
             ToHost::Note(note) => self.note(note),
-            ToHost::Pulse(pulse) => self.pulse(&pulse),
+            ToHost::Pulse(pulse) => self.pulse(pulse),
         }
     }
 

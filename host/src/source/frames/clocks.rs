@@ -10,11 +10,17 @@ use crate::clocks::{CRYSTALS, Clocks, INTERNAL, Measured};
 /// Variance of a time that is rounded to a tick at both of its ends, evenly, ticks squared.
 const ROUNDING: f64 = 2.0 / 12.0;
 
+/// Pulses that wait for a header: half a minute of them, ten times what a start takes.
+const EARLY: usize = 60;
+
 impl Frames {
-    /// A pulse a second came.
-    pub(super) fn pulse(&mut self, pulse: &Pulse) {
-        if let Some((timer_hz, _)) = self.timer {
-            self.pulses.push(pulse, timer_hz);
+    /// A pulse a second came. Ahead of the header it waits: a recording asks for that while the board streams already, and
+    /// a replay has it from the first.
+    pub(super) fn pulse(&mut self, pulse: Pulse) {
+        match self.timer {
+            Some((timer_hz, _)) => self.pulses.push(&pulse, timer_hz),
+            None if self.early_pulses.len() < EARLY => self.early_pulses.push(pulse),
+            None => {}
         }
     }
 
