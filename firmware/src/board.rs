@@ -11,7 +11,8 @@
 //! | PC10 | Z: SPI3 SCLK        | PC0  | half the accelerometers' supply, to the ADC     |
 //! | PC11 | Z: SPI3 DOUT        | PA9  | to the host: USART1 TX                          |
 //! | PC12 | Z: SPI3 DIN         | PA10 | from the host: USART1 RX                        |
-//! | PH0, PH1 | 8 MHz crystal   | PA13, PA14 | debug probe: SWD, and the log over RTT    |
+//! | PH0, PH1 | 8 MHz crystal   | PA13 | debug probe: SWDIO, and the log over RTT        |
+//! | PA0  | a pulse a second, rising: TIM2_CH1 captures | PA14 | debug probe: SWCLK      |
 //!
 //! The converters have no CS and always drive DOUT, hence a bus for each. They share an
 //! oscillator of 4.096 MHz; PINMODE is strapped to register control, RESET and PWDN to the
@@ -29,6 +30,7 @@ use core::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use ads1281::{Ads1281, DataReady};
 use cortex_m::peripheral::NVIC;
 use embedded_hal::digital::{ErrorType, InputPin};
+use inm_firmware::platform::Captured;
 use inm_firmware::proof::ProofBins;
 use inm_protocol::{AXES, SensorRange};
 use stm32f4xx_hal::gpio::{Edge, ErasedPin, ExtiPin, GpioExt, Input, Output, PB0, PB1, PB10};
@@ -158,6 +160,8 @@ pub fn start(bins: &'static mut ProofBins) -> (Machine<Attached>, [Axis; 3], PB0
     // Nobody may be connected: an open input picks up anything, and each edge of it starts a byte.
     let rx = a.pa10.into_alternate::<7>().internal_pull_up(true);
     let link = start_link(chip.USART1, a.pa9, rx, &mut rcc);
+    // The same here: held low, it picks up nothing.
+    clock::capture(a.pa0.into_alternate::<1>().internal_pull_down(true));
     let analog = Analog::start(chip.ADC1, c.pc0.into_analog(), Delay { timer_hz }, &mut rcc);
 
     let machine = Machine {
@@ -238,6 +242,10 @@ impl Sensors for Attached {
 
     fn take_edge_stamp(&mut self) -> Option<u64> {
         stamps::take()
+    }
+
+    fn take_pulse(&mut self) -> Option<Captured> {
+        clock::take_capture()
     }
 
     fn temperature_centi_celsius(&mut self) -> Option<i16> {

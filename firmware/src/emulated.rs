@@ -10,24 +10,22 @@
 //! real board.
 
 mod flash;
+mod latched;
 mod link;
 mod slots;
 
-use core::convert::Infallible;
-
-use ads1281::{Ads1281, DataReady};
-use embedded_hal::digital::{ErrorType, InputPin};
 use inm_emulator::time::PS_PER_S;
-use inm_emulator::{Bench, Delay, Drdy, Signal, Spi, SyncPin};
+use inm_emulator::{Bench, Delay, Signal, Spi, SyncPin};
 use inm_protocol::{AXES, Restart, SensorRange};
 
 use crate::acquire::Converter;
 use crate::keep::Sectors;
-use crate::platform::{BAUD, Stack};
+use crate::platform::{BAUD, Captured, Stack};
 use crate::proof::ProofBins;
 use crate::{Board, Instrument, Platform};
 
 pub use flash::VirtualFlash;
+pub use latched::{Latched, converter};
 pub use link::VirtualLink;
 pub use slots::VirtualSlots;
 
@@ -39,38 +37,6 @@ const PS_PER_TICK: u64 = PS_PER_S / TIMER_HZ as u64;
 /// Longest time that passes in one step without an edge: a quarter of the shortest wait of the
 /// instrument, the millisecond after RESET.
 const QUANTUM_PS: u64 = PS_PER_S / 4000;
-
-/// An emulated DRDY as the driver wants it: the emulator knows no driver, and the driver no emulator.
-#[derive(Debug)]
-pub struct Latched<'b, S>(pub Drdy<'b, S>);
-
-impl<S> ErrorType for Latched<'_, S> {
-    type Error = Infallible;
-}
-
-impl<S: Signal> InputPin for Latched<'_, S> {
-    fn is_high(&mut self) -> Result<bool, Infallible> {
-        self.0.is_high()
-    }
-
-    fn is_low(&mut self) -> Result<bool, Infallible> {
-        self.0.is_low()
-    }
-}
-
-impl<S: Signal> DataReady for Latched<'_, S> {
-    fn take_edge(&mut self) -> bool {
-        self.0.take_edge()
-    }
-}
-
-/// The converter of an axis, 0 to 2, on the emulator's bench.
-pub fn converter<S: Signal>(
-    bench: &Bench<S>,
-    axis: usize,
-) -> Ads1281<Spi<'_, S>, Latched<'_, S>, Delay<'_, S>> {
-    Ads1281::new(bench.spi(axis), Latched(bench.drdy(axis)), bench.delay())
-}
 
 /// What is outside the virtual board: the link, and whatever the program runs on.
 pub trait Environment {
@@ -92,6 +58,12 @@ pub trait Environment {
     /// it can; a program that runs in real time returns its own clock.
     fn horizon_ps(&mut self) -> u64 {
         u64::MAX
+    }
+
+    /// The latest edge of a pulse a second, picoseconds of virtual time, and whether others had come, as
+    /// [`Platform::take_pulse`].
+    fn take_pulse(&mut self) -> Option<(u64, bool)> {
+        None
     }
 
     /// Temperature, as [`Platform::temperature_centi_celsius`].
@@ -233,6 +205,12 @@ impl<'b, S: Signal, E: Environment> Platform for VirtualBoard<'b, S, E> {
         }
         self.stamped_ps = latest;
         latest.map(|edge_ps| edge_ps / PS_PER_TICK)
+    }
+
+    fn take_pulse(&mut self) -> Option<Captured> {
+        let (edge_ps, doubled) = self.environment.take_pulse()?;
+        let stamp = edge_ps / PS_PER_TICK;
+        Some(Captured { stamp, doubled })
     }
 
     fn receive(&mut self) -> Option<u8> {

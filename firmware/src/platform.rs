@@ -54,6 +54,15 @@ pub trait Platform {
     /// latch of [`DataReady::take_edge`] of that axis is another one, set by the same edge.
     fn take_edge_stamp(&mut self) -> Option<u64>;
 
+    /// The latest rising edge at the input for a pulse a second, once: `None` if there was none since the last
+    /// call, or there is no such input.
+    ///
+    /// The timer that stamps holds it, so that who looks late reads the same; no interrupt is asked for, so that an
+    /// input that picks up anything costs nothing.
+    fn take_pulse(&mut self) -> Option<Captured> {
+        None
+    }
+
     /// Next byte from the host.
     fn receive(&mut self) -> Option<u8>;
 
@@ -160,6 +169,15 @@ pub struct Board {
     pub sensor_supply_uv: u32,
     /// Why the board last started.
     pub restart: Restart,
+}
+
+/// An edge at the input for a pulse a second.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Captured {
+    /// Timer at the edge, ticks, as [`Platform::now`].
+    pub stamp: u64,
+    /// Others had come since the last call; this is the latest.
+    pub doubled: bool,
 }
 
 /// Use of the stack.

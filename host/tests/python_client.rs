@@ -125,6 +125,8 @@ fn the_client_reads_from_a_new_capture_what_the_host_reads() {
             "virtual",
             "--duration",
             "3",
+            // A message that the client has no use for.
+            "--pps",
             "-o",
             &name,
             "--seed",

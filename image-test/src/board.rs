@@ -1,5 +1,7 @@
 //! What is soldered to the chip: converters, crystal, accelerometers' supply, the host's cable.
 
+use std::collections::VecDeque;
+
 use embedded_hal::digital::{InputPin as _, OutputPin as _};
 use embedded_hal::spi::SpiBus as _;
 use inm_emulator::{Bench, Converter};
@@ -36,6 +38,8 @@ pub struct Board {
     pub bench: Bench<Record>,
     /// Bytes on the buses, where a test has asked for them.
     pub bytes: Option<Vec<Byte>>,
+    /// Rising edges to come at the input for a pulse a second, ascending, picoseconds since power-on.
+    pub pulses: VecDeque<u64>,
     /// By axis: the latest falling edge of DRDY that EXTI was told of.
     told_ps: [Option<u64>; 3],
 }
@@ -51,6 +55,7 @@ impl Board {
             crystal,
             bench,
             bytes: None,
+            pulses: VecDeque::new(),
             told_ps: [None; 3],
         }
     }

@@ -11,8 +11,8 @@ use inm_protocol::{Answer, Request, Restart, Settings, ToHost};
 type Row = (usize, u32, Mode, Pull);
 
 /// The table at the top of firmware/src/board.rs, with functions from table 9 of the data sheet: 5 is SPI1
-/// and SPI2, 6 is SPI3, 7 is USART1.
-const TABLE: [Row; 18] = [
+/// and SPI2, 6 is SPI3, 7 is USART1, 1 is TIM2.
+const TABLE: [Row; 19] = [
     (0, 5, Mode::Alternate(5), Pull::None),
     (0, 6, Mode::Alternate(5), Pull::None),
     (0, 7, Mode::Alternate(5), Pull::None),
@@ -31,6 +31,7 @@ const TABLE: [Row; 18] = [
     (2, 0, Mode::Analog, Pull::None),
     (0, 9, Mode::Alternate(7), Pull::None),
     (0, 10, Mode::Alternate(7), Pull::Up),
+    (0, 0, Mode::Alternate(1), Pull::Down),
 ];
 
 /// As a reset leaves them (RM0090, 8.4.1 and 8.4.4): the debug probe's pins of ports A and B.

@@ -86,6 +86,7 @@ TYPES = {
         ("Reply", "Reply"),
         ("Event", "Event"),
         ("Note", "Note"),
+        ("Pulse", "Pulse"),
     ]),
     "Batch": ("struct", [("seq", "u32"), ("first", "u64"), ("stamp", "u64"), ("codes", ("list", ("array", 3, "Code"))), ("flags", ("list", "Flag")), ("stream", "u16")]),
     "Code": ("newtype", ("array", 4, "u8")),
@@ -154,6 +155,8 @@ TYPES = {
         ("Mark", [("unix_ms", "i64"), ("text", "text")]),
         ("Clock", [("unix_ms", "i64"), ("stamp", "u64"), ("host_us", "u64")]),
     ]),
+    "Pulse": ("struct", [("stamp", "u64"), ("number", "u32"), ("doubled", "bool"), ("counters", "PulseCounters")]),
+    "PulseCounters": ("struct", [("early", "u32"), ("doubled", "u32"), ("missing", "u32"), ("odd", "u32")]),
     "ToLoader": ("enum", [
         ("Enter", None),
         ("Status", None),

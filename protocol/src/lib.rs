@@ -26,6 +26,7 @@ mod health;
 mod hello;
 pub mod image;
 mod message;
+mod pulse;
 mod sample;
 mod settings;
 pub mod slot;
@@ -39,6 +40,7 @@ pub use frame::{EncodeError, FRAME_END, MAX_FRAME, MAX_PAYLOAD, Message, crc32, 
 pub use health::{AxisCounters, BinsMark, Health, LinkCounters};
 pub use hello::{HELLO, Hello};
 pub use message::{Event, MAX_MARK, Note, ToBoard, ToHost, Trouble, UNPROVEN_PERIODS};
+pub use pulse::{Pulse, PulseCounters};
 pub use sample::{Batch, Code, Flag, Flags};
 pub use settings::{Filter, Phase, Rate, SensorRange, Settings};
 

@@ -3,7 +3,7 @@
 use heapless::String;
 use serde::{Deserialize, Serialize};
 
-use crate::{Batch, Command, Health, Message, Reply};
+use crate::{Batch, Command, Health, Message, Pulse, Reply};
 
 /// Board to host.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -20,6 +20,8 @@ pub enum ToHost {
     Event(Event),
     /// Never sent by a board: the host writes it into a capture, between the frames received.
     Note(Note),
+    /// A pulse a second came, where there is one.
+    Pulse(Pulse),
 }
 
 /// Host to board.

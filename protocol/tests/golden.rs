@@ -3,8 +3,9 @@
 use inm_protocol::update::{FromLoader, LoaderRefusal, LoaderStatus, NewProgram, ToLoader};
 use inm_protocol::{
     Answer, Batch, BinsMark, Code, Command, Decoder, Event, Fault, Filter, Flag, Flags, HELLO,
-    Health, Hello, Identity, MAX_FRAME, Message, Phase, Rate, Refusal, Reply, Request, Restart,
-    SensorCalibration, SensorRange, Settings, ToBoard, ToHost, Trouble, VERSION, encode,
+    Health, Hello, Identity, MAX_FRAME, Message, Phase, Pulse, PulseCounters, Rate, Refusal, Reply,
+    Request, Restart, SensorCalibration, SensorRange, Settings, ToBoard, ToHost, Trouble, VERSION,
+    encode,
 };
 
 const WIRE: &str = include_str!("../WIRE.md");
@@ -257,6 +258,22 @@ fn event() {
             stream: 4711,
         }),
     );
+}
+
+#[test]
+fn pulse() {
+    let pulse = Pulse {
+        stamp: 84_000_123,
+        number: 300,
+        doubled: false,
+        counters: PulseCounters {
+            early: 1,
+            doubled: 2,
+            missing: 130,
+            odd: 4,
+        },
+    };
+    assert_documented("Pulse", &ToHost::Pulse(pulse));
 }
 
 /// The same frames as version 1 wrote them, which captures hold: the streams have no number.

@@ -2,8 +2,8 @@
 
 use inm_protocol::{
     AXES, Answer, BATCH_LEN, Batch, BinsMark, Code, Command, Counts, Decoder, Event, Fault, Flag,
-    Flags, Health, MAX_FRAME, Rate, Refusal, Reply, Request, Settings, ToBoard, ToHost, Trouble,
-    encode, samples_load,
+    Flags, Health, MAX_FRAME, Pulse, PulseCounters, Rate, Refusal, Reply, Request, Settings,
+    ToBoard, ToHost, Trouble, encode, samples_load,
 };
 use proptest::prelude::*;
 
@@ -163,6 +163,10 @@ fn any_message() -> impl Strategy<Value = ToHost> {
         }),
         1 => any::<u16>().prop_map(|id| ToHost::Reply(Reply { id, result: Ok(Answer::Done) })),
         1 => any::<u16>().prop_map(move |id| ToHost::Reply(Reply { id, result: Err(refusal) })),
+        1 => (any::<u64>(), any::<u32>(), any::<bool>()).prop_map(|(stamp, number, doubled)| {
+            let counters = PulseCounters { early: !number, missing: number, ..PulseCounters::default() };
+            ToHost::Pulse(Pulse { stamp, number, doubled, counters })
+        }),
         1 => (any::<u64>(), any::<u32>()).prop_map(|(index, lost)| {
             let trouble = Trouble::Recovered { lost };
             ToHost::Event(Event { index, axis: None, trouble, stream: lost as u16 })

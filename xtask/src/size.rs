@@ -27,8 +27,9 @@ const BINS: u64 = 3 * 16 * 1024;
 /// takes 4 KB. The messages that it shares with the host have the text of a mark among them since 2026-11-23, which it never
 /// sends: half a KB. 10 KB since it keeps a calibration: its messages both ways, the two copies, the flash's driver. Half
 /// a KB since a loader starts it: asking for it, and the word that says that the program is sound. 2 KB since it logs each
-/// trouble for a probe.
-const PROGRAM: u64 = 85 * 1024 + 512;
+/// trouble for a probe. 2 KB since it tells a pulse a second: one more message to be framed, the timer's capture, and the
+/// flash's cache emptied behind what is kept.
+const PROGRAM: u64 = 87 * 1024 + 512;
 
 /// What the emulator's filters and their tables add to it where there is no converter, and the machine below it: 13 KB, as
 /// before the program grew.

@@ -48,7 +48,7 @@ impl<P: Platform> Instrument<P> {
 
     /// Whether no batch was framed in this step, nor in the last one, nor a register read back: a
     /// quarter of the data period is left.
-    fn is_prompt(&self) -> bool {
+    pub(super) fn is_prompt(&self) -> bool {
         let took = self.position.since(self.platform.now());
         self.batcher.len() > 0 && took <= self.clock.periods(3) / 4
     }

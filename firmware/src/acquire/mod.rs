@@ -20,6 +20,7 @@ mod host;
 mod job;
 mod outbox;
 mod prove;
+mod pulse;
 mod read_back;
 mod recover;
 mod self_test;
@@ -40,6 +41,7 @@ use batch::Batcher;
 use clock::Clock;
 use job::Job;
 use outbox::Outbox;
+use pulse::Pulses;
 use read_back::Rounds;
 use self_test::SelfTest;
 use stream::Position;
@@ -129,6 +131,7 @@ pub struct Instrument<P: Platform> {
     /// The bins as the record on its way will tell of them. Nothing of the stream is sent
     /// between the two.
     mark: Option<BinsMark>,
+    pulses: Pulses,
     logged: Logged,
 }
 
@@ -167,6 +170,7 @@ impl<P: Platform> Instrument<P> {
             proved: false,
             next_health: power_up,
             mark: None,
+            pulses: Pulses::default(),
             logged: Logged::default(),
         }
     }
@@ -187,6 +191,7 @@ impl<P: Platform> Instrument<P> {
         busy |= self.advance(edge, now);
         busy |= self.serve_host(now);
         busy |= self.outbox.flush(&mut self.platform);
+        busy |= self.serve_pulse(edge.is_some());
         if now >= self.next_health {
             busy |= self.report_health(edge.is_some(), now);
         }

@@ -1,12 +1,12 @@
 //! Messages on their way to the link: nothing waits for it, and what is given up is counted.
 //!
-//! Batches and health records that find no room are dropped. Replies and events wait for room,
+//! Batches, health records and pulses that find no room are dropped. Replies and events wait for room,
 //! so that a command is answered exactly once and trouble is told even when the trouble is the
 //! link.
 
 use heapless::Deque;
 use inm_protocol::{
-    Batch, Command, Event, Health, Hello, MAX_FRAME, Reply, ToHost, Trouble, encode,
+    Batch, Command, Event, Health, Hello, MAX_FRAME, Pulse, Reply, ToHost, Trouble, encode,
 };
 
 use crate::{Platform, log};
@@ -161,6 +161,14 @@ impl Outbox {
         let told = self.flush_events(platform);
         health.link.frames_sent = self.sent;
         if !told || !self.send(platform, &ToHost::Health(health)) {
+            self.given_up = self.given_up.saturating_add(1);
+        }
+    }
+
+    /// Sends a pulse or drops it; its number says so to who gets the next.
+    #[inline(never)]
+    pub(super) fn pulse<P: Platform>(&mut self, platform: &mut P, pulse: Pulse) {
+        if !self.send(platform, &ToHost::Pulse(pulse)) {
             self.given_up = self.given_up.saturating_add(1);
         }
     }

@@ -23,6 +23,8 @@ pub struct VirtualLink<const N: usize> {
     proved: bool,
     self_test: bool,
     range: SensorRange,
+    /// The capture register: the latest edge, and whether it took the place of another.
+    pulse: Option<(u64, bool)>,
 }
 
 impl<const N: usize> VirtualLink<N> {
@@ -38,6 +40,7 @@ impl<const N: usize> VirtualLink<N> {
             proved: false,
             self_test: false,
             range: SensorRange::default(),
+            pulse: None,
         }
     }
 
@@ -48,6 +51,11 @@ impl<const N: usize> VirtualLink<N> {
                 self.lost = self.lost.saturating_add(1);
             }
         }
+    }
+
+    /// There is an edge of a pulse a second at virtual time `at_ps`; not ahead of those before it.
+    pub fn pulse(&mut self, at_ps: u64) {
+        self.pulse = Some((at_ps, self.pulse.is_some()));
     }
 
     /// Gives `taker` each byte that has arrived at the host by `now_ps`.
@@ -99,6 +107,10 @@ impl<const N: usize> Environment for VirtualLink<N> {
 
     fn receive_lost(&self) -> u32 {
         self.lost
+    }
+
+    fn take_pulse(&mut self) -> Option<(u64, bool)> {
+        self.pulse.take()
     }
 
     fn transmit(&mut self, frame: &[u8], now_ps: u64) -> bool {

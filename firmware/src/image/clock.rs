@@ -1,4 +1,5 @@
-//! Time: TIM2 free-running, made 64 bits wide in software, and the heartbeat of the loop.
+//! Time: TIM2 free-running, made 64 bits wide in software, the heartbeat of the loop, and the capture of a pulse a
+//! second.
 
 use core::cell::RefCell;
 
@@ -6,8 +7,12 @@ use cortex_m::peripheral::SYST;
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m_rt::exception;
 use critical_section::Mutex;
+#[cfg(not(feature = "qemu"))]
+use inm_firmware::platform::Captured;
 use inm_firmware::platform::LONGEST_SLEEP_US;
 use inm_firmware::ticks::Ticks;
+#[cfg(not(feature = "qemu"))]
+use stm32f4xx_hal::gpio::{Alternate, PA0};
 use stm32f4xx_hal::pac::TIM2;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
@@ -62,6 +67,43 @@ pub fn now() -> u64 {
             let count = clock.timer.cnt().read().cnt().bits();
             clock.ticks.extend(count)
         })
+    })
+}
+
+/// Has channel 1 of the timer hold its count at each rising edge of its pin. Eight samples in a row have to agree, a tenth
+/// of a microsecond: a spike is no edge, and what the filter delays it delays always.
+#[cfg(not(feature = "qemu"))]
+pub fn capture(_pin: PA0<Alternate<1>>) {
+    critical_section::with(|cs| {
+        if let Some(clock) = CLOCK.borrow_ref_mut(cs).as_mut() {
+            let channel = clock.timer.ccmr1_input();
+            channel.modify(|_, w| w.cc1s().ti1().ic1f().fck_int_n8());
+            clock.timer.ccer().modify(|_, w| w.cc1e().set_bit());
+        }
+    });
+}
+
+/// The edge that the timer holds, once. To be asked at least once a turn of the timer, 51 s at 84 MHz: one that is older
+/// counts as of the last turn.
+#[cfg(not(feature = "qemu"))]
+pub fn take_capture() -> Option<Captured> {
+    critical_section::with(|cs| {
+        let mut clock = CLOCK.borrow_ref_mut(cs);
+        let clock = clock.as_mut()?;
+        if clock.timer.sr().read().cc1if().bit_is_clear() {
+            return None;
+        }
+        // Reading it clears its flag. Then the other: what came in between is seen (RM0090, 18.3.5).
+        let held = clock.timer.ccr1().read().ccr().bits();
+        let doubled = clock.timer.sr().read().cc1of().bit_is_set();
+        if doubled {
+            // A one leaves a flag as it is.
+            clock.timer.sr().write(|w| w.cc1of().clear_bit());
+        }
+        let count = clock.timer.cnt().read().cnt().bits();
+        let now = clock.ticks.extend(count);
+        let stamp = now.saturating_sub(count.wrapping_sub(held).into());
+        Some(Captured { stamp, doubled })
     })
 }
 

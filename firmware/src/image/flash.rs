@@ -46,8 +46,24 @@ impl Flash {
     #[inline(never)]
     fn put(&mut self, offset: usize, value: u32) -> Result<(), NotWritten> {
         let bytes = value.to_le_bytes();
-        let written = self.0.unlocked().program(offset, bytes.iter());
+        let written = self.change(|flash| flash.unlocked().program(offset, bytes.iter()));
         written.map_err(|_| NotWritten)
+    }
+
+    /// Changes cells with the data cache off, and empties it before it is on again: it would go on saying what was
+    /// read of them before (RM0090, 3.5.3). No instruction lies in them.
+    #[allow(unsafe_code)]
+    fn change<T>(&mut self, work: impl FnOnce(&mut LockedFlash) -> T) -> T {
+        // SAFETY: the register belongs to the controller that this has; the start-up code, which set it up, does not
+        // touch it any more, and no interrupt does.
+        let access = unsafe { &*FLASH::ptr() }.acr();
+        access.modify(|_, w| w.dcen().clear_bit());
+        let done = work(&mut self.0);
+        // It can be emptied only while it is off.
+        access.modify(|_, w| w.dcrst().set_bit());
+        access.modify(|_, w| w.dcrst().clear_bit());
+        access.modify(|_, w| w.dcen().set_bit());
+        done
     }
 
     /// A word of flash, by its place from the start in bytes, a multiple of four.
@@ -72,7 +88,7 @@ impl Flash {
     /// tERASE128KB, as remembered).
     pub fn erase(&mut self, copy: usize) -> Result<(), NotWritten> {
         let (sector, _) = SECTORS.get(copy).ok_or(NotWritten)?;
-        let erased = self.0.unlocked().erase(*sector);
+        let erased = self.change(|flash| flash.unlocked().erase(*sector));
         erased.map_err(|_| NotWritten)
     }
 

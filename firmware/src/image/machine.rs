@@ -5,7 +5,7 @@ use embedded_hal::delay::DelayNs;
 use embedded_hal::digital::OutputPin;
 use embedded_hal::spi::SpiBus;
 use inm_firmware::keep::{NotWritten, Sectors};
-use inm_firmware::platform::Stack;
+use inm_firmware::platform::{Captured, Stack};
 use inm_firmware::proof::ProofBins;
 use inm_firmware::{Board, Platform};
 use inm_protocol::{Restart, SensorRange};
@@ -35,6 +35,11 @@ pub trait Sensors {
 
     /// See [`Platform::take_edge_stamp`].
     fn take_edge_stamp(&mut self) -> Option<u64>;
+
+    /// See [`Platform::take_pulse`].
+    fn take_pulse(&mut self) -> Option<Captured> {
+        None
+    }
 
     /// See [`Platform::temperature_centi_celsius`].
     fn temperature_centi_celsius(&mut self) -> Option<i16> {
@@ -108,6 +113,10 @@ impl<S: Sensors> Platform for Machine<S> {
 
     fn take_edge_stamp(&mut self) -> Option<u64> {
         self.sensors.take_edge_stamp()
+    }
+
+    fn take_pulse(&mut self) -> Option<Captured> {
+        self.sensors.take_pulse()
     }
 
     fn receive(&mut self) -> Option<u8> {

@@ -13,7 +13,7 @@ use inm_firmware::Instrument;
 use inm_firmware::emulated::{VirtualBoard, VirtualLink, describe};
 use inm_protocol::{
     Answer, Batch, BinsMark, Code, Command, Decoder, Event, Flags, Health, Hello, MAX_FRAME, Phase,
-    Rate, Refusal, Request, Settings, ToBoard, ToHost, Trouble, UNPROVEN_PERIODS, encode,
+    Pulse, Rate, Refusal, Request, Settings, ToBoard, ToHost, Trouble, UNPROVEN_PERIODS, encode,
 };
 
 /// An input with an offset and uniform noise, in steps of the 31-bit value.
@@ -90,6 +90,7 @@ pub struct Rig<'b, S: Signal> {
     pub batches: Vec<Batch>,
     pub events: Vec<Event>,
     pub health: Vec<Health>,
+    pub pulses: Vec<Pulse>,
     pub replies: Vec<(u16, Result<Answer, Refusal>)>,
     pub bytes: u64,
     /// Words of the converters by axis and the stamp of its edge.
@@ -116,6 +117,7 @@ impl<'b, S: Signal> Rig<'b, S> {
             batches: Vec::new(),
             events: Vec::new(),
             health: Vec::new(),
+            pulses: Vec::new(),
             replies: Vec::new(),
             bytes: 0,
             made: HashMap::new(),
@@ -152,6 +154,7 @@ impl<'b, S: Signal> Rig<'b, S> {
                 ToHost::Event(event) => self.events.push(event),
                 ToHost::Health(health) => self.health.push(health),
                 ToHost::Reply(reply) => self.replies.push((reply.id, reply.result)),
+                ToHost::Pulse(pulse) => self.pulses.push(pulse),
                 ToHost::Note(note) => panic!("a board sends no notes: {note:?}"),
             }
         }

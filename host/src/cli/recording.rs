@@ -53,6 +53,11 @@ pub struct BoardOptions {
     /// Virtual board only: seconds of board time in a second, or 0 for as fast as it goes.
     #[arg(long, value_name = "FACTOR", allow_negative_numbers = true, value_parser = parse_speed)]
     pub speed: Option<f64>,
+
+    /// Virtual board only: a pulse a second at its input, with jitter, and crystals that are off; both are drawn from
+    /// --seed.
+    #[arg(long)]
+    pub pps: bool,
 }
 
 /// Phase response of the converter's filter.
@@ -70,7 +75,11 @@ impl BoardOptions {
     pub fn connect(&self, default_speed: f64) -> Box<dyn Connect> {
         if self.source == "virtual" {
             let speed = self.speed.unwrap_or(default_speed);
-            return Box::new(VirtualConnect::published(self.seed, speed));
+            let board = VirtualConnect::published(self.seed, speed);
+            return Box::new(match self.pps {
+                true => board.with_pulses(self.seed),
+                false => board,
+            });
         }
         Box::new(SerialConnect::new(self.source.as_str(), self.baud))
     }

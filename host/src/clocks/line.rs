@@ -21,10 +21,10 @@ pub const FEWEST: usize = 5;
 
 /// Stretches of time of which the least late reading counts. Fewer would have less late ones, and a spread that
 /// says less of itself: between 8 and 16 the 95 % interval is nearly as wide (ten degrees of freedom).
-const BLOCKS: usize = 12;
+pub(super) const BLOCKS: usize = 12;
 
 /// Readings from which on there are blocks, each of two or more.
-const FROM: usize = 2 * BLOCKS;
+pub(super) const FROM: usize = 2 * BLOCKS;
 
 /// Grid on which a line may deliver without showing it, seconds: a frame of USB. That of an adapter's timer
 /// (16 ms) does not last where the board streams, since its buffers fill sooner.

@@ -1,16 +1,20 @@
-//! What the clocks of a record say of one another: the data rate by the board's timer and by the host's clock,
-//! each with its uncertainty.
+//! What the clocks of a record say of one another: the data rate by the board's timer, by the host's clock and by a
+//! pulse a second, each with its uncertainty.
 //!
 //! ```text
 //!   converters --DRDY--> stamps of the board's timer --health records--> clock of the host
-//!        conversions a second of the timer   x   its seconds in one of the host's
+//!                              |
+//!                              +--capture <-- a pulse a second of a receiver, where there is one
+//!        conversions a second of the timer   x   its seconds in one of the host's, or of the pulses'
 //! ```
 //!
 //! What a clock counts against another is measured. What the last of them is off by is not: the host's, like
-//! any crystal, is taken to be right to [`CRYSTALS`], less only where something disciplines it.
+//! any crystal, is taken to be right to [`CRYSTALS`], less only where something disciplines it. A pulse a second is
+//! taken to be right: it has a receiver behind it that knows the time.
 
 mod line;
 pub mod pairs;
+pub mod pulses;
 #[cfg(test)]
 mod tests;
 
@@ -21,6 +25,9 @@ pub use line::{FEWEST, Pair, ratio};
 
 /// Part of the rate that two sound crystals may differ by: some 50 parts in a million each.
 pub const CRYSTALS: f64 = 1e-4;
+
+/// Part of the rate that one sound crystal may be off by.
+pub const CRYSTAL: f64 = CRYSTALS / 2.0;
 
 /// Part by which the oscillator inside a microcontroller may be off.
 pub const INTERNAL: f64 = 1e-2;
@@ -85,31 +92,49 @@ pub struct Clocks {
     pub board_over_host: Option<Measured>,
     /// Conversions a second by the host's clock: the product of the two.
     pub rate_by_host_hz: Option<Measured>,
+    /// Seconds of the board's timer in one of a pulse a second; `None` where the board had none.
+    pub board_over_pps: Option<Measured>,
+    /// Conversions a second by the pulses: the product of this and that of the stamps.
+    pub rate_by_pps_hz: Option<Measured>,
     /// Part by which a sound board's timer and the converters' clock may differ.
     #[serde(skip)]
     board_good_to: f64,
 }
 
 impl Clocks {
-    /// What the stamps give, for a board whose own clock is good to `board_good_to` of its rate, and the pairs.
-    pub fn new(by_board_hz: Measured, board_good_to: f64, pairs: Option<Measured>) -> Self {
-        let board_over_host = pairs.filter(|ratio| BELIEVED.contains(&ratio.value));
+    /// What the stamps give, for a board whose own clock is good to `board_good_to` of its rate, what its seconds are in
+    /// those of the host, and in those of a pulse a second.
+    pub fn new(
+        by_board_hz: Measured,
+        board_good_to: f64,
+        over_host: Option<Measured>,
+        over_pps: Option<Measured>,
+    ) -> Self {
+        let believed = |ratio: &Measured| BELIEVED.contains(&ratio.value);
+        let board_over_host = over_host.filter(believed);
+        let board_over_pps = over_pps.filter(believed);
         Self {
             rate_by_board_hz: by_board_hz,
             board_over_host,
             rate_by_host_hz: board_over_host.map(|ratio| by_board_hz.times(&ratio)),
+            board_over_pps,
+            rate_by_pps_hz: board_over_pps.map(|ratio| by_board_hz.times(&ratio)),
             board_good_to,
         }
     }
 
     /// The rate by the best clock that there is, samples a second, and the part of it that this clock and a sound
-    /// one of the converters may differ by.
+    /// one of the converters may differ by: a pulse a second is right, so that only the converters' is left.
     pub fn best(&self) -> (Measured, f64) {
-        match self.rate_by_host_hz {
-            // A pair of clocks whose share is hardly known is no better than the board's own.
-            Some(host) if self.excess_of(&host) < self.board_good_to => (host, CRYSTALS),
-            _ => (self.rate_by_board_hz, self.board_good_to),
-        }
+        let by = |rate: Option<Measured>, good_to| Some((rate?, good_to));
+        let others = [
+            by(self.rate_by_pps_hz, CRYSTAL),
+            by(self.rate_by_host_hz, CRYSTALS),
+        ];
+        // A pair of clocks whose share is hardly known is no better than the board's own.
+        let known = |(rate, _): &(Measured, f64)| self.excess_of(rate) < self.board_good_to;
+        let best = others.into_iter().flatten().find(known);
+        best.unwrap_or((self.rate_by_board_hz, self.board_good_to))
     }
 
     /// How uncertain a rate is in all, as a part of it.

@@ -127,7 +127,7 @@ fn a_rate_is_by_the_surer_clock_and_a_product_of_what_was_measured() {
         sd: 1e-6,
         freedom: 10.0,
     };
-    let clocks = Clocks::new(by_board, CRYSTALS, Some(over_host));
+    let clocks = Clocks::new(by_board, CRYSTALS, Some(over_host), None);
     let by_host = clocks.rate_by_host_hz.expect("both");
     assert!((by_host.value - 2000.2 * (1.0 - 3e-5)).abs() < 1e-9);
     assert!((by_host.sd / 2000.14 - 1e-6).abs() < 1e-9, "{by_host:?}");
@@ -139,10 +139,33 @@ fn a_rate_is_by_the_surer_clock_and_a_product_of_what_was_measured() {
         sd: 1e-3,
         ..over_host
     });
-    let best = |good_to| Clocks::new(by_board, good_to, unsure).best().1;
+    let best = |good_to| Clocks::new(by_board, good_to, unsure, None).best().1;
     assert_eq!(best(CRYSTALS), CRYSTALS);
-    assert_eq!(Clocks::new(by_board, CRYSTALS, unsure).best().0, by_board);
-    assert_ne!(Clocks::new(by_board, INTERNAL, unsure).best().0, by_board);
+    assert_eq!(
+        Clocks::new(by_board, CRYSTALS, unsure, None).best().0,
+        by_board
+    );
+    assert_ne!(
+        Clocks::new(by_board, INTERNAL, unsure, None).best().0,
+        by_board
+    );
+
+    // A pulse a second comes before the host's clock, and leaves the converters' crystal alone.
+    let over_pps = Measured {
+        value: 1.0 + 2e-5,
+        sd: 1e-8,
+        freedom: 10.0,
+    };
+    let both = Clocks::new(by_board, CRYSTALS, Some(over_host), Some(over_pps));
+    let by_pps = both.rate_by_pps_hz.expect("it is there");
+    assert_eq!(both.best(), (by_pps, CRYSTAL));
+    assert!((by_pps.value - 2000.2 * (1.0 + 2e-5)).abs() < 1e-9);
+    let hardly = Some(Measured {
+        sd: 1e-3,
+        ..over_pps
+    });
+    let best = Clocks::new(by_board, CRYSTALS, Some(over_host), hardly).best();
+    assert_eq!(best, (by_host, CRYSTALS));
 
     // A simulation that runs as fast as it can is no clock.
     let fast = Measured {
@@ -150,7 +173,7 @@ fn a_rate_is_by_the_surer_clock_and_a_product_of_what_was_measured() {
         ..over_host
     };
     assert_eq!(
-        Clocks::new(by_board, CRYSTALS, Some(fast)).rate_by_host_hz,
+        Clocks::new(by_board, CRYSTALS, Some(fast), None).rate_by_host_hz,
         None
     );
 }

@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use ads1281::register::FSC_UNITY;
 use inm_protocol::{
-    AXES, AxisCounters, Health, Identity, LinkCounters, REGISTERS, Request, Restart, SensorRange,
-    Settings, VERSION,
+    AXES, AxisCounters, Health, Identity, LinkCounters, Pulse, PulseCounters, REGISTERS, Request,
+    Restart, SensorRange, Settings, VERSION,
 };
 use serde::Serialize;
 
@@ -16,6 +16,9 @@ use crate::link::{LinkError, restarted};
 /// How long to wait for a health record: two of the seconds between them, and slack for one that is
 /// lost on the way.
 pub(crate) const NEXT_HEALTH: Duration = Duration::from_millis(2500);
+
+/// How long to wait for a pulse a second: one of the seconds between them, and slack for the way.
+const NEXT_PULSE: Duration = Duration::from_millis(1200);
 
 /// First of the three registers of the offset word (OFC), lowest byte first.
 const OFFSET_WORD: usize = 5;
@@ -64,6 +67,29 @@ pub struct Info {
     pub registers_refused: Option<String>,
     /// What it last said of its state; `None` if it said nothing for 2.5 s.
     pub state: Option<State>,
+    /// The pulse a second at its input; `None` if none came for 1.2 s.
+    pub pulse: Option<PulseInfo>,
+}
+
+/// The pulse a second at a board's input.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PulseInfo {
+    /// When the last one came, seconds since the board started by its own clock.
+    pub at_s: f64,
+    /// Pulses since the board started.
+    pub number: u32,
+    /// What was wrong with them since then.
+    pub counters: PulseCounters,
+}
+
+impl PulseInfo {
+    fn of(pulse: &Pulse, timer_hz: u32) -> Self {
+        Self {
+            at_s: pulse.stamp as f64 / f64::from(timer_hz.max(1)),
+            number: pulse.number,
+            counters: pulse.counters,
+        }
+    }
 }
 
 /// One axis.
@@ -125,6 +151,7 @@ impl Info {
             Err(error) => return Err(error),
         };
         let health = session.health(NEXT_HEALTH)?;
+        let pulse = session.pulse(NEXT_PULSE)?;
         Ok(Self {
             port,
             serial: serial(identity),
@@ -145,6 +172,7 @@ impl Info {
             axes: axes(identity, registers),
             registers_refused,
             state: health.map(|(_, health)| State::of(&health, identity.timer_hz)),
+            pulse: pulse.map(|pulse| PulseInfo::of(&pulse, identity.timer_hz)),
         })
     }
 }

@@ -1,7 +1,7 @@
 //! What goes wrong on a board, as it says it over the serial line: its events in words, and the counters
 //! of its health records where they grow.
 
-use inm_protocol::{AXES, AxisCounters, Event, Health, LinkCounters, ToHost};
+use inm_protocol::{AXES, AxisCounters, Event, Health, LinkCounters, Pulse, PulseCounters, ToHost};
 use jiff::Timestamp;
 use serde::Serialize;
 
@@ -30,6 +30,8 @@ pub struct Log {
     last: Option<Health>,
     /// Events of each axis since the last health record that it counts as resets.
     told: [u32; AXES],
+    /// The last pulse a second.
+    pulse: Option<Pulse>,
 }
 
 impl Log {
@@ -39,6 +41,7 @@ impl Log {
             timer_hz: timer_hz.max(1),
             last: None,
             told: [0; AXES],
+            pulse: None,
         }
     }
 
@@ -47,6 +50,7 @@ impl Log {
         match &heard.message {
             ToHost::Event(event) => vec![self.event(event)],
             ToHost::Health(health) => self.health(health),
+            ToHost::Pulse(pulse) => self.pulse(pulse),
             _ => Vec::new(),
         }
     }
@@ -85,6 +89,23 @@ impl Log {
         }
     }
 
+    fn pulse(&mut self, pulse: &Pulse) -> Vec<Entry> {
+        let before = self.pulse.filter(|last| last.stamp <= pulse.stamp);
+        self.pulse = Some(*pulse);
+        let begun = match before {
+            Some(_) => None,
+            None => Some(self.say("a pulse a second comes")),
+        };
+        let old = before.map_or_else(PulseCounters::default, |before| before.counters);
+        let since = match before {
+            Some(_) => "",
+            None => " since it started",
+        };
+        let grown = pulse_counters(&old, &pulse.counters).into_iter();
+        let grown = grown.map(|(count, what)| self.say(format!("{count} {what}{since}")));
+        begun.into_iter().chain(grown).collect()
+    }
+
     fn health(&mut self, health: &Health) -> Vec<Entry> {
         let before = self.last.filter(|last| last.stamp <= health.stamp);
         self.last = Some(*health);
@@ -113,6 +134,28 @@ impl Log {
         }
         entries
     }
+}
+
+/// Counters of the pulse a second that have grown, with what they count.
+fn pulse_counters(old: &PulseCounters, new: &PulseCounters) -> Vec<(u32, &'static str)> {
+    grown([
+        (
+            new.missing.wrapping_sub(old.missing),
+            "seconds without a pulse",
+        ),
+        (
+            new.doubled.wrapping_sub(old.doubled),
+            "pulses of more than one edge",
+        ),
+        (
+            new.odd.wrapping_sub(old.odd),
+            "pulses no whole number of seconds behind the one before",
+        ),
+        (
+            new.early.wrapping_sub(old.early),
+            "edges within half a second of a pulse",
+        ),
+    ])
 }
 
 /// Counters of an axis that have grown, with what they count. Resets have events of their own: only

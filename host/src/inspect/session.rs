@@ -4,7 +4,8 @@ use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 use inm_protocol::{
-    AXES, Answer, Decoder, Fault, Health, Identity, Reply, Request, SelfTestStep, ToHost, VERSION,
+    AXES, Answer, Decoder, Fault, Health, Identity, Pulse, Reply, Request, SelfTestStep, ToHost,
+    VERSION,
 };
 
 use crate::link::{Client, Clock, Connect, Expect, LinkError, Patience};
@@ -115,6 +116,25 @@ impl Session {
             while let Some(Heard { at, message }) = self.heard() {
                 if let ToHost::Health(health) = message {
                     return Ok(Some((at, health)));
+                }
+            }
+            if self.now() >= deadline {
+                return Ok(None);
+            }
+            self.listen()?;
+        }
+    }
+
+    /// The next pulse a second; `None` if none came within `patience`. What else was heard is passed over.
+    ///
+    /// # Errors
+    /// [`LinkError::Gone`] if the port went away.
+    pub fn pulse(&mut self, patience: Duration) -> Result<Option<Pulse>, LinkError> {
+        let deadline = self.now() + patience;
+        loop {
+            while let Some(Heard { message, .. }) = self.heard() {
+                if let ToHost::Pulse(pulse) = message {
+                    return Ok(Some(pulse));
                 }
             }
             if self.now() >= deadline {

@@ -82,12 +82,9 @@ pub fn source(page: &mut String, source: &SourceSummary) -> Result {
     ] {
         write!(page, "<div><dt>{name}</dt><dd>{value}</dd></div>")?;
     }
-    if let Some(words) = rate::by_host(source) {
+    for (clock, words) in rate::by_clocks(source) {
         let words = escape(&words);
-        write!(
-            page,
-            "<div><dt>By the host's clock</dt><dd>{words}</dd></div>"
-        )?;
+        write!(page, "<div><dt>By {clock}</dt><dd>{words}</dd></div>")?;
     }
     write!(page, "</dl>")?;
     if let Some(words) = rate::contradicted(source) {

@@ -44,8 +44,8 @@ pub(super) fn head(text: &mut String, source: &SourceSummary) -> std::fmt::Resul
         plain(source.rate_hz),
         duration(source.duration_s),
     )?;
-    if let Some(words) = rate::by_host(source) {
-        writeln!(text, "Data rate by the host's clock: {words}.")?;
+    for (clock, words) in rate::by_clocks(source) {
+        writeln!(text, "Data rate by {clock}: {words}.")?;
     }
     if let Some(words) = rate::contradicted(source) {
         writeln!(text, "{words}")?;

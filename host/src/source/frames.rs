@@ -5,7 +5,7 @@ mod notes;
 mod status;
 
 use inm_protocol::{
-    Answer, Batch, Decoder, Event, Fault, Health, Reply, ToHost, Trouble, UNPROVEN_PERIODS, VERSION,
+    Answer, Batch, Decoder, Event, Health, Pulse, Reply, ToHost, Trouble, UNPROVEN_PERIODS, VERSION,
 };
 
 use self::status::REPLIES;
@@ -16,6 +16,7 @@ use super::told::Told;
 use super::{Chunk, Gap};
 use crate::capture::{BoardHeader, ClockSource};
 use crate::clocks::pairs::Pairs;
+use crate::clocks::pulses::Pulses;
 use crate::link::{axis_name, describe};
 
 pub use self::status::Status;
@@ -41,12 +42,19 @@ pub struct Frames {
     timer: Option<(u32, ClockSource)>,
     /// What the host's clock said beside it.
     pairs: Pairs,
+    /// What a pulse a second said, where there was one.
+    pulses: Pulses,
+    /// Those that came ahead of the header.
+    early_pulses: Vec<Pulse>,
 }
 
 impl Frames {
     /// The record begins: says what is to be said of the clock of its stamps.
     pub fn begin(&mut self, board: &BoardHeader) {
         self.timer = Some((board.timer_hz, board.clock));
+        for pulse in std::mem::take(&mut self.early_pulses) {
+            self.pulse(pulse);
+        }
         if let Some(warning) = board.clock.warning() {
             self.assembler.news(warning.to_owned());
         }
@@ -102,6 +110,9 @@ impl Frames {
                 "{} frames behind the end of the recording are left out: they are no part of it",
                 self.behind_end
             ));
+        }
+        if let Some(words) = self.odd_pulses() {
+            self.assembler.news(words);
         }
         let cut = self.decoder.pending();
         if cut > 0 {
@@ -177,6 +188,7 @@ impl Frames {
             ToHost::Reply(reply) => self.reply(reply),
             ToHost::Event(event) => self.event(event),
             ToHost::Note(note) => self.note(note),
+            ToHost::Pulse(pulse) => self.pulse(pulse),
         }
     }
 
@@ -282,14 +294,5 @@ impl Frames {
         if let Some(state) = state {
             self.assembler.news(state.to_string());
         }
-    }
-
-    fn fault(&mut self, fault: Fault) {
-        if let Fault::Version { theirs } = fault {
-            self.status.foreign_version = Some(theirs);
-        }
-        let n = self.decoder.counts().frames;
-        self.assembler
-            .news(format!("after frame {n}: a damaged frame ({fault})"));
     }
 }

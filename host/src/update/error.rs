@@ -81,6 +81,17 @@ pub enum UpdateError {
         /// Release that was written.
         wanted: String,
     },
+    /// The new program is there, and the one before, of the same release, runs.
+    #[error(
+        "{port}: firmware {wanted} was written and verified, and the program before it, of the same release, answers: the \
+         new program did not start; the board has gone back to the one before"
+    )]
+    FellBack {
+        /// Name of the port.
+        port: String,
+        /// Release of both.
+        wanted: String,
+    },
     /// The new program is there, and does not answer.
     #[error(
         "{port}: the new program was written and verified, and does not answer; switch the board off and on up to \

@@ -6,6 +6,10 @@
 //!         the new program answers <-- restart <--Start
 //! ```
 //!
+//! Who answers then says its release and not which program it is. Where the one before has the same release, or none is
+//! known, the loader is asked once more which slot it starts: a program that understands a host has proved itself, so that
+//! it is the new one's slot exactly where the new one answered.
+//!
 //! All that is said is frozen (`inm_protocol::update`), so that the versions of host and board do not matter.
 //! The program that the board has stays until the new one is there and verified; whatever breaks off, the
 //! board starts one of the two, and the same command again goes on or begins anew.
@@ -91,8 +95,8 @@ pub struct Updated {
 /// Brings the program of an image onto the board at a port, and waits until it answers.
 ///
 /// # Errors
-/// [`UpdateError`]: what the port, the board or its loader says. The board has the program that it had, but
-/// for [`UpdateError::Other`] and [`UpdateError::NotBack`].
+/// [`UpdateError`]: what the port, the board or its loader says. The board runs the program that it had, but
+/// for [`UpdateError::NotBack`], of which that is not known.
 pub fn update(
     connect: &mut dyn Connect,
     image: &Image,
@@ -122,6 +126,13 @@ pub fn update(
         return Err(UpdateError::Other {
             port: talk.name(),
             found: after.firmware.to_string(),
+            wanted: image.version.clone(),
+        });
+    }
+    let told_apart = before.version != LOADER && *before.firmware != *image.version;
+    if !told_apart && starts(&mut talk)? != Some(slot) {
+        return Err(UpdateError::FellBack {
+            port: talk.name(),
             wanted: image.version.clone(),
         });
     }
@@ -212,6 +223,13 @@ fn write(
         };
     }
     Err(UpdateError::Nobody { port: talk.name() })
+}
+
+/// The slot whose program the board starts, as its loader says; the program runs again then.
+fn starts(talk: &mut Talk) -> Result<Option<u8>, UpdateError> {
+    let (_, status) = enter(talk)?;
+    start(talk)?;
+    Ok(status.starts)
 }
 
 /// Restarts the board into its new program. Who it is then.

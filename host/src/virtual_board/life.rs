@@ -14,6 +14,7 @@ use inm_protocol::{AXES, Hello, Restart, SensorRange};
 
 use super::line::{Line, PARCEL, Parcel};
 use super::loading::{flash, listen};
+use super::pulses::Pulses;
 use super::shaken::{Pins, Shaken};
 use super::witness::{note_by_axis, note_words};
 use super::{Misfortune, VirtualConnect};
@@ -28,6 +29,9 @@ const QUEUE: usize = 4096;
 /// Steps of the instrument after which a parcel leaves, empty or not: 50 ms of a board at rest, of
 /// one that streams some 100 conversions. Much work compared with handing it over, and no long wait.
 const STEPS: u32 = 200;
+
+/// How long a program that hangs is left alone, in real time: the watchdog of the image has a second.
+const HUNG: Duration = Duration::from_millis(200);
 
 /// Runs the board until the host is gone.
 pub(super) fn power_on(plan: &VirtualConnect, line: &mut Line) {
@@ -52,6 +56,12 @@ pub(super) fn power_on(plan: &VirtualConnect, line: &mut Line) {
                 None => return,
             }
         };
+        if plan.hangs == Some(slot) {
+            // Until its watchdog bites.
+            stay_dark(HUNG, &plan.clock);
+            restart = Restart::Watchdog;
+            continue;
+        }
         let pins = Arc::default();
         let bench = Bench::new(plan.sensors(&pins).map(Converter::new));
         let described = describe(PLATFORM);
@@ -119,7 +129,12 @@ fn run<'p>(
     let mut noted = [0; AXES];
     let mut faults = &plan.faults[..];
     let mut streams_from = None;
+    let mut pulses = plan.receiver.map(|one| Pulses::new(one, plan.off.pace()));
     loop {
+        let now_ps = instrument.platform().bench().now_ps();
+        while let Some(at_ps) = pulses.as_mut().and_then(|pulses| pulses.due(now_ps)) {
+            instrument.platform_mut().environment_mut().pulse(at_ps);
+        }
         instrument.step();
         steps += 1;
         let bench = instrument.platform().bench();

@@ -24,6 +24,7 @@ mod life;
 mod line;
 mod loading;
 mod port;
+mod pulses;
 mod shaken;
 pub mod turned;
 mod witness;
@@ -39,6 +40,7 @@ use inm_firmware::emulated::VirtualFlash;
 use inm_protocol::{AXES, Restart, SensorRange};
 
 pub use loading::ProgramFlash;
+pub use pulses::Receiver;
 pub use shaken::Hidden;
 pub use witness::{AxisWitness, Witness};
 
@@ -101,6 +103,10 @@ pub struct VirtualConnect {
     pub clock: Clock,
     /// By how much its own clocks are off.
     pub off: ClocksOff,
+    /// What is at its input for a pulse a second.
+    pub receiver: Option<Receiver>,
+    /// Slot whose program hangs at its start, before it understands anybody.
+    pub hangs: Option<usize>,
 }
 
 /// By how much the clocks of a board are off, parts in a million of a true one; the host's is true.
@@ -155,6 +161,8 @@ impl VirtualConnect {
             axis_witness: None,
             clock: Clock::counted(),
             off: ClocksOff::default(),
+            receiver: None,
+            hangs: None,
         }
     }
 

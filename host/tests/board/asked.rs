@@ -33,6 +33,20 @@ fn info_tells_what_a_board_behind_a_port_is() {
 }
 
 #[test]
+fn info_and_log_tell_of_a_pulse_a_second() {
+    let board = PtyBoard::start(VirtualConnect::published(1, 1.0).with_pulses(1));
+    let info = json(&["board", "info", "--port", &board.port], 0);
+    assert!(info["pulse"]["number"].as_u64() >= Some(1), "{info}");
+    assert_eq!(info["pulse"]["counters"]["early"], 0, "{info}");
+    let arguments = ["board", "info", "--port", &board.port];
+    let told = text(&inm(&arguments).stdout);
+    assert!(told.contains("pulse       one a second: "), "{told}");
+    let arguments = ["board", "log", "--port", &board.port, "--duration", "2"];
+    let told = text(&inm(&arguments).stdout);
+    assert!(told.contains("a pulse a second comes"), "{told}");
+}
+
+#[test]
 fn a_board_is_chosen_by_a_part_of_its_serial_number() {
     let boards = [board([1, 0, 0xAAAA]), board([2, 0, 0xBBBB])];
     let ports = ["--port", &boards[0].port, "--port", &boards[1].port];

@@ -96,3 +96,24 @@ fn a_clock_that_goes_wrong_fails() {
     let tested = json(&arguments, 1);
     assert_eq!(with_verdict(&tested, "failed"), ["clock "]);
 }
+
+/// The crystal of this board is off by what is drawn, and no crystal is off by more.
+#[test]
+fn the_clock_is_checked_by_a_pulse_a_second_where_there_is_one() {
+    let plan = VirtualConnect::published(1, 1.0).with_pulses(1);
+    let crystal_ppm = plan.off.crystal_ppm;
+    let board = PtyBoard::start(plan);
+    let arguments = ["board", "selftest", "--port", &board.port, "--watch", "8"];
+    let tested = json(&arguments, 0);
+    let mut checks = tested["checks"].as_array().expect("a list").iter();
+    let clock = checks.find(|check| check["name"] == "clock");
+    let found = clock.expect("it is checked")["value"].as_f64();
+    let found = found.expect("it was measured");
+    // Eight pulses in seven seconds of 20 us each at most: 3.5 ppm, and eight times that.
+    assert!(
+        (found - crystal_ppm).abs() < 30.0,
+        "{found} ppm of {crystal_ppm}"
+    );
+    let told = tested.to_string();
+    assert!(told.contains("by a pulse a second"), "{told}");
+}

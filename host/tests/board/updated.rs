@@ -208,3 +208,25 @@ fn a_program_that_is_not_the_one_that_was_written_is_told() {
         "{said}"
     );
 }
+
+/// The new program has the release of the one before and hangs: the board starts it four times, then the other, which
+/// answers with the release that is wanted.
+#[test]
+fn a_board_that_goes_back_to_a_program_of_the_same_release_is_told() {
+    let parts = image(BOARD, RELEASE, MORE);
+    let plan = VirtualConnect {
+        hangs: Some(1),
+        ..board()
+    };
+    let (file, board) = (File::of(&parts), PtyBoard::start(plan.clone()));
+    let said = fail(&["board", "update", file.path(), "--port", &board.port]);
+    assert!(
+        said.contains("the program before it, of the same release, answers"),
+        "{said}"
+    );
+    assert!(holds(&plan, 1, &parts));
+    assert_eq!(first_to_start(&flash(&plan)), Some(0));
+    // It runs again.
+    let info = json(&["board", "info", "--port", &board.port], 0);
+    assert_eq!(info["firmware"], RELEASE);
+}

@@ -59,6 +59,12 @@ impl Chip {
         let supply = self.gpio[PORT_C as usize].pin(0).mode == Mode::Analog;
         self.adc.catch_up(now_ps, |channel| code(channel, supply));
         self.usart.catch_up(now_ps, clocks.pclk2, held);
+        while let Some(edge_ps) = self.board.pulses.pop_front_if(|edge_ps| *edge_ps <= now_ps) {
+            // PA0, TIM2_CH1.
+            if self.gpio[0].pin(0).mode == Mode::Alternate(1) {
+                self.timer.edge(edge_ps, clocks.timclk1);
+            }
+        }
         self.core.catch_up(now_ps, clocks.hclk);
         if self.watchdog.bites_ps().is_some_and(|at| at <= now_ps) {
             self.stop = Some(Stop::Reset(Cause::Watchdog));
@@ -100,6 +106,7 @@ impl Chip {
             self.adc.next_ps(),
             self.core.next_ps(),
             self.watchdog.bites_ps(),
+            self.board.pulses.front().copied(),
             Some(self.deadline_ps),
         ];
         let all = spi.chain(board).chain(others.into_iter().flatten());

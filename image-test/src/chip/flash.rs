@@ -1,13 +1,18 @@
-//! The flash controller (RM0090, 3.6 to 3.9): keys, one word of control, sectors that are erased. The bytes
-//! themselves lie in the machine's memory.
+//! The flash controller (RM0090, 3.6 to 3.9): keys, one word of control, sectors that are erased, and what its data cache
+//! may still hold of cells that have changed (3.5.3). The bytes themselves lie in the machine's memory.
 
 use std::ops::Range;
 
 use super::Registers;
 
+const ACR: u32 = 0x00;
 const KEYR: u32 = 0x04;
 const SR: u32 = 0x0c;
 const CR: u32 = 0x10;
+
+/// Bits of ACR (3.9.1): the data cache is on, is emptied.
+const DCEN: u32 = 1 << 10;
+const DCRST: u32 = 1 << 12;
 
 /// Keys that unlock CR, in this order (RM0090, 3.6.1).
 const KEYS: [u32; 2] = [0x4567_0123, 0xcdef_89ab];
@@ -32,6 +37,10 @@ pub struct Flash {
     keys: usize,
     /// A sector that is to be erased: bytes from the start of the flash.
     erase: Option<Range<u32>>,
+    /// Cells that have changed since the cache was last emptied, bytes from the start of the flash.
+    changed: Vec<Range<u32>>,
+    /// It was emptied while it was on, which the manual forbids.
+    pub(crate) emptied_while_on: bool,
 }
 
 impl Flash {
@@ -42,6 +51,8 @@ impl Flash {
             registers,
             keys: 0,
             erase: None,
+            changed: Vec::new(),
+            emptied_while_on: false,
         }
     }
 
@@ -63,6 +74,15 @@ impl Flash {
             }
             // A wrong key locks it until a reset.
             KEYR => self.keys = KEYS.len() + 1,
+            ACR => {
+                let emptied = value & DCRST != 0;
+                let on = (value | self.registers.get(ACR)) & DCEN != 0;
+                self.emptied_while_on |= emptied && on;
+                if emptied && !on {
+                    self.changed.clear();
+                }
+                self.registers.set(ACR, value);
+            }
             CR if self.is_locked() => {}
             CR => {
                 if value & LOCK != 0 {
@@ -89,6 +109,20 @@ impl Flash {
     /// The sector that is to be erased, once.
     pub(crate) fn take_erase(&mut self) -> Option<Range<u32>> {
         self.erase.take()
+    }
+
+    /// Cells have changed, bytes from the start of the flash.
+    pub(crate) fn change(&mut self, cells: Range<u32>) {
+        match self.changed.last_mut() {
+            // Byte by byte.
+            Some(last) if last.end == cells.start => last.end = cells.end,
+            _ => self.changed.push(cells),
+        }
+    }
+
+    /// Whether the cache may say what a cell held before.
+    pub(crate) fn may_be_stale(&self, at: u32) -> bool {
+        self.registers.get(ACR) & DCEN != 0 && self.changed.iter().any(|cells| cells.contains(&at))
     }
 
     /// How long the core stands still for so many bytes programmed.

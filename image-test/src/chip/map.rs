@@ -157,7 +157,12 @@ impl Chip {
                 self.rcc.write(offset, value, now_ps);
                 self.check_flash();
             }
-            Block::Flash => self.flash.set(offset, value),
+            Block::Flash => {
+                self.flash.set(offset, value);
+                if self.flash.emptied_while_on {
+                    self.note("the flash's data cache emptied while it is on".to_owned());
+                }
+            }
             Block::Power => {}
         }
         self.settle();

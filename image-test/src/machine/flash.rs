@@ -32,6 +32,8 @@ pub fn program(uc: &mut Unicorn<'static, Chip>) {
             uc.get_data_mut().note(what);
         }
         uc.mem_write(at, &[new]).expect("memory is there");
+        let place = (at - u64::from(FLASH)) as u32;
+        uc.get_data_mut().flash.change(place..place + 1);
         uc.get_data_mut().stand_still(Flash::programming_ps(len));
         true
     };
@@ -47,7 +49,28 @@ pub fn erase(uc: &mut Unicorn<'_, Chip>) {
     let blank = vec![0xff; sector.len()];
     let at = u64::from(FLASH + sector.start);
     uc.mem_write(at, &blank).expect("memory is there");
+    uc.get_data_mut().flash.change(sector.clone());
     uc.get_data_mut().stand_still(Flash::erasing_ps(&sector));
+}
+
+/// The last two sectors, of what the board keeps. Not the slots: the engine loses its place in a program that sums them
+/// up while somebody looks, and the loader has the cache off.
+const LOOKED_AT: u32 = FLASH + 0xC_0000;
+
+/// Notes where data are read that the cache may hold as they were.
+pub fn read(uc: &mut Unicorn<'static, Chip>) {
+    let end = u64::from(FLASH) + FLASH_LEN as u64 - 1;
+    let hook = |uc: &mut Unicorn<'_, Chip>, _, at: u64, _, _| {
+        let chip = uc.get_data_mut();
+        if chip.flash.may_be_stale((at - u64::from(FLASH)) as u32) {
+            chip.note(format!(
+                "flash read at {at:#010x} through a cache that may hold what was there before"
+            ));
+        }
+        true
+    };
+    uc.add_mem_hook(HookType::MEM_READ, LOOKED_AT.into(), end, hook)
+        .expect("the engine has it");
 }
 
 impl Machine {

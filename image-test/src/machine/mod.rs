@@ -72,6 +72,7 @@ impl Machine {
         map_memory(&mut uc, image);
         map_registers(&mut uc);
         flash::program(&mut uc);
+        flash::read(&mut uc);
         let blocks = Blocks::new(image);
         blocks::count(&mut uc, blocks);
         exceptions::handle(&mut uc);

@@ -9,8 +9,8 @@ use inm_protocol::{
 
 use super::{Machine, PS_PER_MS};
 
-/// Board time after which a command counts as unanswered: a start takes a quarter of a second.
-const PATIENCE_MS: u64 = 2000;
+/// Board time after which a command counts as unanswered: to erase what is kept takes 2 s here.
+const PATIENCE_MS: u64 = 4000;
 
 /// A host at the far end of the line.
 #[derive(Default)]

@@ -9,7 +9,7 @@ use inm_protocol::{AxisCounters, Filter, Phase, SensorRange};
 use super::JsonOption;
 use super::which::Which;
 use crate::capture::ClockSource;
-use crate::inspect::info::{AxisInfo, Info, State};
+use crate::inspect::info::{AxisInfo, Info, PulseInfo, State};
 use crate::source::SourceError;
 
 /// Arguments of `inm board info`.
@@ -60,6 +60,9 @@ fn text(info: &Info) -> String {
             info.converter_clock_hz
         ),
     );
+    if let Some(pulse) = &info.pulse {
+        line("pulse", pulse_words(pulse));
+    }
     line("line", format!("{} bit/s", info.baud));
     let range = match info.range {
         SensorRange::G4 => "4 g",
@@ -100,6 +103,14 @@ fn clock(source: ClockSource) -> &'static str {
         ClockSource::Emulated => "emulated",
         ClockSource::Unknown => "unknown",
     }
+}
+
+fn pulse_words(pulse: &PulseInfo) -> String {
+    let counters = pulse.counters;
+    format!(
+        "one a second: {} since it started, seconds without {}, doubled {}, no whole second apart {}, other edges {}",
+        pulse.number, counters.missing, counters.doubled, counters.odd, counters.early
+    )
 }
 
 fn filter(filter: Filter) -> String {

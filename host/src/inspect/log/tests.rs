@@ -97,3 +97,39 @@ fn a_stamp_that_goes_back_is_a_restart_and_begins_all_counts_anew() {
     assert!(told[0].what.starts_with("2 words"), "{told:?}");
     assert!(!log.has_restarted(&heard(ToHost::Health(health(2)))));
 }
+
+#[test]
+fn what_is_odd_about_a_pulse_a_second_is_told_as_it_grows() {
+    let mut log = Log::new(TIMER_HZ);
+    let mut pulse = Pulse {
+        stamp: 5,
+        ..Pulse::default()
+    };
+    pulse.counters.missing = 2;
+    assert_eq!(
+        said(&mut log, ToHost::Pulse(pulse)),
+        [
+            "- a pulse a second comes",
+            "- 2 seconds without a pulse since it started"
+        ]
+    );
+    pulse.stamp += u64::from(TIMER_HZ);
+    assert!(said(&mut log, ToHost::Pulse(pulse)).is_empty());
+    (pulse.counters.early, pulse.counters.doubled) = (3, 1);
+    assert_eq!(
+        said(&mut log, ToHost::Pulse(pulse)),
+        [
+            "- 1 pulses of more than one edge",
+            "- 3 edges within half a second of a pulse"
+        ]
+    );
+    // A board that has restarted counts from nothing.
+    let young = Pulse {
+        stamp: 1,
+        ..Pulse::default()
+    };
+    assert_eq!(
+        said(&mut log, ToHost::Pulse(young)),
+        ["- a pulse a second comes"]
+    );
+}

@@ -1,4 +1,5 @@
-//! The board's clock against the host's: stamps of its health records, by when they arrived.
+//! The board's clock against the host's: stamps of its health records, by when they arrived. Where the board has a pulse a
+//! second, against that.
 
 use std::time::Duration;
 
@@ -6,7 +7,8 @@ use inm_protocol::{Identity, ToHost};
 
 use super::{Check, Verdict};
 use crate::capture::ClockSource;
-use crate::clocks::{FEWEST, Pair, ratio};
+use crate::clocks::pulses::Pulses;
+use crate::clocks::{FEWEST, Measured, Pair, ratio};
 use crate::inspect::{Heard, Session};
 use crate::link::LinkError;
 
@@ -27,20 +29,24 @@ pub(super) fn clock(
     // What was heard ahead of this waited for an answer to be read.
     while session.heard().is_some() {}
     let begun = session.now();
-    let (mut ticks, mut supply_mv) = (Vec::new(), None);
+    let (mut ticks, mut pulses, mut supply_mv) = (Vec::new(), Pulses::default(), None);
     while session.now() < begun + watch {
         session.listen()?;
         while let Some(Heard { at, message }) = session.heard() {
-            if let ToHost::Health(health) = message {
-                supply_mv = health.supply_mv.or(supply_mv);
-                ticks.push(Pair {
-                    board_s: health.stamp as f64 / f64::from(identity.timer_hz.max(1)),
-                    host_s: at.duration_since(begun).as_secs_f64(),
-                });
+            match message {
+                ToHost::Health(health) => {
+                    supply_mv = health.supply_mv.or(supply_mv);
+                    ticks.push(Pair {
+                        board_s: health.stamp as f64 / f64::from(identity.timer_hz.max(1)),
+                        host_s: at.duration_since(begun).as_secs_f64(),
+                    });
+                }
+                ToHost::Pulse(pulse) => pulses.push(&pulse, identity.timer_hz),
+                _ => {}
             }
         }
     }
-    let check = judged(&ticks);
+    let check = judged(&ticks, pulses.ratio());
     Ok(match ClockSource::of(identity).warning() {
         Some(warning) => {
             let failed = Check {
@@ -53,10 +59,15 @@ pub(super) fn clock(
     })
 }
 
-/// The rate of the board's clock by that of the host, and how well it is known.
-fn judged(ticks: &[Pair]) -> Check {
+/// The rate of the board's clock by that of the host, or by the pulses of a second, and how well it is known.
+fn judged(ticks: &[Pair], by_pulses: Option<Measured>) -> Check {
     let limits = [-CLOCK_LIMIT_PPM, CLOCK_LIMIT_PPM];
-    let Some((ppm, known_to_ppm)) = rate(ticks) else {
+    let by_which = match by_pulses {
+        Some(_) => ", by a pulse a second",
+        None => "",
+    };
+    let found = by_pulses.or_else(|| ratio(ticks)).and_then(ppm);
+    let Some((ppm, known_to_ppm)) = found else {
         let words = format!(
             "{} health records arrived, {FEWEST} are needed: watch it for longer (--watch)",
             ticks.len()
@@ -64,7 +75,8 @@ fn judged(ticks: &[Pair]) -> Check {
         return Check::of("clock", None, 0.0, "ppm", limits).without(Verdict::Open, words);
     };
     let mut check = Check::of("clock", None, ppm, "ppm", limits);
-    check.remark = format!("known to {known_to_ppm:.0} ppm (99 %)");
+    let digits = usize::from(known_to_ppm < 1.0) * 3;
+    check.remark = format!("known to {known_to_ppm:.digits$} ppm (99 %){by_which}");
     if ppm.abs() + known_to_ppm > CLOCK_LIMIT_PPM && ppm.abs() - known_to_ppm <= CLOCK_LIMIT_PPM {
         check.verdict = Verdict::Open;
         check.remark += ": watch it for longer (--watch)";
@@ -72,9 +84,8 @@ fn judged(ticks: &[Pair]) -> Check {
     check
 }
 
-/// How much faster the board's clock goes than the host's, parts in a million, and half its 99 % interval.
-fn rate(ticks: &[Pair]) -> Option<(f64, f64)> {
-    let ratio = ratio(ticks)?;
+/// How much faster a clock goes than another, parts in a million, and half its 99 % interval.
+fn ppm(ratio: Measured) -> Option<(f64, f64)> {
     Some((1e6 * (ratio.value - 1.0), 1e6 * ratio.half(UPPER_END)?))
 }
 
@@ -94,22 +105,37 @@ mod tests {
     #[test]
     fn an_even_clock_is_known_to_the_last_digit() {
         for ppm in [-400.0, 0.0, 50.0] {
-            let check = judged(&ticks(10, ppm, |_| 0.02));
+            let check = judged(&ticks(10, ppm, |_| 0.02), None);
             assert_eq!(check.verdict, Verdict::Ok, "{check:?}");
             let value = check.value.expect("measured");
             assert!((value - ppm).abs() < 0.01, "{value}");
         }
-        let fast = judged(&ticks(10, 9000.0, |_| 0.0));
+        let fast = judged(&ticks(10, 9000.0, |_| 0.0), None);
         assert_eq!(fast.verdict, Verdict::Failed, "{fast:?}");
+    }
+
+    /// A host whose clock is far off is not asked then.
+    #[test]
+    fn a_pulse_a_second_comes_before_the_host() {
+        let by_pulses = Measured {
+            value: 1.0 + 3e-5,
+            sd: 1e-8,
+            freedom: 8.0,
+        };
+        let check = judged(&ticks(10, 9000.0, |_| 0.0), Some(by_pulses));
+        assert_eq!(check.verdict, Verdict::Ok, "{check:?}");
+        assert!(check.remark.contains("by a pulse a second"), "{check:?}");
+        let value = check.value.expect("measured");
+        assert!((value - 30.0).abs() < 1e-6, "{value}");
     }
 
     #[test]
     fn what_the_link_holds_back_leaves_the_answer_open_and_fails_nobody() {
         // A machine that stood still ahead of the last record.
-        let check = judged(&ticks(5, 0.0, |k| if k == 4 { 0.3 } else { 0.0 }));
+        let check = judged(&ticks(5, 0.0, |k| if k == 4 { 0.3 } else { 0.0 }), None);
         assert_eq!(check.verdict, Verdict::Open, "{check:?}");
         assert!(check.remark.contains("--watch"), "{check:?}");
-        let few = judged(&ticks(FEWEST as u32 - 1, 0.0, |_| 0.0));
+        let few = judged(&ticks(FEWEST as u32 - 1, 0.0, |_| 0.0), None);
         assert_eq!((few.verdict, few.value), (Verdict::Open, None));
     }
 
@@ -117,7 +143,8 @@ mod tests {
     #[test]
     fn the_interval_is_that_of_a_slope() {
         let late = |k: u32| if k % 2 == 1 { 0.01 } else { 0.0 };
-        let (ppm, half) = rate(&ticks(5, 0.0, late)).expect("enough");
+        let found = ratio(&ticks(5, 0.0, late)).expect("enough");
+        let (ppm, half) = ppm(found).expect("an interval");
         // Symmetric delays do not tilt the line; their squares about their mean of 4 ms are 120 ms^2, the
         // sum of squares in time is 10 s^2 and 99 % of Student's law with 3 degrees lie within 5.841.
         let expected = 1e6 * 5.841 * (120e-6_f64 / 3.0 / 10.0).sqrt();

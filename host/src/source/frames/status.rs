@@ -1,6 +1,6 @@
 //! What is known of board and link, and the replies that wait for who asked.
 
-use inm_protocol::{Health, Hello, Reply, VERSION};
+use inm_protocol::{Fault, Health, Hello, Reply, VERSION};
 
 use super::Frames;
 
@@ -50,5 +50,15 @@ impl Frames {
         if theirs.is_some_and(|theirs| theirs != VERSION) {
             self.status.foreign_version = theirs;
         }
+    }
+
+    /// A frame that is no message.
+    pub(super) fn fault(&mut self, fault: Fault) {
+        if let Fault::Version { theirs } = fault {
+            self.status.foreign_version = Some(theirs);
+        }
+        let n = self.decoder.counts().frames;
+        self.assembler
+            .news(format!("after frame {n}: a damaged frame ({fault})"));
     }
 }

@@ -65,7 +65,7 @@ mod tests {
         };
         let rate = measured(NOMINAL_HZ * (1.0 + 1e-6 * by_board_ppm), 1e-6 * NOMINAL_HZ);
         let over_host = measured(1.0 + 1e-6 * board_ppm, 1e-6 * sd_ppm);
-        Clocks::new(rate, CRYSTALS, Some(over_host))
+        Clocks::new(rate, CRYSTALS, Some(over_host), None)
     }
 
     fn by_lines(ratio: f64, sd: f64) -> Vec<(usize, Finding)> {
@@ -89,6 +89,27 @@ mod tests {
         assert!(found(&clocks(-700.0, 700.0, 5.0), Vec::new()).is_empty());
         // A host that knows too little leaves it to the timer.
         assert_eq!(found(&clocks(-700.0, 700.0, 300.0), Vec::new()).len(), 3);
+    }
+
+    /// By a pulse a second the host's clock is not asked, and one crystal is left.
+    #[test]
+    fn a_pulse_a_second_comes_before_the_host() {
+        let measured = |value: f64, sd: f64| Measured {
+            value,
+            sd,
+            freedom: 10.0,
+        };
+        let by_pps = |converters_ppm: f64, host_ppm: f64| {
+            let rate = measured(NOMINAL_HZ, 1e-7 * NOMINAL_HZ);
+            let over_host = measured(1.0 + 1e-6 * host_ppm, 1e-6);
+            let over_pps = measured(1.0 + 1e-6 * converters_ppm, 1e-8);
+            Clocks::new(rate, CRYSTALS, Some(over_host), Some(over_pps))
+        };
+        // A host that is off, which alone would be taken for the converters.
+        assert!(found(&by_pps(10.0, 700.0), Vec::new()).is_empty());
+        let off = found(&by_pps(80.0, 0.0), Vec::new());
+        assert_eq!(off.len(), 3);
+        assert!((off[0].1 - 1.000_08).abs() < 1e-9, "{off:?}");
     }
 
     #[test]
