@@ -28,21 +28,21 @@ impl Listed {
 /// All of them, the program first.
 fn commands() -> Vec<Listed> {
     let mut all = Vec::new();
-    walk(&command_line(), Vec::new(), &mut all);
+    walk(&command_line(), &[], &mut all);
     all
 }
 
-fn walk(command: &clap::Command, words: Vec<String>, all: &mut Vec<Listed>) {
+fn walk(command: &clap::Command, words: &[String], all: &mut Vec<Listed>) {
     all.push(Listed {
-        words: words.clone(),
+        words: words.to_owned(),
         is_leaf: !command.has_subcommands(),
         writes_json: command
             .get_arguments()
             .any(|argument| argument.get_long() == Some("json")),
     });
     for below in command.get_subcommands() {
-        let more = [&words[..], &[below.get_name().to_owned()]].concat();
-        walk(below, more, all);
+        let more = [words, &[below.get_name().to_owned()]].concat();
+        walk(below, &more, all);
     }
 }
 
