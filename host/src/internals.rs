@@ -2,6 +2,8 @@
 //! is in no list here and not in the face is the library's own, so that the compiler tells what of it
 //! is not used any more.
 
+pub use crate::cli::described as command_line;
+
 pub mod analyse {
     pub use crate::analyse::{
         Analysis, AnalysisOptions, AxisAnalysis, Fits, LikelihoodFit, LikelihoodValue, analyse,

@@ -94,6 +94,9 @@ usage: cargo xtask <command>
   study robust [--records N] [--first-seed S]
              whether `inm diagnose` keeps its head on records of any length, type and content; an hour
              for 5000
+  study live [--minutes N]
+             three tabs in Chromium through N minutes (10) of a board at ten times its speed: no sample lost,
+             none of the tabs grows; a minute and a build for ten
   study published [--records N]
              the published table simulated N times (400) an axis: published, weighted and likelihood
              fit beside the Cramér-Rao bound; a second and a half a record and axis
@@ -124,6 +127,8 @@ fn main() -> ExitCode {
         ["study", "diagnose", ref options @ ..] => study::diagnose(options),
         ["study", "everyday", ref options @ ..] => study::everyday(options),
         ["study", "robust", ref options @ ..] => study::robust(options),
+        ["study", "live"] => study::live(None),
+        ["study", "live", "--minutes", minutes] => study::live(Some(minutes)),
         ["study", "published"] => study::example("study_published", None),
         ["study", "published", "--records", count] => {
             study::example("study_published", Some(count))

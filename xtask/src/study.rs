@@ -50,6 +50,23 @@ pub fn everyday(options: &[&str]) -> Result<()> {
     judge("study_everyday", options)
 }
 
+/// Whether tabs in a browser cost a sample, and hold more with time; prints what each held. `minutes` are the
+/// board's; ten if `None`.
+///
+/// # Errors
+/// It does not build, there is no browser, `minutes` is no number, a sample is missing, or a tab grows.
+pub fn live(minutes: Option<&str>) -> Result<()> {
+    let minutes = minutes.unwrap_or("10");
+    minutes
+        .parse::<u32>()
+        .with_context(|| format!("`{minutes}` is no number of minutes"))?;
+    execute(
+        cargo(&["test", "--package", "inm-host", "--test", "live", "--"])
+            .args(["--ignored", "--nocapture", "tabs_cost_no_sample_and_hold"])
+            .env("INM_STUDY_MINUTES", minutes),
+    )
+}
+
 /// Whether every sample of a night at the bench is right, flagged or known to be missing; prints a
 /// table. `options` go to the study: `--help` lists them.
 ///

@@ -25,7 +25,7 @@ pub mod simulate;
 use std::io::Write;
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 
 use crate::plain::on_a_line;
 
@@ -65,6 +65,11 @@ enum Command {
     /// Program the board through a debug probe.
     #[cfg(feature = "flash")]
     Flash(flash::FlashCommand),
+}
+
+/// The command line as it is read: its commands and their options.
+pub fn described() -> clap::Command {
+    Arguments::command()
 }
 
 /// Runs the command line of this process.

@@ -12,6 +12,7 @@
 
 mod artist;
 mod bench;
+mod command;
 mod files;
 mod guard;
 mod hub;

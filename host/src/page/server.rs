@@ -8,34 +8,29 @@ use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
 use axum::Router;
-use axum::body::{Body, to_bytes};
 use axum::extract::{Request, State};
-use axum::http::header::{
-    ALLOW, CACHE_CONTROL, CONTENT_SECURITY_POLICY, CONTENT_TYPE, HOST, ORIGIN, REFERRER_POLICY,
-    X_CONTENT_TYPE_OPTIONS,
-};
+use axum::http::header::{ALLOW, HOST, ORIGIN};
 use axum::http::{HeaderMap, Method, StatusCode};
 use axum::response::sse::{Event, KeepAlive};
 use axum::response::{IntoResponse, Response, Sse};
+use socket2::SockRef;
 use tokio::sync::oneshot;
 use tokio::time::timeout;
 use tokio_stream::StreamExt;
 use tokio_stream::wrappers::WatchStream;
 
+use super::command::{Command, said};
 use super::files;
 use super::guard::{Asked, Guard, Token};
 use super::hub::{Hub, Shown};
-use super::wanted;
-use crate::live::{Controls, Declined, Desk};
+use crate::live::Controls;
 
 /// Tabs that may look at the same time: each costs a buffer of some 400 kB at most.
 const MOST_TABS: usize = 16;
 
-/// Longest body of a command, bytes: a note of a mark is 120.
-const MOST_BODY: usize = 1024;
-
-/// How long a command may take to arrive.
-const PATIENCE: Duration = Duration::from_secs(5);
+/// Bytes that the system takes ahead of a tab that is slow. Left to itself it takes megabytes, and who looks
+/// over a slow line sees what was minutes ago; a fast one has this much for a round trip.
+const AHEAD: usize = 128 * 1024;
 
 /// How long the last state may take to reach the tabs: those of a busy machine take their time, and one that takes
 /// nothing any more holds up the end for no longer.
@@ -43,10 +38,6 @@ const LAST: Duration = Duration::from_secs(3);
 
 /// How often it is looked whether they have it.
 const AGAIN: Duration = Duration::from_millis(50);
-
-/// What the page may load: what is its own, and nothing from elsewhere.
-const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; \
-                      img-src data:; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 /// A server that runs until it is dropped.
 pub struct Server {
@@ -68,6 +59,8 @@ impl Server {
     /// If the system gives no thread, or no randomness for a token.
     pub fn start(listener: TcpListener, hub: Arc<Hub>, controls: Controls) -> io::Result<Self> {
         listener.set_nonblocking(true)?;
+        // Connections have what their listener has.
+        SockRef::from(&listener).set_send_buffer_size(AHEAD)?;
         let address = listener.local_addr()?;
         let token = Token::random().map_err(io::Error::other)?;
         let url = format!("http://{address}/{token}/");
@@ -142,9 +135,9 @@ async fn answer(State(site): State<Arc<Site>>, request: Request) -> Response {
     let command = Command::at(what);
     let is_shown = what == "/events" || files::find(what).is_some();
     match (head.method, command) {
-        (Method::POST, Some(command)) => carry_out(&site.controls.desk, command, body).await,
+        (Method::POST, Some(command)) => command.carry_out(&site.controls.desk, body).await,
         (Method::GET, None) if what == "/events" => events(&site.hub),
-        (Method::GET, None) if is_shown => file(what),
+        (Method::GET, None) if is_shown => files::answer(what),
         (_, Some(_)) => ([(ALLOW, "POST")], StatusCode::METHOD_NOT_ALLOWED).into_response(),
         (_, None) if is_shown => ([(ALLOW, "GET")], StatusCode::METHOD_NOT_ALLOWED).into_response(),
         _ => said(
@@ -166,20 +159,6 @@ fn asked<'a>(path: &'a str, headers: &'a HeaderMap) -> Asked<'a> {
         origin: text(ORIGIN),
         site: text(axum::http::HeaderName::from_static("sec-fetch-site")),
     }
-}
-
-fn file(what: &str) -> Response {
-    let Some((kind, text)) = files::find(what) else {
-        return StatusCode::NOT_FOUND.into_response();
-    };
-    let headers = [
-        (CONTENT_TYPE, kind),
-        (CONTENT_SECURITY_POLICY, POLICY),
-        (CACHE_CONTROL, "no-store"),
-        (REFERRER_POLICY, "no-referrer"),
-        (X_CONTENT_TYPE_OPTIONS, "nosniff"),
-    ];
-    (headers, text).into_response()
 }
 
 /// The parts of the page as they change.
@@ -207,68 +186,51 @@ fn event(shown: &Shown, seen: &mut u64) -> Event {
     Event::default().event(name).data(text)
 }
 
-/// What a tab may ask for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Command {
-    Mark,
-    Stop,
-    Record,
-    Test,
-    End,
-}
+#[cfg(test)]
+mod tests {
+    use std::io::{Read, Write};
+    use std::net::TcpStream;
 
-impl Command {
-    /// The command at `path`.
-    fn at(path: &str) -> Option<Self> {
-        Some(match path {
-            "/mark" => Self::Mark,
-            "/stop" => Self::Stop,
-            "/record" => Self::Record,
-            "/selftest" => Self::Test,
-            "/end" => Self::End,
-            _ => return None,
-        })
-    }
-}
+    use super::*;
+    use crate::live::Desk;
+    use crate::source::board::Stop;
 
-/// Carries out a command as far as a tab can: the bench does the rest.
-async fn carry_out(desk: &Desk, command: Command, body: Body) -> Response {
-    let body = match timeout(PATIENCE, to_bytes(body, MOST_BODY)).await {
-        Ok(Ok(body)) => body,
-        Ok(Err(_)) => {
-            let words = format!("a command has at most {MOST_BODY} bytes");
-            return said(StatusCode::PAYLOAD_TOO_LARGE, words);
+    /// Bytes of a state, as of a page with three axes.
+    const STATE: usize = 100_000;
+
+    /// States that come while a tab does not read: 20 MB.
+    const STATES: usize = 200;
+
+    /// What hyper writes ahead (400 kB), what the system takes at both ends, and the newest state.
+    const MOST: usize = 1_500_000;
+
+    #[test]
+    fn a_tab_that_reads_late_has_little_that_is_old_and_the_newest() {
+        let hub = Arc::new(Hub::default());
+        let controls = Controls {
+            desk: Desk::new(Stop::default()),
+            interrupt: Arc::new(|| {}),
+        };
+        let listener = TcpListener::bind("127.0.0.1:0").expect("an address");
+        let server = Server::start(listener, Arc::clone(&hub), controls).expect("a server");
+        let address = server.url().strip_prefix("http://").expect("an address");
+        let (host, path) = address.split_once('/').expect("a path");
+        let mut tab = TcpStream::connect(host).expect("it listens");
+        let request = format!("GET /{path}events HTTP/1.1\r\nHost: {host}\r\n\r\n");
+        tab.write_all(request.as_bytes()).expect("it hears");
+        while hub.tabs() == 0 {
+            thread::sleep(AGAIN);
         }
-        Err(_) => return StatusCode::REQUEST_TIMEOUT.into_response(),
-    };
-    let unfit = |words| said(StatusCode::UNPROCESSABLE_ENTITY, words);
-    let done = match command {
-        Command::Mark => match std::str::from_utf8(&body) {
-            Ok(text) => desk.mark(text),
-            Err(_) => return unfit("the note of a mark is UTF-8".to_owned()),
-        },
-        Command::Record => match wanted::settings(&body) {
-            Ok(settings) => desk.record(settings),
-            Err(bad) => return unfit(bad.to_string()),
-        },
-        Command::Stop => desk.stop(),
-        Command::Test => desk.test(),
-        Command::End => {
-            desk.end();
-            Ok(())
+        let state = |number: usize| format!("{number}:{}", "x".repeat(STATE));
+        for number in 0..STATES {
+            hub.put([("allan".to_owned(), state(number))]);
+            thread::sleep(Duration::from_millis(5));
         }
-    };
-    match done {
-        Ok(()) => StatusCode::NO_CONTENT.into_response(),
-        Err(Declined::Mark(error)) => unfit(error.to_string()),
-        Err(declined) => said(StatusCode::CONFLICT, declined.to_string()),
+        let ending = thread::spawn(move || drop(server));
+        let mut all = String::new();
+        tab.read_to_string(&mut all).expect("text");
+        ending.join().expect("it ends");
+        assert!(all.contains(&state(STATES - 1)), "the newest is missing");
+        assert!(all.len() < MOST, "{} bytes of old states", all.len());
     }
-}
-
-fn said(status: StatusCode, words: String) -> Response {
-    let headers = [
-        (CONTENT_TYPE, "text/plain; charset=utf-8"),
-        (CACHE_CONTROL, "no-store"),
-    ];
-    (status, headers, words + "\n").into_response()
 }

@@ -85,25 +85,6 @@ fn steady() -> Settings {
 }
 
 #[test]
-fn every_command_says_what_its_options_mean() {
-    let mut transcript = String::new();
-    for command in [
-        &["board", "--help"][..],
-        &["board", "ports", "--help"],
-        &["board", "info", "--help"],
-        &["board", "selftest", "--help"],
-        &["board", "reset", "--help"],
-        &["board", "update", "--help"],
-        &["board", "log", "--help"],
-    ] {
-        let output = inm(command);
-        assert!(output.status.success(), "{command:?}");
-        transcript += &format!("$ inm {}\n{}\n", command.join(" "), text(&output.stdout));
-    }
-    insta::assert_snapshot!(transcript);
-}
-
-#[test]
 fn every_refusal_names_the_place_and_the_remedy() {
     let folder = tempfile::tempdir().expect("a folder");
     let capture = std::fs::read("../tests/golden/board.inmcap").expect("a recording");

@@ -2,8 +2,10 @@
 
 use std::io::Read;
 use std::process::Command;
+use std::thread;
+use std::time::{Duration, Instant};
 
-use crate::served::{Served, source, wait_for};
+use crate::served::{PATIENCE, Served, source, wait_for};
 
 #[test]
 fn who_has_no_business_here_is_refused() {
@@ -39,6 +41,17 @@ fn who_has_no_business_here_is_refused() {
         ask("POST", "mark", &["Sec-Fetch-Site: cross-site"], "x"),
         403
     );
+    // No command is taken from who does not know the token, or the name.
+    for command in ["mark", "stop", "record", "selftest", "end"] {
+        let posted = |path: &str, host: &str| {
+            let head = format!("POST {path}{command} HTTP/1.1\r\nHost: {host}\r\n");
+            served.status(&format!("{head}Content-Length: 0\r\n\r\n"))
+        };
+        for path in ["/", "//", "/00000000000000000000000000000000/"] {
+            assert_eq!(posted(path, host), 403, "{path}{command}");
+        }
+        assert_eq!(posted(&served.path, "evil.example"), 403, "{command}");
+    }
     // Paths that lead elsewhere lead nowhere.
     for what in [
         "../",
@@ -61,6 +74,26 @@ fn who_has_no_business_here_is_refused() {
     let mut tab = served.tab();
     let parts = wait_for(&mut tab, "nothing has happened so far");
     assert!(!parts.contains("mark ahead"), "{parts}");
+    served.stop();
+}
+
+#[test]
+fn one_tab_too_many_is_refused_until_another_is_closed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let served = Served::start(&folder.path().join("run.inmcap"), 600);
+    let mut tabs: Vec<_> = (0..16).map(|_| served.tab()).collect();
+    for tab in &mut tabs {
+        wait_for(tab, "event: parts");
+    }
+    let another = || served.status(&served.request("GET", "events", &[], ""));
+    assert_eq!(another(), 503);
+    tabs.pop();
+    let deadline = Instant::now() + PATIENCE;
+    while another() != 200 {
+        assert!(Instant::now() < deadline, "a closed tab is still counted");
+        thread::sleep(Duration::from_millis(50));
+    }
+    drop(tabs);
     served.stop();
 }
 

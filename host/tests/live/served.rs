@@ -111,6 +111,16 @@ impl Served {
         self.end();
     }
 
+    /// Resident memory of the program, MB; `None` where the system does not tell it in Linux's way.
+    pub fn resident_mb(&self) -> Option<f64> {
+        let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id())).ok()?;
+        let line = status
+            .lines()
+            .find_map(|line| line.strip_prefix("VmRSS:"))?;
+        let kb: f64 = line.trim().strip_suffix(" kB")?.parse().ok()?;
+        Some(kb / 1024.0)
+    }
+
     /// Waits for its end, in good order and without a gap; what it has said.
     pub fn end(&mut self) -> String {
         let (status, said) = self.ended();

@@ -54,8 +54,13 @@ pub struct Browser {
     _profile: tempfile::TempDir,
 }
 
-/// A tab, by the session with it.
-pub struct Tab(String);
+/// A tab.
+pub struct Tab {
+    /// What is closed.
+    pub(super) target: String,
+    /// The session with it.
+    session: String,
+}
 
 /// Where it is installed.
 fn program() -> Option<PathBuf> {
@@ -106,11 +111,11 @@ impl Browser {
 
     /// The answer to a command to the browser, or to the tab of a session.
     #[track_caller]
-    fn ask(&mut self, tab: Option<&Tab>, method: &str, params: &Value) -> Value {
+    pub(super) fn ask(&mut self, tab: Option<&Tab>, method: &str, params: &Value) -> Value {
         self.sent += 1;
         let mut command = json!({ "id": self.sent, "method": method, "params": params });
-        if let Some(Tab(session)) = tab {
-            command["sessionId"] = session.as_str().into();
+        if let Some(tab) = tab {
+            command["sessionId"] = tab.session.as_str().into();
         }
         let input = self.input.as_mut().expect("it is open");
         write!(input, "{command}\0").expect("it hears");
@@ -133,18 +138,34 @@ impl Browser {
 
     /// A tab on `url`.
     pub fn open(&mut self, url: &str) -> Tab {
+        let tab = self.blank();
+        self.go(&tab, url);
+        tab
+    }
+
+    /// An empty tab, which shares no process with another.
+    pub fn blank(&mut self) -> Tab {
         let text = |value: &Value| value.as_str().expect("a text").to_owned();
-        let blank = json!({ "url": "about:blank" });
+        let answer = self.ask(None, "Target.createBrowserContext", &json!({}));
+        let blank = json!({
+            "url": "about:blank",
+            "browserContextId": answer["result"]["browserContextId"],
+        });
         let answer = self.ask(None, "Target.createTarget", &blank);
         let target = text(&answer["result"]["targetId"]);
         let params = json!({ "targetId": target, "flatten": true });
         let answer = self.ask(None, "Target.attachToTarget", &params);
-        let tab = Tab(text(&answer["result"]["sessionId"]));
+        let session = text(&answer["result"]["sessionId"]);
+        let tab = Tab { target, session };
         for part in ["Page.enable", "Runtime.enable", "Log.enable"] {
             self.ask(Some(&tab), part, &json!({}));
         }
-        self.ask(Some(&tab), "Page.navigate", &json!({ "url": url }));
         tab
+    }
+
+    /// Leads a tab to `url`.
+    pub fn go(&mut self, tab: &Tab, url: &str) {
+        self.ask(Some(tab), "Page.navigate", &json!({ "url": url }));
     }
 
     /// What an expression is in a tab.

@@ -1,7 +1,9 @@
 //! The page in a browser, where one is installed.
 
 mod driver;
+mod gauge;
 mod pictures;
+mod study;
 
 use serde_json::{Value, json};
 
@@ -29,11 +31,12 @@ fn a_browser_shows_marks_and_stops_a_recording_and_costs_no_sample() {
     };
     let folder = tempfile::tempdir().expect("a folder");
     let capture = folder.path().join("run.inmcap");
-    let mut served = Served::start(&capture, 3600);
+    // The rate whose analyses take least, and so come soonest.
+    let board = ["virtual", "--speed", "10", "--rate", "250"];
+    let mut served = Served::on(&board, &capture, 3600);
     let tab = browser.open(&served.url());
     browser.wait_for(&tab, CURVE);
     let reached = browser.value(&tab, REACHES);
-    browser.wait_for(&tab, &format!("{REACHES} > {reached}"));
 
     browser.value(&tab, "document.getElementById('note').value = 'door'");
     browser.click(&tab, "#mark button", false);
@@ -42,6 +45,8 @@ fn a_browser_shows_marks_and_stops_a_recording_and_costs_no_sample() {
     let other = browser.open(&served.url());
     browser.wait_for(&other, CURVE);
     browser.wait_for(&other, MARKED);
+    // The curves grow with the record.
+    browser.wait_for(&tab, &format!("{REACHES} > {reached}"));
 
     browser.click(&tab, "#stop", true);
     for tab in [&tab, &other] {
