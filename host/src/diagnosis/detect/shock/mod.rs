@@ -150,7 +150,6 @@ fn events(scan: &Scan<'_>, stretches: &[Stretch], level: f64) -> Option<Vec<Happ
             return None;
         }
     }
-    if std::env::var_os("DBG").is_some() { eprintln!("DEBUG {} jumps {:?} singles {:?}", stretches.len(), jumps, singles); for e in &events { eprintln!("DEBUG event {:?} z {:.1} {}", e.samples(), e.z, match &e.what { happened::Known::Shock(c)=>format!("{c:?}"), _=>String::new()}); } }
     without_some_of(&mut events, &jumps, Happened::is_bump);
     without_some_of(&mut events, &singles, Happened::is_short);
     let mut events = without_echoes(events);

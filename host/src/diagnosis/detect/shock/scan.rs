@@ -168,15 +168,18 @@ impl<'a> Scan<'a> {
             let shorter = self.usual.last().and_then(Usual::rare);
             let least = NOTHING.min(self.threshold);
             let high = usual.heights(self.values, &starts, least, shorter);
-            found.extend(high.into_iter().map(|(start, height)| Stretch {
+            let stretch = |(start, height): (usize, Height)| Stretch {
                 samples: middle(start, len, &runs),
                 z: height.z,
                 frequency: usual.frequency(height),
                 window: len,
                 longest: 0,
-            }));
+            };
+            found.extend(lasting(
+                high.into_iter().map(stretch).collect(),
+                self.threshold,
+            ));
             found = joined(found, |_, _| 0);
-            found.retain(|one| one.z >= self.threshold);
             found
                 .iter_mut()
                 .for_each(|one| one.longest = one.samples.len());
@@ -254,6 +257,13 @@ fn unit(values: &[f64]) -> Option<(f64, f64)> {
         unit = largest * (squares / count).sqrt();
     }
     Some((unit, (least / unit).powi(2) / 12.0))
+}
+
+/// Windows in which something is, touching ones as one, where they stand out as far as a `threshold` anywhere.
+fn lasting(windows: Vec<Stretch>, threshold: f64) -> Vec<Stretch> {
+    let mut all = joined(windows, |_, _| 0);
+    all.retain(|one| one.z >= threshold);
+    all
 }
 
 /// Stretches that touch, or lie no further apart than `reach` says of two, as one.

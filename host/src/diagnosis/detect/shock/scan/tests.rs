@@ -61,23 +61,13 @@ fn a_knock_does_not_fill_the_windows_of_a_minute() {
     assert!(found[0].samples.len() <= 48, "seed 2: {found:?}");
 }
 
-/// Something that swells, lasts and fades is one stretch from where it begins to show to where it ends, though chance explains
-/// its ends.
 #[test]
 fn what_stands_out_lasts_until_nothing_is_left() {
-    let mut values = crate::diagnosis::detect::trial::noise(3);
-    let scale = values.iter().map(|one| one * one).sum::<f64>() / values.len() as f64;
-    for n in 8000..10_000 {
-        let far = (n as f64 - 9000.0) / 300.0;
-        let course = (-0.5 * far * far).exp() * (0.9 * n as f64).sin();
-        values[n] += 30.0 * scale.sqrt() * course;
-    }
-    let filled = values.clone();
-    let mut scan = Scan::new(&values, &filled).expect("long enough");
-    let found = scan.stretches(1e-9, 100.0);
-    assert_eq!(found.len(), 1, "seed 3: {found:?}");
-    let high = 30.0 * (0.5_f64 * (800.0_f64 / 300.0).powi(2)).exp().recip();
-    // At 800 samples from its middle it has nine tenths of a deviation: of windows of 16 samples one in 10 000 is as loud.
-    assert!((0.5..1.0).contains(&high), "{high}");
-    assert!(found[0].samples.len() > 1200, "seed 3: {found:?}");
+    let windows = vec![
+        stretch(0..8, 4.5),
+        stretch(8..16, 9.0),
+        stretch(16..24, 4.1),
+        stretch(40..48, 5.9),
+    ];
+    assert_eq!(lasting(windows, 6.0), [stretch(0..24, 9.0)]);
 }
