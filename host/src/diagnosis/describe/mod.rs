@@ -22,7 +22,7 @@ use crate::diagnosis::result::verdict::Verdict;
 use crate::diagnosis::result::views::Views;
 use crate::diagnosis::suspect::suspicions;
 use crate::diagnosis::unnamed::long_times;
-use crate::diagnosis::views::Models;
+use crate::diagnosis::views::{self, Models};
 use crate::fft::ring::Series;
 use crate::fit::likelihood::components::SEEN;
 use crate::fit::likelihood::ramp::Ramp;
@@ -59,7 +59,15 @@ pub(crate) fn describe(
         JudgedAxis::new(&judge, &bare, ramp, &held_out_nats)
     };
     let first = judged(&axis);
+    let covariate = options.covariate.as_deref();
+    let is_simulated_so = |first: &JudgedAxis| {
+        let whole = last(&axis, &first.noise, ramp, &first.findings, &squares_sd).model;
+        let mut points = first.allan.clone();
+        views::add_simulated(&mut points, &axis, &whole, covariate);
+        long_times::is_simulated_so(&points, level)
+    };
     let lacking = long_times::lacking(&first.allan, axis.rate_hz, level);
+    let lacking = lacking.filter(|_| is_simulated_so(&first));
     let last_judged = match &lacking {
         Some(lacking) => {
             lacking.add_to(&mut axis);
@@ -75,7 +83,7 @@ pub(crate) fn describe(
         findings,
         allan,
     } = last_judged;
-    let last = last(&axis, &noise, ramp, &findings, squares_sd);
+    let last = last(&axis, &noise, ramp, &findings, &squares_sd);
     let models = Models {
         base: &base.model,
         noise: &noise.model,
@@ -83,7 +91,6 @@ pub(crate) fn describe(
     };
     let verdict = Verdict::new(&allan);
     let unnamed = unnamed.map(|p_value| without_name(p_value, &noise.model, axis.rate_hz, &allan));
-    let covariate = options.covariate.as_deref();
     let views = bare.before.map(|before| Views {
         held_out: held.beside(&base.expected, &noise.expected),
         ..Views::new(&axis, before, (models, allan), &findings, covariate)
@@ -163,7 +170,7 @@ fn last(
     noise: &Judged,
     last_ramp: Option<Ramp>,
     findings: &[Finding],
-    squares_sd: Vec<f64>,
+    squares_sd: &[f64],
 ) -> Final {
     let (squares, squares_sd) = own_squares(axis, squares_sd);
     let model = ModelAxis {
@@ -187,8 +194,8 @@ fn last(
 
 /// Squares of the five terms' components and their deviations, less what belongs to effects whose
 /// noise is as white.
-fn own_squares(axis: &AxisState, mut squares_sd: Vec<f64>) -> (Vec<f64>, Vec<f64>) {
-    let mut squares = axis.fit.squared.clone();
+fn own_squares(axis: &AxisState, squares_sd: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let (mut squares, mut squares_sd) = (axis.fit.squared.clone(), squares_sd.to_vec());
     if let Some(white) = SEEN.iter().position(|one| *one == Letter::N) {
         let [even, even_sd] = even_density(axis);
         squares[white] = (squares[white] - even).max(0.0);

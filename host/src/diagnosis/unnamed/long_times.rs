@@ -50,16 +50,38 @@ impl Lacking {
 /// What the last model lacks at the `points` of an Allan deviation; `None` where chance makes as much at that `level`.
 pub fn lacking(points: &[AllanPoint], rate_hz: f64, level: f64) -> Option<Lacking> {
     let points = octaves(points);
-    let beyond = points.iter().map(|point| {
-        let allowed = point.after * (1.0 + GOOD_PERCENT / 100.0);
-        chi_squared(point.edf * (point.adev / allowed).powi(2), point.edf)
-    });
-    let p_value = points.len() as f64 * beyond.reduce(f64::min)?;
+    let p_value = by_chance(&points, 1.0, |point| Some(point.after))?;
     if p_value >= level {
         return None;
     }
     let bands = Pursuit::new(&points, rate_hz).bands();
     (!bands.is_empty()).then_some(Lacking { bands, p_value })
+}
+
+/// Whether the model is quieter than the record at some of the `points` as it is simulated, too, or is not simulated: the law of
+/// what happens to the samples may be rough where numbers are coarse, and then nothing is missing.
+pub fn is_simulated_so(points: &[AllanPoint], level: f64) -> bool {
+    // Both scatter.
+    let p_value = by_chance(&octaves(points), 0.5, |point| point.simulated);
+    p_value.is_none_or(|p_value| p_value < level)
+}
+
+/// Probability that chance, with a `share` of each point's degrees of freedom, makes any record as much louder than a model; `None`
+/// without a point that has a deviation of that model.
+fn by_chance(
+    points: &[&AllanPoint],
+    share: f64,
+    of_model: impl Fn(&AllanPoint) -> Option<f64>,
+) -> Option<f64> {
+    let beyond = points.iter().filter_map(|point| {
+        let allowed = of_model(point)? * (1.0 + GOOD_PERCENT / 100.0);
+        let freedom = share * point.edf;
+        Some(chi_squared(
+            freedom * (point.adev / allowed).powi(2),
+            freedom,
+        ))
+    });
+    Some(points.len() as f64 * beyond.reduce(f64::min)?)
 }
 
 /// The points that are judged, an octave or more apart: nearer ones say the same.
@@ -190,6 +212,21 @@ mod tests {
         });
         assert!(lacking(&chance, RATE_HZ, LEVEL).is_none());
         assert!(lacking(&points(|_| 0.5), RATE_HZ, LEVEL).is_none());
+    }
+
+    #[test]
+    fn what_the_simulation_has_is_not_missing() {
+        let mut louder = points(|tau_s| if tau_s > 4.0 { 2.0 } else { 1.0 });
+        assert!(is_simulated_so(&louder, LEVEL), "not simulated");
+        let simulated = |points: &mut [AllanPoint], share: f64| {
+            points
+                .iter_mut()
+                .for_each(|point| point.simulated = Some(share * point.adev));
+        };
+        simulated(&mut louder, 0.97);
+        assert!(!is_simulated_so(&louder, LEVEL));
+        simulated(&mut louder, 0.5);
+        assert!(is_simulated_so(&louder, LEVEL));
     }
 
     #[test]

@@ -113,6 +113,18 @@ pub fn allan(
     )
 }
 
+/// Adds what a record of `model` comes to, simulated once, to the points of an axis, where data can be made of it.
+pub fn add_simulated(
+    points: &mut [AllanPoint],
+    axis: &AxisState,
+    model: &ModelAxis,
+    temperature: Option<&[f64]>,
+) {
+    if let Some(simulated) = simulate(axis, model, temperature) {
+        allan::add_simulated(points, &simulated, axis.rate_hz);
+    }
+}
+
 /// What the model has of this record, as it is simulated.
 fn in_record(axis: &AxisState) -> InRecord {
     let mut own = InRecord::of(&axis.residual, axis.residual.waves());

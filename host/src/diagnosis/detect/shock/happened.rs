@@ -69,7 +69,11 @@ impl Happened {
 
     /// Whether it is a shock no longer than some single samples that came together.
     pub fn is_short(&self) -> bool {
-        matches!(&self.what, Known::Shock(course) if course.samples.len() <= 2 * MOMENT)
+        let lasts = |course: &Course| {
+            let own = course.shock.duration_s.ceil() as usize;
+            own.min(course.samples.len())
+        };
+        matches!(&self.what, Known::Shock(course) if lasts(course) <= 2 * MOMENT)
     }
 
     /// Whether it goes to one side and comes back.
