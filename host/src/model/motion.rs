@@ -216,6 +216,21 @@ mod tests {
         assert!((mean - (5.0 - 1.5)).abs() < 1e-9, "{mean}");
     }
 
+    /// Files from before rows had a level of their own, however many rows they have.
+    #[test]
+    fn rows_without_a_level_are_read() {
+        use crate::model::effect::in_order;
+        for rows in [1, 6, 7, 50, 301] {
+            let all = KIND.parameters(&vec![0.0; rows * ROW]);
+            let named = all.iter().filter(|one| !one.optional);
+            let named = named.map(|one| (one.name.to_string(), 1.0)).collect();
+            let values = in_order(&Entry, &named).expect("a motion");
+            assert_eq!(values.len(), rows * ROW, "{rows} rows");
+            let levels = values.chunks(ROW).map(|row| row[MEAN]);
+            assert_eq!(levels.sum::<f64>(), 0.0, "{rows} rows");
+        }
+    }
+
     #[test]
     fn a_motion_beyond_the_end_of_time_adds_nothing() {
         let motion = Motion(vec![Stretch::of(&[5e107, 0.5, -0.02, 3.0, 1.0, 0.05, 0.1])]);
