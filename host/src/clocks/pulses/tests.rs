@@ -79,17 +79,31 @@ fn holds(pulses: &Pulses, ppm: f64) -> bool {
     (ratio.value - 1.0 - 1e-6 * ppm).abs() < half
 }
 
+/// Share of the runs whose interval holds the truth, of records of some `seconds`.
+fn share_held(seconds: u32, record: impl Fn(&mut Drawn) -> Pulses) -> f64 {
+    let held = (0..RUNS).filter(|&seed| {
+        let mut drawn = drawn(seed);
+        let pulses = record(&mut drawn);
+        holds(&pulses, drawn.ppm)
+    });
+    let share = held.count() as f64 / RUNS as f64;
+    println!("{seconds} s: {share}, seeds 0..{RUNS}");
+    share
+}
+
+/// The interval of records of some `seconds` holds the truth no less often than it says.
+#[track_caller]
+fn assert_held(seconds: u32, record: impl Fn(&mut Drawn) -> Pulses) {
+    let share = share_held(seconds, record);
+    assert!(share > 0.95 - tolerance(), "{seconds} s: {share}");
+}
+
 /// As often as it says, and no oftener: by single pulses, and by stretches.
 #[test]
 fn the_interval_holds_the_crystal_as_often_as_it_says() {
     for seconds in [20, 60, 600, 6000] {
-        let held = (0..RUNS).filter(|&seed| {
-            let mut drawn = drawn(seed);
-            holds(&record(&mut drawn, seconds, 0.0), drawn.ppm)
-        });
-        let share = held.count() as f64 / RUNS as f64;
+        let share = share_held(seconds, |drawn| record(drawn, seconds, 0.0));
         let off = (share - 0.95).abs();
-        println!("{seconds} s: {share}");
         assert!(off < tolerance(), "{seconds} s: {share}, seeds 0..{RUNS}");
     }
 }
@@ -99,16 +113,7 @@ fn the_interval_holds_the_crystal_as_often_as_it_says() {
 #[test]
 fn jitter_that_neighbours_share_is_in_the_interval() {
     for seconds in [600, 6000] {
-        let held = (0..RUNS).filter(|&seed| {
-            let mut drawn = drawn(seed);
-            holds(&record(&mut drawn, seconds, 1.0), drawn.ppm)
-        });
-        let share = held.count() as f64 / RUNS as f64;
-        println!("{seconds} s: {share}");
-        assert!(
-            share > 0.95 - tolerance(),
-            "{seconds} s: {share}, seeds 0..{RUNS}"
-        );
+        assert_held(seconds, |drawn| record(drawn, seconds, 1.0));
     }
 }
 
@@ -116,19 +121,12 @@ fn jitter_that_neighbours_share_is_in_the_interval() {
 #[test]
 fn rounding_to_a_tick_is_in_the_interval() {
     for seconds in [60, 600] {
-        let held = (0..RUNS).filter(|&seed| {
-            let mut drawn = drawn(seed);
+        assert_held(seconds, |drawn| {
             (drawn.jitter_s, drawn.missing) = (0.0, 0.0);
             // Less than a tick over all of it, to some ticks a second.
             drawn.ppm *= 10_f64.powf(within(&mut drawn.random, -6.0, 0.0));
-            holds(&record(&mut drawn, seconds, 0.0), drawn.ppm)
+            record(drawn, seconds, 0.0)
         });
-        let share = held.count() as f64 / RUNS as f64;
-        println!("{seconds} s: {share}");
-        assert!(
-            share > 0.95 - tolerance(),
-            "{seconds} s: {share}, seeds 0..{RUNS}"
-        );
     }
 }
 

@@ -96,6 +96,7 @@ pub(super) struct Judge<'a> {
 
 /// A model, and how far off its Allan deviation is.
 pub(super) struct Judged {
+    /// The model.
     pub model: ModelAxis,
     /// Its variances at the points of the held-out half.
     pub expected: Vec<f64>,

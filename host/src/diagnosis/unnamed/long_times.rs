@@ -16,11 +16,11 @@ use crate::diagnosis::statistic::p_value::chi_squared;
 use crate::fit::least_squares::solve_non_negative;
 use crate::model::Term;
 
-/// Bands, at most: a choice. One an octave of averaging times and a half.
+/// Bands, at most: a choice. Every subset of them is tried for sizes that are not below zero, 64 at most.
 const MOST: usize = 6;
 
-/// Widths that are tried an octave, from that whose noise is slower than the longest averages to that which the shortest ones
-/// hold: neighbours are alike to a tenth of their variance.
+/// Widths that are tried an octave, from that whose noise is slower than the longest averages to half the rate: a choice, as
+/// many as of the shelves that a spectrum is held against.
 const PER_OCTAVE: f64 = 2.0;
 
 /// Probability of a band too many where something is missing.
@@ -115,7 +115,7 @@ impl Pursuit {
             .iter()
             .map(|point| (point.adev.powi(2) - point.after.powi(2)) / deviation(point));
         let longest_s = points.last().map_or(0.0, |point| point.tau_s);
-        // Its averages are still alike from one to the next.
+        // A twentieth of its turn passes within the longest average: over all of them its variance still grows.
         let slowest_hz = 0.05 / longest_s;
         let steps = ((0.5 * rate_hz / slowest_hz).log2() * PER_OCTAVE).max(0.0) as usize;
         let entry = |step: usize| {
