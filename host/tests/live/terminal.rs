@@ -65,6 +65,11 @@ impl Bench {
         }
     }
 
+    /// Makes the terminal another size.
+    pub fn resize(&self, size: [u16; 2]) {
+        resize(&self.terminal, size);
+    }
+
     pub fn press(&mut self, keys: &str) {
         self.keys.write_all(keys.as_bytes()).expect("pressed");
     }
@@ -178,7 +183,7 @@ fn a_terminal_that_is_resized_is_filled_anew_and_control_c_ends() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut bench = Bench::start(&folder.path().join("run.inmcap"), [80, 24]);
     bench.wait_for("m mark");
-    resize(&bench.terminal, [120, 40]);
+    bench.resize([120, 40]);
     // The keys stand on the last row, whichever that is.
     bench.wait_for("\u{1b}[40;");
     bench.wait_for("m mark");
