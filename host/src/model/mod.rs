@@ -76,6 +76,12 @@ pub trait Term: Send + Sync {
     /// rate. Zero for what is not random.
     fn spectrum(&self, f_hz: f64, rate_hz: f64) -> f64;
 
+    /// The same at many frequencies: what they have in common is worked out once.
+    fn spectra(&self, f_hz: &[f64], rate_hz: f64) -> Vec<f64> {
+        let each = f_hz.iter().map(|&f_hz| self.spectrum(f_hz, rate_hz));
+        each.collect()
+    }
+
     /// Two-sided spectral density ahead of a signal chain that band-limits and samples it.
     fn spectrum_ahead(&self, f_hz: f64, rate_hz: f64) -> f64;
 

@@ -23,6 +23,24 @@ pub struct Resonance {
     pub amplitude: f64,
 }
 
+impl Resonance {
+    /// Its density as sampled: half of the Lorentzian on either side, each with all that folds back onto it.
+    fn folded(&self, rate_hz: f64) -> impl Fn(f64) -> f64 {
+        let decay = PI * self.width_hz / rate_hz;
+        let (fall, keep) = (-(-decay).exp_m1(), (-decay).exp());
+        let height = -(-2.0 * decay).exp_m1() / rate_hz;
+        let half = 0.5 * self.amplitude.powi(2);
+        let (middle_sine, middle_cosine) = (PI * self.f_hz / rate_hz).sin_cos();
+        let side = move |sine: f64| height / (fall * fall + 4.0 * keep * sine * sine);
+        move |f_hz| {
+            // The sine of a difference and of a sum by those of both, which costs half.
+            let (sine, cosine) = (PI * f_hz / rate_hz).sin_cos();
+            let (across, along) = (cosine * middle_sine, sine * middle_cosine);
+            half * (side(along - across) + side(along + across))
+        }
+    }
+}
+
 impl Term for Resonance {
     /// That of Markov noise with a complex decay: its covariance is the real part of a power of one.
     fn allan_variance(&self, m: u64, rate_hz: f64) -> f64 {
@@ -40,15 +58,12 @@ impl Term for Resonance {
         self.spectrum_ahead(0.0, 0.0) / tau_s
     }
 
-    /// Half of the Lorentzian on either side, each with all that folds back onto it.
     fn spectrum(&self, f_hz: f64, rate_hz: f64) -> f64 {
-        let decay = PI * self.width_hz / rate_hz;
-        let (fall, a) = (-(-decay).exp_m1(), (-decay).exp());
-        let side = |offset_hz: f64| {
-            let sine = (PI * offset_hz / rate_hz).sin();
-            -(-2.0 * decay).exp_m1() / rate_hz / (fall * fall + 4.0 * a * sine * sine)
-        };
-        0.5 * self.amplitude.powi(2) * (side(f_hz - self.f_hz) + side(f_hz + self.f_hz))
+        self.folded(rate_hz)(f_hz)
+    }
+
+    fn spectra(&self, f_hz: &[f64], rate_hz: f64) -> Vec<f64> {
+        f_hz.iter().copied().map(self.folded(rate_hz)).collect()
     }
 
     fn spectrum_ahead(&self, f_hz: f64, _rate_hz: f64) -> f64 {

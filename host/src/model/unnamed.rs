@@ -59,14 +59,34 @@ impl Band {
         self.amplitude.powi(2) * (1.0 + decayed) * (-decayed).exp()
     }
 
+    /// Its density as sampled, with all that folds back.
+    fn folded(&self, rate_hz: f64) -> impl Fn(f64) -> f64 {
+        let decay = self.decay_per_s() / rate_hz;
+        let sinh = decay.sinh();
+        let low = (0.5 * decay).sinh().powi(2);
+        let excess = if decay < SMALL {
+            decay.powi(3) / 6.0 * (1.0 + decay * decay / 20.0)
+        } else {
+            sinh - decay
+        };
+        let half = 0.5 * self.amplitude.powi(2);
+        let (middle_sine, middle_cosine) = (PI * self.f_hz / rate_hz).sin_cos();
+        let side = move |sine: f64| {
+            let high = sine * sine;
+            let above = low * (sinh + decay - 2.0 * decay * high) + high * excess;
+            above / (2.0 * (low + high).powi(2) * rate_hz)
+        };
+        move |f_hz| {
+            // The sine of a difference and of a sum by those of both, which costs half.
+            let (sine, cosine) = (PI * f_hz / rate_hz).sin_cos();
+            let (across, along) = (cosine * middle_sine, sine * middle_cosine);
+            half * (side(along - across) + side(along + across))
+        }
+    }
+
     /// Its decay, 1/s.
     fn decay_per_s(&self) -> f64 {
         PI * self.width_hz / HALF_WIDTH
-    }
-
-    /// The sum of both sides, each of half the power.
-    fn both_sides(&self, f_hz: f64, side: impl Fn(f64) -> f64) -> f64 {
-        0.5 * self.amplitude.powi(2) * (side(f_hz - self.f_hz) + side(f_hz + self.f_hz))
     }
 }
 
@@ -84,20 +104,11 @@ impl Term for Band {
     }
 
     fn spectrum(&self, f_hz: f64, rate_hz: f64) -> f64 {
-        let decay = self.decay_per_s() / rate_hz;
-        let sinh = decay.sinh();
-        let low = (0.5 * decay).sinh().powi(2);
-        let excess = if decay < SMALL {
-            decay.powi(3) / 6.0 * (1.0 + decay * decay / 20.0)
-        } else {
-            sinh - decay
-        };
-        let side = |offset_hz: f64| {
-            let high = (PI * offset_hz / rate_hz).sin().powi(2);
-            let above = low * (sinh + decay - 2.0 * decay * high) + high * excess;
-            above / (2.0 * (low + high).powi(2) * rate_hz)
-        };
-        self.both_sides(f_hz, side)
+        self.folded(rate_hz)(f_hz)
+    }
+
+    fn spectra(&self, f_hz: &[f64], rate_hz: f64) -> Vec<f64> {
+        f_hz.iter().copied().map(self.folded(rate_hz)).collect()
     }
 
     fn spectrum_ahead(&self, f_hz: f64, _rate_hz: f64) -> f64 {
@@ -106,7 +117,7 @@ impl Term for Band {
             let offset = TAU * offset_hz;
             4.0 * decay.powi(3) / (decay * decay + offset * offset).powi(2)
         };
-        self.both_sides(f_hz, side)
+        0.5 * self.amplitude.powi(2) * (side(f_hz - self.f_hz) + side(f_hz + self.f_hz))
     }
 
     fn narrow_peaks(&self, m: u64, rate_hz: f64) -> Option<Vec<(f64, f64)>> {

@@ -12,9 +12,14 @@ use realfft::num_complex::Complex64;
 
 use super::random::Gaussian;
 
-/// Levels of the continued fraction: with the last one closed as below its error is below 1e-4 at any `b`, against a
-/// numerical transform of the covariance.
+/// Levels of the continued fraction, at most: with the last one closed as below its error is below 1e-4 at any `b`, against
+/// a numerical transform of the covariance.
 const LEVELS: u32 = 48;
+
+/// Levels that do as well for small `b`: so many, and so many more for each unit of `b`. The error is below 1e-7 at any
+/// `b` up to 10, where there are fewer than [`LEVELS`].
+const LEAST_LEVELS: f64 = 6.0;
+const LEVELS_PER_UNIT: f64 = 3.0;
 
 /// Levels that do as well far from the line, and from where on, half widths: with three the error is below 1e-4 there at
 /// any `b` from 0.03 to 1000, and twice as many are a reserve.
@@ -48,7 +53,13 @@ impl Wander {
     /// root of its own equation with the level below it a little larger.
     pub fn shape(self, offset_hz: f64) -> f64 {
         let is_far = offset_hz.abs() > FAR * self.half_width_hz();
-        self.shape_by(offset_hz, if is_far { FAR_LEVELS } else { LEVELS })
+        self.shape_by(offset_hz, if is_far { FAR_LEVELS } else { self.levels() })
+    }
+
+    /// Levels of the fraction that do near the line.
+    fn levels(self) -> u32 {
+        let turns = TAU * self.rms_hz * self.time_s;
+        LEVELS.min((LEAST_LEVELS + LEVELS_PER_UNIT * turns) as u32)
     }
 
     /// The same by so many levels of the fraction.
@@ -149,6 +160,23 @@ mod tests {
                 let (few, all) = (line.shape(offset_hz), line.shape_by(offset_hz, LEVELS));
                 assert!(
                     (few / all - 1.0).abs() < 1e-4,
+                    "{turns} {widths}: {few} {all}"
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn near_the_line_fewer_levels_do_the_less_it_turns() {
+        for tenth in -20..=20 {
+            let turns = 10_f64.powf(0.1 * f64::from(tenth));
+            let line = wander(turns / TAU, 1.0);
+            for widths in [0.0, 0.3, 1.0, 2.0, 3.0, 5.0, 8.0] {
+                let offset_hz = widths * line.half_width_hz();
+                let (few, all) = (line.shape(offset_hz), line.shape_by(offset_hz, 400));
+                let most = if line.levels() < LEVELS { 1e-7 } else { 1e-4 };
+                assert!(
+                    (few / all - 1.0).abs() < most,
                     "{turns} {widths}: {few} {all}"
                 );
             }

@@ -22,12 +22,16 @@ pub fn climb(start: f64, step: f64, finest: f64, height: impl Fn(f64) -> f64) ->
 pub fn golden_section(low: f64, high: f64, steps: u32, height: impl Fn(f64) -> f64) -> f64 {
     let ratio = 0.5 * (5_f64.sqrt() - 1.0);
     let (mut low, mut high) = (low, high);
+    let inner = |low: f64, high: f64| [high - ratio * (high - low), low + ratio * (high - low)];
+    let mut heights = inner(low, high).map(&height);
     for _ in 0..steps {
-        let (a, b) = (high - ratio * (high - low), low + ratio * (high - low));
-        if height(a) > height(b) {
-            high = b;
+        // The inner place that stays is one of the next two.
+        if heights[0] > heights[1] {
+            high = inner(low, high)[1];
+            heights = [height(inner(low, high)[0]), heights[0]];
         } else {
-            low = a;
+            low = inner(low, high)[0];
+            heights = [heights[1], height(inner(low, high)[1])];
         }
     }
     0.5 * (low + high)

@@ -18,12 +18,7 @@ impl AxisState {
 
     /// Power that the laws which filter let through.
     pub fn filters(&self, f_hz: f64) -> f64 {
-        let parts = self.laws.iter().map(|law| law.effect.part(&law.values));
-        let powers = parts.map(|part| match part {
-            Part::Distortion(filter) => filter.power(f_hz, self.rate_hz),
-            Part::Term(_) | Part::Clock(_) | Part::Follows(_) => 1.0,
-        });
-        powers.product()
+        laws::power_of(&laws::filters(&self.laws), f_hz, self.rate_hz)
     }
 
     /// Its part that law number `which` adds, filters not included.

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use crate::bins::point::Point;
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::explanation::{Explanation, Snapshot};
 use crate::diagnosis::held_out::allan::{Added, AtJumps, HeldCurve};
@@ -22,6 +23,8 @@ pub struct Sizes<'a> {
     axis: &'a AxisState,
     held: &'a HeldCurve,
     noise: &'a ModelAxis,
+    /// Variances of the noise at each point of the curve that counts, with the point.
+    points: Vec<(&'a Point, f64)>,
     /// What all waveforms add together.
     waves: Arc<Added>,
 }
@@ -34,7 +37,13 @@ impl<'a> Sizes<'a> {
         noise: &'a ModelAxis,
         last: &Snapshot,
     ) -> Self {
+        let law = noise.law(axis.rate_hz);
+        let points = held.points.par_iter();
+        let points = points.filter(|point| point.edf >= LEAST_EDF);
         Self {
+            points: points
+                .map(|point| (point, law.allan_variance(point.m)))
+                .collect(),
             // What a filter makes of a jump is excluded from tests, but the jump is there.
             waves: held.adds(
                 axis,
@@ -51,7 +60,6 @@ impl<'a> Sizes<'a> {
     /// or more, when an effect is taken out and nothing else moves; percent. `None` for what a model
     /// of noise and waveforms does not hold, such as samples that repeat.
     pub fn change_percent(&self, one: &Explanation) -> Option<f64> {
-        let law = self.noise.law(self.axis.rate_hz);
         let mut rest = self.noise.clone();
         let mut own: Vec<Wave> = one.with.waves().cloned().collect();
         match self.axis.effect_number(one) {
@@ -74,11 +82,9 @@ impl<'a> Sizes<'a> {
         }
         let rest = rest.law(self.axis.rate_hz);
         let own = self.held.adds(self.axis, &own, AtJumps::Kept);
-        let points = self.held.points.par_iter();
-        let points = points.filter(|point| point.edf >= LEAST_EDF);
-        let changes = points.map(|point| {
+        let changes = self.points.par_iter().map(|(point, noise)| {
             let (waves, own) = (self.waves.at(point.m), own.at(point.m));
-            let with = law.allan_variance(point.m) + waves;
+            let with = noise + waves;
             let without = rest.allan_variance(point.m) + waves - own;
             100.0 * ((with / without).sqrt() - 1.0).abs()
         });

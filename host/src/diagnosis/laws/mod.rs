@@ -10,9 +10,9 @@ pub mod search;
 pub mod spread;
 mod starts;
 
-use crate::diagnosis::record::bins::SpectralBins;
+use crate::diagnosis::record::bins::{Filtered, SpectralBins};
 use crate::fit::likelihood::{Data, Fit, maximise};
-use crate::model::effect::{Part, Quantity};
+use crate::model::effect::{Distortion, Part, Quantity};
 use crate::model::kind::Kind;
 
 /// An effect with its values; the size, if it has one, is 1 and its square is a component.
@@ -55,40 +55,43 @@ impl Law {
 /// Expectations of all components: the five terms' (without the ramp), then one of each law that
 /// adds, all of them through the laws that filter.
 pub fn components(bins: &SpectralBins, laws: &[Law]) -> Vec<Vec<f64>> {
-    let power = passed(bins, laws);
-    let mut all = if laws.iter().all(Law::adds) {
-        bins.units().to_vec()
-    } else {
-        bins.units_through(&power)
-    };
-    all.extend(
-        laws.iter()
-            .filter_map(|law| component_through(bins, law, &power)),
-    );
-    all
+    components_of(&behind(bins, laws), laws)
 }
 
-/// What the laws that filter leave of the power at a frequency.
-fn passed(bins: &SpectralBins, laws: &[Law]) -> impl Fn(f64) -> f64 + use<> {
-    let rate_hz = bins.rate_hz();
+/// The same where the `bins` are behind the laws that filter.
+pub fn components_of(bins: &Filtered<'_>, laws: &[Law]) -> Vec<Vec<f64>> {
+    let own = laws.iter().filter_map(|law| component(bins, law));
+    bins.units().into_iter().chain(own).collect()
+}
+
+/// The bins behind those of the laws that filter.
+pub fn behind<'a>(bins: &'a SpectralBins, laws: &[Law]) -> Filtered<'a> {
+    let filters = filters(laws);
+    if filters.is_empty() {
+        return bins.unfiltered();
+    }
+    bins.behind(|f_hz| power_of(&filters, f_hz, bins.rate_hz()))
+}
+
+/// Those of the laws that filter.
+pub fn filters(laws: &[Law]) -> Vec<Box<dyn Distortion>> {
     let parts = laws.iter().map(|law| law.effect.part(&law.values));
-    let filters: Vec<_> = parts
-        .filter_map(|part| match part {
-            Part::Distortion(filter) => Some(filter),
-            Part::Term(_) | Part::Clock(_) | Part::Follows(_) => None,
-        })
-        .collect();
-    move |f_hz| filters.iter().map(|one| one.power(f_hz, rate_hz)).product()
+    let filters = parts.filter_map(|part| match part {
+        Part::Distortion(filter) => Some(filter),
+        Part::Term(_) | Part::Clock(_) | Part::Follows(_) => None,
+    });
+    filters.collect()
 }
 
-/// Component of a law through filters of this `power`; `None` for one that filters itself.
-fn component_through(
-    bins: &SpectralBins,
-    law: &Law,
-    power: impl Fn(f64) -> f64,
-) -> Option<Vec<f64>> {
+/// Power that all of these filters let through.
+pub fn power_of(filters: &[Box<dyn Distortion>], f_hz: f64, rate_hz: f64) -> f64 {
+    filters.iter().map(|one| one.power(f_hz, rate_hz)).product()
+}
+
+/// Component of a law in bins behind all filters; `None` for one that filters itself.
+fn component(bins: &Filtered<'_>, law: &Law) -> Option<Vec<f64>> {
     match law.effect.part(&law.values) {
-        Part::Term(term) => Some(bins.expect(|f_hz| bins.term_density(&*term, f_hz) * power(f_hz))),
+        Part::Term(term) => Some(bins.expect(&*term)),
         Part::Distortion(_) | Part::Clock(_) | Part::Follows(_) => None,
     }
 }

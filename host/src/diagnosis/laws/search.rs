@@ -1,8 +1,8 @@
 //! The values of laws that fit best.
 
 use crate::diagnosis::laws::rise::Rise;
-use crate::diagnosis::laws::{Law, component_of, component_through, components, passed};
-use crate::diagnosis::record::bins::SpectralBins;
+use crate::diagnosis::laws::{Law, behind, component, component_of, components, components_of};
+use crate::diagnosis::record::bins::{Filtered, SpectralBins};
 use crate::diagnosis::statistic::p_value;
 use crate::fit::likelihood::scoring::{Range, greatest_beside, maximise_beside};
 use crate::fit::likelihood::{Data, Fit};
@@ -21,7 +21,9 @@ const WORTH: f64 = 1e-3;
 const PROMISING: f64 = 2.0;
 
 /// Components of some laws and the best squares for them.
-struct Standing {
+struct Standing<'a> {
+    /// The bins behind those that filter.
+    bins: Filtered<'a>,
     components: Vec<Vec<f64>>,
     squared: Vec<f64>,
     value: f64,
@@ -45,9 +47,11 @@ pub fn polish(
     from: usize,
     first_step: f64,
 ) -> Option<Fit> {
-    let all = components(bins, laws);
+    let filtered = behind(bins, laws);
+    let all = components_of(&filtered, laws);
     let (squared, value) = greatest(data, &all, None)?;
     let mut best = Standing {
+        bins: filtered,
         components: all,
         squared,
         value,
@@ -82,24 +86,26 @@ pub fn polish(
 }
 
 /// What stands after law number `which` was moved.
-fn moved(
-    bins: &SpectralBins,
+fn moved<'a>(
+    bins: &'a SpectralBins,
     data: &Data,
     laws: &[Law],
     which: usize,
-    from: &Standing,
-) -> Option<Standing> {
+    from: &Standing<'a>,
+) -> Option<Standing<'a>> {
     // A term that moves changes its own component alone, a filter all of them.
-    let components = if laws[which].adds() {
+    let (filtered, components) = if laws[which].adds() {
         let mut components = from.components.clone();
-        let power = passed(bins, laws);
-        components[component_of(bins, laws, which)] = component_through(bins, &laws[which], power)?;
-        components
+        components[component_of(bins, laws, which)] = component(&from.bins, &laws[which])?;
+        (from.bins.clone(), components)
     } else {
-        components(bins, laws)
+        let filtered = behind(bins, laws);
+        let components = components_of(&filtered, laws);
+        (filtered, components)
     };
     let (squared, value) = greatest(data, &components, Some(&from.squared))?;
     Some(Standing {
+        bins: filtered,
         components,
         squared,
         value,

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::diagnosis::laws::rise::Rise;
-use crate::diagnosis::laws::{Law, component_through, components};
+use crate::diagnosis::laws::{Law, component, components};
 use crate::diagnosis::record::bins::SpectralBins;
 use crate::fit::likelihood::{Data, Fit};
 use crate::model::catalogue::CATALOGUE;
@@ -60,10 +60,11 @@ impl Starts {
             values.into_iter().map(move |values| Law { effect, values })
         });
         let laws: Vec<Law> = laws.collect();
+        let unfiltered = bins.unfiltered();
         let starts = laws
             .into_par_iter()
             .map(|law| Start {
-                component: component_through(bins, &law, |_| 1.0),
+                component: component(&unfiltered, &law),
                 law,
             })
             .collect();

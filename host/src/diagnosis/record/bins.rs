@@ -150,43 +150,27 @@ impl SpectralBins {
         &self.estimate.bins
     }
 
-    /// Expectations of the bins for a density ahead of the chain.
-    pub fn expect(&self, density: impl Fn(f64) -> f64) -> Vec<f64> {
-        let densities: Vec<f64> = self
-            .estimate
-            .operator
-            .nodes_hz()
-            .iter()
-            .zip(&self.chain_power)
-            .map(|(&f_hz, power)| density(f_hz) * power)
-            .collect();
-        self.estimate.operator.apply(&densities)
-    }
-
     /// Expectations for each of [`SEEN`] at coefficient 1, and behind a converter for white noise of
     /// density 1 that joins after its filter.
     pub fn units(&self) -> &[Vec<f64>] {
         &self.units
     }
 
-    /// The same through one more filter, ahead of what joins behind the converter.
-    pub fn units_through(&self, power: impl Fn(f64) -> f64) -> Vec<Vec<f64>> {
-        let operator = &self.estimate.operator;
-        let powers: Vec<f64> = operator
-            .nodes_hz()
-            .iter()
-            .map(|&f_hz| power(f_hz))
-            .collect();
-        let through = self.densities.iter().map(|densities| {
-            let pairs = densities.iter().zip(&powers);
-            operator.apply(
-                &pairs
-                    .map(|(density, power)| density * power)
-                    .collect::<Vec<f64>>(),
-            )
-        });
-        let behind = self.units.iter().skip(SEEN.len()).cloned();
-        through.chain(behind).collect()
+    /// The bins behind nothing but the chain.
+    pub fn unfiltered(&self) -> Filtered<'_> {
+        Filtered {
+            bins: self,
+            power: None,
+        }
+    }
+
+    /// The bins behind one more filter of this `power`, which is asked once at each node.
+    pub fn behind(&self, power: impl Fn(f64) -> f64) -> Filtered<'_> {
+        let nodes = self.estimate.operator.nodes_hz().iter();
+        Filtered {
+            bins: self,
+            power: Some(nodes.map(|&f_hz| power(f_hz)).collect()),
+        }
     }
 
     /// Two-sided density of the base components with these squares, chain included.
@@ -223,6 +207,16 @@ impl SpectralBins {
         }
     }
 
+    /// The same at many frequencies, hertz.
+    fn term_densities(&self, term: &dyn Term, f_hz: &[f64]) -> Vec<f64> {
+        if self.band_limited {
+            let each = f_hz.iter().map(|&f_hz| self.term_density(term, f_hz));
+            each.collect()
+        } else {
+            term.spectra(f_hz, self.rate_hz)
+        }
+    }
+
     /// Power of the signal chain at `f_hz`.
     pub fn chain_power(&self, f_hz: f64) -> f64 {
         self.design.power(f_hz)
@@ -231,6 +225,46 @@ impl SpectralBins {
     /// Samples a second.
     pub fn rate_hz(&self) -> f64 {
         self.rate_hz
+    }
+}
+
+/// Spectral bins behind a filter: what laws ahead of it are expected to be in them.
+#[derive(Clone)]
+pub struct Filtered<'a> {
+    bins: &'a SpectralBins,
+    /// Power of the filter at the nodes, if there is one.
+    power: Option<Arc<[f64]>>,
+}
+
+impl Filtered<'_> {
+    /// Expectations of the bins for a term ahead of filter and chain.
+    pub fn expect(&self, term: &dyn Term) -> Vec<f64> {
+        let operator = &self.bins.estimate.operator;
+        let behind = self.through(self.bins.term_densities(term, operator.nodes_hz()));
+        let chain = behind.iter().zip(&self.bins.chain_power);
+        let densities: Vec<f64> = chain.map(|(density, power)| density * power).collect();
+        operator.apply(&densities)
+    }
+
+    /// [`SpectralBins::units`], the filter ahead of what joins behind the converter.
+    pub fn units(&self) -> Vec<Vec<f64>> {
+        if self.power.is_none() {
+            return self.bins.units.clone();
+        }
+        let through = self.bins.densities.iter().map(|densities| {
+            let through = self.through(densities.clone());
+            self.bins.estimate.operator.apply(&through)
+        });
+        let behind = self.bins.units.iter().skip(SEEN.len()).cloned();
+        through.chain(behind).collect()
+    }
+
+    /// What the filter lets through of densities at the nodes.
+    fn through(&self, mut densities: Vec<f64>) -> Vec<f64> {
+        let power = self.power.iter().flat_map(|power| power.iter());
+        let pairs = densities.iter_mut().zip(power);
+        pairs.for_each(|(density, power)| *density *= power);
+        densities
     }
 }
 

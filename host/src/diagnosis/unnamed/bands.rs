@@ -10,7 +10,8 @@ use rayon::prelude::*;
 use super::dictionary::{Band, Dictionary};
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::laws::gain::Local;
-use crate::diagnosis::laws::{Law, components};
+use crate::diagnosis::laws::{self, Law};
+use crate::diagnosis::record::bins::Filtered;
 use crate::fit::likelihood::scoring::{Range, greatest_beside, maximise_beside};
 use crate::fit::likelihood::{Data, Fit, log_likelihood};
 use crate::numeric::mixture::add_mixture;
@@ -57,7 +58,7 @@ impl Completed {
 /// band is worth its cost.
 pub fn fitted(axis: &AxisState, data: &Data, tones: &[Vec<f64>]) -> Option<Completed> {
     let mut search = Search::new(axis, data, tones);
-    let dictionary = Dictionary::new(axis, data);
+    let dictionary = Dictionary::new(&search.bins, data);
     let cost_nats = (dictionary.trials() / NEEDLESS).ln();
     while search.bands.len() < MOST && search.add_best(&dictionary, cost_nats).is_some() {}
     search.finish(cost_nats)
@@ -107,6 +108,8 @@ fn likeliest(
 
 struct Search<'a> {
     axis: &'a AxisState,
+    /// Its bins behind its filters.
+    bins: Filtered<'a>,
     data: &'a Data,
     /// Number of components that are no bands, and how many of them are tones, the last.
     named: usize,
@@ -118,12 +121,14 @@ struct Search<'a> {
 
 impl<'a> Search<'a> {
     fn new(axis: &'a AxisState, data: &'a Data, tones: &[Vec<f64>]) -> Self {
-        let mut components = components(&axis.bins, &axis.laws);
+        let bins = laws::behind(&axis.bins, &axis.laws);
+        let mut components = laws::components_of(&bins, &axis.laws);
         let mut squared = axis.fit.squared.clone();
         components.extend_from_slice(tones);
         squared.extend(tones.iter().map(|_| 1.0));
         Self {
             axis,
+            bins,
             data,
             named: components.len(),
             tones: tones.len(),
@@ -172,7 +177,7 @@ impl<'a> Search<'a> {
 
     /// The likeliest sizes with one more band.
     fn with(&self, band: Band, expected: &[f64]) -> Option<Longer> {
-        let component = band.component(self.axis);
+        let component = band.component(&self.bins);
         let whole = Local {
             first: 0,
             expected: component.clone(),
@@ -193,7 +198,7 @@ impl<'a> Search<'a> {
     fn moved(&self, longer: &Longer) -> Band {
         let mut others = vec![0.0; self.data.len()];
         add_mixture(&mut others, &self.components, &longer.squared);
-        let gain = |band: Band| band.local(self.axis, self.data).best(self.data, &others).1;
+        let gain = |band: Band| band.local(&self.bins, self.data).best(self.data, &others).1;
         let (least_hz, most_hz) = (self.data.f_hz[0], 0.5 * self.axis.rate_hz);
         let mut best = (longer.band, gain(longer.band));
         for size in MOVES {

@@ -2,10 +2,10 @@
 
 use rayon::prelude::*;
 
-use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::laws::Law;
 use crate::diagnosis::laws::gain::Local;
 use crate::diagnosis::laws::rise::Rise;
+use crate::diagnosis::record::bins::Filtered;
 use crate::fit::likelihood::Data;
 use crate::model::unnamed;
 
@@ -50,15 +50,14 @@ impl Band {
         }
     }
 
-    /// What the bins of an axis are expected to be for an amplitude of 1.
-    pub fn component(self, axis: &AxisState) -> Vec<f64> {
-        let (bins, term) = (&axis.bins, self.term());
-        bins.expect(|f_hz| bins.term_density(&term, f_hz) * axis.filters(f_hz))
+    /// What the bins of an axis, behind its filters, are expected to be for an amplitude of 1.
+    pub fn component(self, bins: &Filtered<'_>) -> Vec<f64> {
+        bins.expect(&self.term())
     }
 
     /// The same, where it counts beside what is measured.
-    pub fn local(self, axis: &AxisState, data: &Data) -> Local {
-        let mut all = self.component(axis);
+    pub fn local(self, bins: &Filtered<'_>, data: &Data) -> Local {
+        let mut all = self.component(bins);
         // What is far below the peak may stand out of what is measured there.
         let over = all.iter().zip(&data.psd).map(|(own, psd)| own / psd);
         let over: Vec<f64> = over.collect();
@@ -78,8 +77,8 @@ impl Band {
 pub struct Dictionary(Vec<(Band, Local)>);
 
 impl Dictionary {
-    /// For the spectrum of an axis.
-    pub fn new(axis: &AxisState, data: &Data) -> Self {
+    /// For the spectrum of an axis, its bins behind its filters.
+    pub fn new(bins: &Filtered<'_>, data: &Data) -> Self {
         let frequencies = &data.f_hz;
         let (from_hz, to_hz) = (frequencies[0], frequencies[frequencies.len() - 1]);
         let shelves = (to_hz / from_hz).log2() * SHELVES_PER_OCTAVE;
@@ -100,7 +99,7 @@ impl Dictionary {
             }
         }
         let looks = bands.into_par_iter();
-        Self(looks.map(|band| (band, band.local(axis, data))).collect())
+        Self(looks.map(|band| (band, band.local(bins, data))).collect())
     }
 
     /// How many of its bands differ.

@@ -10,6 +10,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::dictionary::Band;
 use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::laws;
 use crate::diagnosis::result::verdict::{GOOD_PERCENT, LEAST_INTERVALS};
 use crate::diagnosis::result::views::AllanPoint;
 use crate::diagnosis::statistic::p_value::chi_squared;
@@ -41,7 +42,7 @@ impl Lacking {
     /// Adds it to the model of an axis.
     pub fn add_to(&self, axis: &mut AxisState) {
         for (band, squared) in &self.bands {
-            let expected = band.component(axis);
+            let expected = band.component(&laws::behind(&axis.bins, &axis.laws));
             axis.add_law(band.law(), *squared, expected);
         }
     }

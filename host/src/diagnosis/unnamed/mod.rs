@@ -13,6 +13,7 @@ use rayon::prelude::*;
 
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::explanation::Explanation;
+use crate::diagnosis::laws;
 use crate::diagnosis::laws::departure::departure;
 use crate::fit::likelihood::Data;
 use crate::model::effect::Part;
@@ -161,9 +162,8 @@ impl Tone {
                 shaped_by: f64::INFINITY,
             };
         };
-        let bins = &axis.bins;
         Self {
-            expected: bins.expect(|f_hz| bins.term_density(&*term, f_hz) * axis.filters(f_hz)),
+            expected: laws::behind(&axis.bins, &axis.laws).expect(&*term),
             shaped_by: term.shaped_by(axis.residual.len() as f64 / axis.rate_hz),
         }
     }

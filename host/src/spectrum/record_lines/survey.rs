@@ -131,10 +131,11 @@ impl Survey {
                 Piece::Break(index) => at = (index - self.first) as usize,
                 Piece::Measured(piece) | Piece::Bridge(piece) => {
                     values.clear();
-                    values.extend(piece.iter().enumerate().map(|(n, x)| {
-                        let place = (at + n) as f64;
-                        x - self.middle - self.slope * (place - centre)
-                    }));
+                    // 32 bits are turned into numbers several at a time, 64 are not.
+                    let start = at as f64 - centre;
+                    let places = (0_u32..).map(|n| start + f64::from(n));
+                    let trend = places.map(|place| self.middle + self.slope * place);
+                    values.extend(piece.iter().zip(trend).map(|(x, trend)| x - trend));
                     taper(at, self.len as usize, edge, &rise, &mut values);
                     visit(at, &values);
                     at += piece.len();
