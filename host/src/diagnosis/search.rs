@@ -4,12 +4,13 @@
 //! Within a round the detectors of [`detect::ROUND`] look in turn, from the most local to the most general:
 //! single values, lines, level, variance, shape of the spectrum. The first that changes the model ends
 //! the round, and the next one begins with everything fitted anew, so that what one effect hid from
-//! another shows. Detectors only look; what they propose is done here.
+//! another shows. A law hides other laws rather than anything local, so who found one looks for more
+//! of them first. Detectors only look; what they propose is done here.
 
 use crate::diagnosis::axis::{AxisState, NoFit};
 use crate::diagnosis::detect::look::{Character, Context, Look, Proposal};
 use crate::diagnosis::detect::{self, Detector};
-use crate::diagnosis::explanation::Candidate;
+use crate::diagnosis::explanation::{Candidate, Change};
 use crate::diagnosis::room;
 use crate::model::kind::Kind;
 
@@ -45,14 +46,25 @@ pub fn search(
 pub fn take_events_out(axis: &mut AxisState, context: &Context<'_>) -> Result<(), NoFit> {
     let mut search = Search::new(axis, context);
     search.ask(&detect::stale::DETECTOR)?;
-    while search.ask(&detect::shock::DETECTOR)? {}
+    while search.ask(&detect::shock::DETECTOR)? != Changed::Nothing {}
     // Noise that they had raised hides further ones.
     for _ in 0..ROUNDS {
-        if !search.ask(&detect::outliers::DETECTOR)? {
+        if search.ask(&detect::outliers::DETECTOR)? == Changed::Nothing {
             break;
         }
     }
     Ok(())
+}
+
+/// What a proposal changed of the model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Changed {
+    /// Nothing.
+    Nothing,
+    /// Its laws, by one more.
+    Laws,
+    /// What is taken out of the record or left out of it.
+    Record,
 }
 
 /// Who looks, and in which order.
@@ -87,7 +99,7 @@ impl<'a> Search<'a> {
 
     fn run(&mut self, plan: &Plan<'_>) -> Result<(), NoFit> {
         for detector in plan.before_rounds {
-            while self.ask(detector)? {}
+            while self.ask(detector)? != Changed::Nothing {}
         }
         for _ in 0..ROUNDS {
             if !self.round(plan.round)? {
@@ -101,28 +113,35 @@ impl<'a> Search<'a> {
     fn round(&mut self, detectors: &[&Detector]) -> Result<bool, NoFit> {
         self.axis.prepare(self.context.level);
         for detector in detectors {
-            if self.ask(detector)? {
+            let mut changed = self.ask(detector)?;
+            if changed != Changed::Nothing {
+                for _ in 0..ROUNDS {
+                    if changed != Changed::Laws {
+                        break;
+                    }
+                    changed = self.ask(detector)?;
+                }
                 return Ok(true);
             }
         }
         Ok(false)
     }
 
-    /// Lets a detector look and does what it proposes; whether that changed the model.
-    fn ask(&mut self, detector: &Detector) -> Result<bool, NoFit> {
+    /// Lets a detector look and does what it proposes; what that changed of the model.
+    fn ask(&mut self, detector: &Detector) -> Result<Changed, NoFit> {
         let look = Look {
             axis: self.axis,
             context: self.context,
             character: &self.character,
         };
-        let mut changed = false;
+        let mut changed = Changed::Nothing;
         for proposal in (detector.look)(&look)? {
-            changed |= self.follow(proposal)?;
+            changed = changed.max(self.follow(proposal)?);
         }
         Ok(changed)
     }
 
-    fn follow(&mut self, proposal: Proposal) -> Result<bool, NoFit> {
+    fn follow(&mut self, proposal: Proposal) -> Result<Changed, NoFit> {
         match proposal {
             Proposal::Explain(candidate) => return self.explain(*candidate),
             Proposal::Exclude(band, kinds) => {
@@ -139,30 +158,37 @@ impl<'a> Search<'a> {
             Proposal::Withdraw(kinds) => {
                 let any = self.axis.withdraw_where(|one| kinds.contains(&one.kind()));
                 if !any {
-                    return Ok(false);
+                    return Ok(Changed::Nothing);
                 }
                 self.axis.refresh()?;
             }
             Proposal::Learn(lesson) => {
                 self.character.learn(lesson);
-                return Ok(false);
+                return Ok(Changed::Nothing);
             }
         }
-        Ok(true)
+        Ok(Changed::Record)
     }
 
     /// Takes a candidate in, unless it is refused.
-    fn explain(&mut self, candidate: Candidate) -> Result<bool, NoFit> {
+    fn explain(&mut self, candidate: Candidate) -> Result<Changed, NoFit> {
         let kind = candidate.effect.kind;
         if self.context.refused.contains(&kind) || !room::holds(self.axis, &candidate) {
-            return Ok(false);
+            return Ok(Changed::Nothing);
         }
+        let is_only_law = matches!(candidate.change, Change::Law(_))
+            && candidate.supersedes.is_empty()
+            && candidate.reopens.is_empty();
         if candidate.amends.is_none() {
             (self.context.found)(kind);
             self.latest = Some(kind);
         }
         self.axis.accept(candidate)?;
-        Ok(true)
+        Ok(if is_only_law {
+            Changed::Laws
+        } else {
+            Changed::Record
+        })
     }
 }
 

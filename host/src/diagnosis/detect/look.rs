@@ -4,6 +4,7 @@ use crate::diagnosis::axis::{AxisState, Excluded};
 use crate::diagnosis::explanation::{Candidate, Explanation};
 use crate::diagnosis::values::ValueFindings;
 use crate::model::kind::Kind;
+use crate::spectrum::Line;
 
 /// What a search is given.
 pub struct Context<'a> {
@@ -31,8 +32,8 @@ pub struct Character {
     pub strength_moves: bool,
     /// Explanations there were when outliers were last sought among them.
     pub outliers_sought_among: usize,
-    /// Frequencies of lines that were seen to lose no samples, hertz.
-    pub lines_without_loss: Vec<f64>,
+    /// Lines that were seen to lose no samples, the strongest first.
+    pub lines_without_loss: Vec<Line>,
 }
 
 /// What a detector sees.
@@ -96,7 +97,7 @@ pub enum Lesson {
     /// [`Character::outliers_sought_among`].
     OutliersSoughtAmong(usize),
     /// [`Character::lines_without_loss`].
-    LinesWithoutLoss(Vec<f64>),
+    LinesWithoutLoss(Vec<Line>),
 }
 
 impl Character {
@@ -107,7 +108,7 @@ impl Character {
             Lesson::LargeSamplesInGroups => self.large_samples_in_groups = true,
             Lesson::StrengthMoves => self.strength_moves = true,
             Lesson::OutliersSoughtAmong(count) => self.outliers_sought_among = count,
-            Lesson::LinesWithoutLoss(lines_hz) => self.lines_without_loss = lines_hz,
+            Lesson::LinesWithoutLoss(lines) => self.lines_without_loss = lines,
         }
     }
 }

@@ -12,6 +12,7 @@ use crate::diagnosis::trial::{
 };
 use crate::diagnosis::values::ValueFindings;
 use crate::model::{burst, markov, outliers, resonance, sinusoid, steps};
+use crate::spectrum::Line;
 
 /// What was learnt and the last kind, or none of both.
 type Outcome = Result<(Character, Option<Kind>), Spoilt>;
@@ -122,6 +123,34 @@ fn a_round_ends_with_the_first_change() {
 }
 
 #[test]
+fn who_found_a_law_looks_for_more_of_them_first() {
+    /// A law, then another.
+    const GENERAL: Detector = Detector {
+        tests: 0,
+        look: |look| {
+            Ok(match look.axis.laws.len() {
+                0 => explain(markov::KIND, law(markov::KIND, &[1.0, 0.1])),
+                1 => explain(resonance::KIND, law(resonance::KIND, &[100.0, 10.0, 1.0])),
+                _ => Vec::new(),
+            })
+        },
+    };
+    /// A line, once there is a law.
+    const AFTER_LAWS: Detector = Detector {
+        tests: 0,
+        look: |look| {
+            let is_new = !look.axis.laws.is_empty() && !look.axis.has(sinusoid::KIND);
+            let line = || explain(sinusoid::KIND, line(50.0, 0.1).into());
+            Ok(if is_new { line() } else { Vec::new() })
+        },
+    };
+    let mut axis = noise(10);
+    let (done, told) = search(&mut axis, &[], &[], &[&AFTER_LAWS, &GENERAL]);
+    assert!(done.is_ok(), "seed 10: {done:?}");
+    assert_eq!(told, [markov::KIND, resonance::KIND, sinusoid::KIND]);
+}
+
+#[test]
 fn what_the_values_say_is_asked_before_all_rounds_until_nothing_is_new() {
     let mut axis = noise(2);
     let (_, told) = search(&mut axis, &[], &[&EAGER], &[&PATIENT]);
@@ -173,6 +202,15 @@ fn what_amends_is_no_effect_of_its_own() {
     assert_eq!(*axis.residual.waves(), [jump(5000, 0.2)], "seed 5");
 }
 
+/// A line, as one may be remembered.
+const A_LINE: Line = Line {
+    frequency_hz: 50.0,
+    frequency_sd_hz: 0.01,
+    amplitude: 0.1,
+    ratio: 40.0,
+    false_alarm: 1e-9,
+};
+
 #[test]
 fn lessons_are_learnt_and_change_nothing() {
     const TEACHING: Detector = Detector {
@@ -184,7 +222,7 @@ fn lessons_are_learnt_and_change_nothing() {
                 Proposal::Learn(Lesson::LargeSamplesInGroups),
                 Proposal::Learn(Lesson::StrengthMoves),
                 Proposal::Learn(Lesson::OutliersSoughtAmong(3)),
-                Proposal::Learn(Lesson::LinesWithoutLoss(vec![look.axis.rate_hz])),
+                Proposal::Learn(Lesson::LinesWithoutLoss(vec![A_LINE])),
             ])
         },
     };
@@ -203,7 +241,7 @@ fn lessons_are_learnt_and_change_nothing() {
         large_samples_in_groups: true,
         strength_moves: true,
         outliers_sought_among: 3,
-        lines_without_loss: vec![axis.rate_hz],
+        lines_without_loss: vec![A_LINE],
     };
     assert_eq!(done, Ok((expected, Some(sinusoid::KIND))), "seed 6");
     assert_eq!(told, [sinusoid::KIND], "seed 6");

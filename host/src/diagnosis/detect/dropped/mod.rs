@@ -44,19 +44,35 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
         return Ok(Vec::new());
     }
     let found = strongest(lines::lines(axis, look.level()));
-    let lines_hz: Vec<f64> = found.iter().map(|line| line.frequency_hz).collect();
-    if look.character.lines_without_loss == lines_hz {
+    if are_the_same(
+        &found,
+        &look.character.lines_without_loss,
+        look.duration_s(),
+    ) {
         return Ok(Vec::new());
     }
     let Some(loss) = search::lost_samples(axis, &found, look.level()) else {
-        return Ok(vec![Proposal::Learn(Lesson::LinesWithoutLoss(lines_hz))]);
+        return Ok(vec![Proposal::Learn(Lesson::LinesWithoutLoss(found))]);
     };
     let mut proposals = lines::proposals(look, lines::with_hum(measured(look, &loss)), |_| false);
     proposals.push(Proposal::Explain(Box::new(candidate(look, &loss))));
     Ok(proposals)
 }
 
-/// The strongest of the lines in some groups.
+/// Whether lines are those that were seen `before`, in a record of `duration_s` seconds: as many, none of them half an
+/// ordinate away, and none far stronger or weaker beside its noise. What jumps is the same then.
+fn are_the_same(lines: &[Line], before: &[Line], duration_s: f64) -> bool {
+    /// Factor on the power over the noise from which a line shows more or less than it did: a choice, half of a decibel.
+    const AS_STRONG: f64 = 1.12;
+    let is_same = |(now, then): (&Line, &Line)| {
+        let moved = (now.frequency_hz - then.frequency_hz).abs() * duration_s;
+        let factor = (now.ratio / then.ratio).max(then.ratio / now.ratio);
+        moved < 0.5 && factor < AS_STRONG
+    };
+    lines.len() == before.len() && lines.iter().zip(before).all(is_same)
+}
+
+/// The strongest of the lines in some groups, by their frequencies.
 fn strongest(groups: Vec<Group>) -> Vec<Line> {
     let mut found: Vec<Line> = groups
         .into_iter()
@@ -68,6 +84,7 @@ fn strongest(groups: Vec<Group>) -> Vec<Line> {
         .collect();
     found.sort_by(|a, b| b.ratio.total_cmp(&a.ratio));
     found.truncate(MOST_LINES);
+    found.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
     found
 }
 
@@ -148,18 +165,35 @@ mod tests {
     #[test]
     fn lines_without_a_loss_are_remembered() {
         let proposals = trial(1, 0).ask(&DETECTOR);
-        let [Proposal::Learn(lesson @ Lesson::LinesWithoutLoss(lines_hz))] = proposals.as_slice()
+        let [Proposal::Learn(lesson @ Lesson::LinesWithoutLoss(without))] = proposals.as_slice()
         else {
             panic!("seed 1: {proposals:?}");
         };
-        assert_eq!(lines_hz.len(), 3, "seed 1");
+        assert_eq!(without.len(), 3, "seed 1");
         // Whatever is remembered is not looked at again, not even a loss.
         let mut trial = trial(0, 9);
         let lines = trial.look(|look| strongest(lines::lines(look.axis, look.level())));
-        let lines_hz = lines.iter().map(|line| line.frequency_hz).collect();
         trial.character.learn(lesson.clone());
         assert!(!trial.ask(&DETECTOR).is_empty(), "seed 0: other lines");
-        trial.character.learn(Lesson::LinesWithoutLoss(lines_hz));
+        trial.character.learn(Lesson::LinesWithoutLoss(lines));
         assert!(trial.ask(&DETECTOR).is_empty(), "seed 0: the same lines");
+    }
+
+    #[test]
+    fn lines_are_the_same_until_one_moves_comes_goes_or_stands_out_more() {
+        let line = |frequency_hz: f64, ratio: f64| Line {
+            frequency_hz,
+            frequency_sd_hz: 0.0,
+            amplitude: 1.0,
+            ratio,
+            false_alarm: 0.0,
+        };
+        let before = [line(7.0, 30.0), line(11.0, 50.0)];
+        let are_same = |now: &[Line]| are_the_same(now, &before, 100.0);
+        assert!(are_same(&[line(7.004, 31.0), line(10.997, 46.0)]));
+        assert!(!are_same(&[line(7.006, 30.0), line(11.0, 50.0)]), "moved");
+        assert!(!are_same(&[line(7.0, 34.0), line(11.0, 50.0)]), "stronger");
+        assert!(!are_same(&[line(7.0, 30.0), line(11.0, 44.0)]), "weaker");
+        assert!(!are_same(&before[..1]), "gone");
     }
 }
