@@ -59,6 +59,8 @@ pub mod warmup;
 pub mod white;
 pub mod whole;
 
+use std::f64::consts::PI;
+
 pub use random::Seed;
 
 use self::random::Generator;
@@ -77,9 +79,9 @@ pub trait Term: Send + Sync {
     fn spectrum(&self, f_hz: f64, rate_hz: f64) -> f64;
 
     /// The same at many frequencies: what they have in common is worked out once.
-    fn spectra(&self, f_hz: &[f64], rate_hz: f64) -> Vec<f64> {
-        let each = f_hz.iter().map(|&f_hz| self.spectrum(f_hz, rate_hz));
-        each.collect()
+    fn spectra(&self, at: &Frequencies) -> Vec<f64> {
+        let each = at.f_hz.iter();
+        each.map(|&f_hz| self.spectrum(f_hz, at.rate_hz)).collect()
     }
 
     /// Two-sided spectral density ahead of a signal chain that band-limits and samples it.
@@ -120,6 +122,32 @@ pub trait Term: Send + Sync {
 
     /// Makes data that follow the law; the same `seed` gives the same data.
     fn generator(&self, rate_hz: f64, seed: Seed) -> Box<dyn Generator>;
+}
+
+/// Frequencies at which many terms are asked for their spectra.
+#[derive(Debug, Clone)]
+pub struct Frequencies {
+    f_hz: Vec<f64>,
+    rate_hz: f64,
+    /// Sine and cosine of half the angle that each turns in a sample.
+    half_turns: Vec<(f64, f64)>,
+}
+
+impl Frequencies {
+    /// Of samples at `rate_hz`.
+    pub fn new(f_hz: &[f64], rate_hz: f64) -> Self {
+        let half_turn = |f_hz: &f64| (PI * f_hz / rate_hz).sin_cos();
+        Self {
+            f_hz: f_hz.to_vec(),
+            rate_hz,
+            half_turns: f_hz.iter().map(half_turn).collect(),
+        }
+    }
+
+    /// Each of them, hertz.
+    pub fn f_hz(&self) -> &[f64] {
+        &self.f_hz
+    }
 }
 
 /// Power at one frequency.

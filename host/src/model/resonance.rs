@@ -9,7 +9,7 @@ use super::kind::Kind;
 use super::markov;
 use super::marks::Mark;
 use super::random::{Gaussian, Generator};
-use super::{Seed, Term};
+use super::{Frequencies, Seed, Term};
 
 /// Noise about a frequency: `Re(z e^{2 pi i f0 t})` with `z` complex Markov noise. Its covariance
 /// is `amplitude^2 e^{-pi width |t|} cos(2 pi f0 t)`.
@@ -24,17 +24,17 @@ pub struct Resonance {
 }
 
 impl Resonance {
-    /// Its density as sampled: half of the Lorentzian on either side, each with all that folds back onto it.
-    fn folded(&self, rate_hz: f64) -> impl Fn(f64) -> f64 {
+    /// Its density as sampled: half of the Lorentzian on either side, each with all that folds back onto it; by sine and
+    /// cosine of half the angle that a frequency turns in a sample.
+    fn folded(&self, rate_hz: f64) -> impl Fn((f64, f64)) -> f64 {
         let decay = PI * self.width_hz / rate_hz;
         let (fall, keep) = (-(-decay).exp_m1(), (-decay).exp());
         let height = -(-2.0 * decay).exp_m1() / rate_hz;
         let half = 0.5 * self.amplitude.powi(2);
         let (middle_sine, middle_cosine) = (PI * self.f_hz / rate_hz).sin_cos();
         let side = move |sine: f64| height / (fall * fall + 4.0 * keep * sine * sine);
-        move |f_hz| {
-            // The sine of a difference and of a sum by those of both, which costs half.
-            let (sine, cosine) = (PI * f_hz / rate_hz).sin_cos();
+        move |(sine, cosine)| {
+            // The sines of a difference and of a sum by those of both.
             let (across, along) = (cosine * middle_sine, sine * middle_cosine);
             half * (side(along - across) + side(along + across))
         }
@@ -59,11 +59,12 @@ impl Term for Resonance {
     }
 
     fn spectrum(&self, f_hz: f64, rate_hz: f64) -> f64 {
-        self.folded(rate_hz)(f_hz)
+        self.folded(rate_hz)((PI * f_hz / rate_hz).sin_cos())
     }
 
-    fn spectra(&self, f_hz: &[f64], rate_hz: f64) -> Vec<f64> {
-        f_hz.iter().copied().map(self.folded(rate_hz)).collect()
+    fn spectra(&self, at: &Frequencies) -> Vec<f64> {
+        let half_turns = at.half_turns.iter().copied();
+        half_turns.map(self.folded(at.rate_hz)).collect()
     }
 
     fn spectrum_ahead(&self, f_hz: f64, _rate_hz: f64) -> f64 {

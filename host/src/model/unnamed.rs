@@ -15,7 +15,7 @@ use super::kind::Kind;
 use super::markov;
 use super::marks::Mark;
 use super::random::{Gaussian, Generator};
-use super::{Seed, Term};
+use super::{Frequencies, Seed, Term};
 
 /// Noise about a frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,8 +59,9 @@ impl Band {
         self.amplitude.powi(2) * (1.0 + decayed) * (-decayed).exp()
     }
 
-    /// Its density as sampled, with all that folds back.
-    fn folded(&self, rate_hz: f64) -> impl Fn(f64) -> f64 {
+    /// Its density as sampled, with all that folds back, by sine and cosine of half the angle that a frequency turns in a
+    /// sample.
+    fn folded(&self, rate_hz: f64) -> impl Fn((f64, f64)) -> f64 {
         let decay = self.decay_per_s() / rate_hz;
         let sinh = decay.sinh();
         let low = (0.5 * decay).sinh().powi(2);
@@ -76,9 +77,8 @@ impl Band {
             let above = low * (sinh + decay - 2.0 * decay * high) + high * excess;
             above / (2.0 * (low + high).powi(2) * rate_hz)
         };
-        move |f_hz| {
-            // The sine of a difference and of a sum by those of both, which costs half.
-            let (sine, cosine) = (PI * f_hz / rate_hz).sin_cos();
+        move |(sine, cosine)| {
+            // The sines of a difference and of a sum by those of both.
             let (across, along) = (cosine * middle_sine, sine * middle_cosine);
             half * (side(along - across) + side(along + across))
         }
@@ -104,11 +104,12 @@ impl Term for Band {
     }
 
     fn spectrum(&self, f_hz: f64, rate_hz: f64) -> f64 {
-        self.folded(rate_hz)(f_hz)
+        self.folded(rate_hz)((PI * f_hz / rate_hz).sin_cos())
     }
 
-    fn spectra(&self, f_hz: &[f64], rate_hz: f64) -> Vec<f64> {
-        f_hz.iter().copied().map(self.folded(rate_hz)).collect()
+    fn spectra(&self, at: &Frequencies) -> Vec<f64> {
+        let half_turns = at.half_turns.iter().copied();
+        half_turns.map(self.folded(at.rate_hz)).collect()
     }
 
     fn spectrum_ahead(&self, f_hz: f64, _rate_hz: f64) -> f64 {

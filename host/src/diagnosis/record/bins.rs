@@ -11,7 +11,7 @@ use crate::chain::Chain;
 use crate::fit::design::Design;
 use crate::fit::likelihood::Data;
 use crate::fit::likelihood::components::SEEN;
-use crate::model::Term;
+use crate::model::{Frequencies, Term};
 use crate::spectrum::estimate::{self, Estimate};
 use crate::spectrum::{Cascade, Plan, Settings};
 
@@ -30,6 +30,8 @@ pub struct SpectralBins {
     /// Expectations of the bins for each of [`SEEN`] at coefficient 1; behind a converter also for
     /// white noise that joins after its filter, such as rounding.
     units: Vec<Vec<f64>>,
+    /// The nodes of all bins.
+    nodes: Arc<Frequencies>,
     /// Power of the signal chain at the nodes.
     chain_power: Vec<f64>,
     /// Densities of each of [`SEEN`] at the nodes, behind the chain.
@@ -63,12 +65,16 @@ impl SpectralBins {
         let cascade = filled(&plan, parts);
         let estimate = Estimate::new(&cascade, rate_hz, &settings);
         let design = Arc::new(Design::new(rate_hz, chain));
-        let nodes = estimate.operator.nodes_hz();
-        let chain_power: Vec<f64> = nodes.iter().map(|&f_hz| design.power(f_hz)).collect();
+        let nodes = Arc::new(Frequencies::new(estimate.operator.nodes_hz(), rate_hz));
+        let chain_power: Vec<f64> = nodes
+            .f_hz()
+            .iter()
+            .map(|&f_hz| design.power(f_hz))
+            .collect();
         let densities: Vec<Vec<f64>> = SEEN
             .iter()
             .map(|&one| {
-                let pairs = nodes.iter().zip(&chain_power);
+                let pairs = nodes.f_hz().iter().zip(&chain_power);
                 pairs
                     .map(|(&f_hz, power)| design.unit_spectrum(one, f_hz) * power)
                     .collect()
@@ -80,7 +86,7 @@ impl SpectralBins {
             .collect();
         let band_limited = chain.is_some_and(|chain| chain.converter.is_some());
         if band_limited {
-            units.push(estimate.operator.apply(&vec![1.0; nodes.len()]));
+            units.push(estimate.operator.apply(&vec![1.0; chain_power.len()]));
         }
         let data = Data::new(&estimate, 1.0)?;
         Some(Self {
@@ -89,6 +95,7 @@ impl SpectralBins {
             design,
             units,
             densities,
+            nodes,
             chain_power,
             dof: data.dof.clone(),
             data,
@@ -166,7 +173,7 @@ impl SpectralBins {
 
     /// The bins behind one more filter of this `power`, which is asked once at each node.
     pub fn behind(&self, power: impl Fn(f64) -> f64) -> Filtered<'_> {
-        let nodes = self.estimate.operator.nodes_hz().iter();
+        let nodes = self.nodes.f_hz().iter();
         Filtered {
             bins: self,
             power: Some(nodes.map(|&f_hz| power(f_hz)).collect()),
@@ -207,13 +214,13 @@ impl SpectralBins {
         }
     }
 
-    /// The same at many frequencies, hertz.
-    fn term_densities(&self, term: &dyn Term, f_hz: &[f64]) -> Vec<f64> {
+    /// The same at all nodes.
+    fn term_densities(&self, term: &dyn Term) -> Vec<f64> {
         if self.band_limited {
-            let each = f_hz.iter().map(|&f_hz| self.term_density(term, f_hz));
-            each.collect()
+            let each = self.nodes.f_hz().iter();
+            each.map(|&f_hz| self.term_density(term, f_hz)).collect()
         } else {
-            term.spectra(f_hz, self.rate_hz)
+            term.spectra(&self.nodes)
         }
     }
 
@@ -240,7 +247,7 @@ impl Filtered<'_> {
     /// Expectations of the bins for a term ahead of filter and chain.
     pub fn expect(&self, term: &dyn Term) -> Vec<f64> {
         let operator = &self.bins.estimate.operator;
-        let behind = self.through(self.bins.term_densities(term, operator.nodes_hz()));
+        let behind = self.through(self.bins.term_densities(term));
         let chain = behind.iter().zip(&self.bins.chain_power);
         let densities: Vec<f64> = chain.map(|(density, power)| density * power).collect();
         operator.apply(&densities)

@@ -32,9 +32,11 @@ pub fn p_steady(axis: &AxisState, cycles: f64) -> f64 {
         return 1.0;
     }
     let density = axis.density(cycles * axis.rate_hz) * axis.rate_hz;
+    let window = |offset: usize| hann(offset as f64 + 0.5, length as f64);
+    let window: Vec<f64> = (0..length).map(window).collect();
     let mut parts: Vec<Part> = (0..PARTS)
         .filter_map(|number| {
-            let (phasor, gain) = phasor(axis, cycles, number * length, length)?;
+            let (phasor, gain) = phasor(axis, cycles, number * length, &window)?;
             Some(Part {
                 phasor,
                 weight: (2.0 * density * gain).recip(),
@@ -89,23 +91,27 @@ fn tolerate(parts: &mut [Part]) {
     }
 }
 
-/// Phasor of the line in a part of the record, and `sum w^2 / (sum w)^2`; `None` where hardly any
-/// of the part counts.
-fn phasor(axis: &AxisState, cycles: f64, from: usize, length: usize) -> Option<(Complex64, f64)> {
+/// Phasor of the line in the part of the record that begins at `from`, under a `window`, and `sum w^2 / (sum w)^2`; `None`
+/// where hardly any of the part counts.
+fn phasor(axis: &AxisState, cycles: f64, from: usize, window: &[f64]) -> Option<(Complex64, f64)> {
     let (mut sum, mut weights, mut squares) = (Complex64::ZERO, 0.0, 0.0);
     let mut counted = 0;
-    let values = axis.filled[from..from + length].iter().enumerate();
-    Phasor::new(-cycles).zip(from, values, 2.0.into(), |(offset, value), phasor| {
-        if !axis.usable(from + offset) {
-            return;
-        }
-        let window = hann(offset as f64 + 0.5, length as f64);
-        sum += window * value * phasor;
-        weights += window;
-        squares += window * window;
-        counted += 1;
-    });
-    (4 * counted > length).then(|| (sum / weights, squares / (weights * weights)))
+    let values = (from..).zip(axis.filled[from..].iter().zip(window));
+    Phasor::new(-cycles).zip(
+        from,
+        values,
+        2.0.into(),
+        |(index, (value, window)), phasor| {
+            if !axis.usable(index) {
+                return;
+            }
+            sum += window * value * phasor;
+            weights += window;
+            squares += window * window;
+            counted += 1;
+        },
+    );
+    (4 * counted > window.len()).then(|| (sum / weights, squares / (weights * weights)))
 }
 
 #[cfg(test)]

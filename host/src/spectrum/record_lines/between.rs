@@ -6,6 +6,7 @@ use rustfft::num_complex::Complex64;
 
 use super::replay::Replay;
 use super::survey::Survey;
+use crate::fft::phasor::Phasor;
 use crate::numeric::top::climb;
 
 /// Blocks that a candidate's demodulated record is kept in.
@@ -39,24 +40,18 @@ impl Survey {
         }
         let block = (self.len as usize).div_ceil(BLOCKS);
         let mut sums = vec![vec![Complex64::default(); BLOCKS]; candidates.len()];
+        let phasors = candidates.iter().map(|&(cycles, _)| Phasor::new(-cycles));
+        let phasors: Vec<Phasor> = phasors.collect();
         self.tapered(record, |at, values| {
-            for (sums, &(cycles, _)) in sums.iter_mut().zip(candidates) {
-                let turn = Complex64::from_polar(1.0, -2.0 * PI * cycles);
+            for (sums, phasor) in sums.iter_mut().zip(&phasors) {
                 let mut start = 0;
                 while start < values.len() {
                     let index = at + start;
-                    let end = values
-                        .len()
-                        .min(start + block - index % block)
-                        .min(start + 256);
-                    let turns = (cycles * index as f64).fract();
-                    let mut phasor = Complex64::from_polar(1.0, -2.0 * PI * turns);
-                    let mut sum = Complex64::default();
-                    for &x in &values[start..end] {
-                        sum += phasor * x;
-                        phasor *= turn;
-                    }
-                    sums[index / block] += sum;
+                    let end = values.len().min(start + block - index % block);
+                    let sum = &mut sums[index / block];
+                    phasor.zip(index, &values[start..end], Complex64::ONE, |x, turned| {
+                        *sum += turned * x;
+                    });
                     start = end;
                 }
             }

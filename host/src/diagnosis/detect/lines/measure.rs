@@ -24,6 +24,10 @@ pub struct Measured {
     pub amplitude_sd: f64,
 }
 
+/// Blocks in which a record is kept that is looked at about a frequency: 4/T away from it a block turns by a 64th of a
+/// cycle from its begin to its end, which takes 0.04 % off a line.
+const BLOCKS: usize = 256;
+
 /// The line within some 1/T of `f_hz` at which its size is largest, found otherwise with the
 /// probability `p_value` by chance.
 pub fn measure_near(axis: &AxisState, f_hz: f64, p_value: f64) -> Measured {
@@ -31,29 +35,31 @@ pub fn measure_near(axis: &AxisState, f_hz: f64, p_value: f64) -> Measured {
     /// which one halfway loses 3 % of the amplitude, up to 3/T. The next look is ten times as fine.
     const FINE: f64 = 0.25;
     const STEPS_EACH_SIDE: i32 = 12;
-    let step_hz = FINE * axis.rate_hz / axis.filled.len() as f64;
-    let at = |frequency_hz: f64| {
-        let line = Line {
-            frequency_hz,
+    let length = axis.filled.len();
+    let seen = Demodulated::new(axis, f_hz / axis.rate_hz);
+    let mut best = (0.0, seen.power(0.0));
+    for (reach, step) in [(STEPS_EACH_SIDE, FINE), (8, 0.1 * FINE)] {
+        let centre = best.0;
+        for number in -reach..=reach {
+            let offset = centre + f64::from(number) * step;
+            let power = seen.power(offset);
+            if power > best.1 {
+                best = (offset, power);
+            }
+        }
+    }
+    let mut best = measure(
+        axis,
+        &Line {
+            frequency_hz: f_hz + best.0 * axis.rate_hz / length as f64,
             frequency_sd_hz: f64::INFINITY,
             amplitude: 0.0,
             ratio: 0.0,
             false_alarm: p_value,
-        };
-        measure(axis, &line)
-    };
-    let mut best = at(f_hz);
-    for (reach, step_hz) in [(STEPS_EACH_SIDE, step_hz), (8, 0.1 * step_hz)] {
-        let centre_hz = best.line.frequency_hz;
-        for step in -reach..=reach {
-            let one = at(centre_hz + f64::from(step) * step_hz);
-            if one.line.amplitude > best.line.amplitude {
-                best = one;
-            }
-        }
-    }
+        },
+    );
     // The bound of H. Cramer and C. R. Rao for a tone whose amplitude is estimated with it.
-    let duration_s = axis.filled.len() as f64 / axis.rate_hz;
+    let duration_s = length as f64 / axis.rate_hz;
     best.line.frequency_sd_hz =
         6_f64.sqrt() / TAU * best.amplitude_sd / best.line.amplitude / duration_s;
     best
@@ -61,25 +67,9 @@ pub fn measure_near(axis: &AxisState, f_hz: f64, p_value: f64) -> Measured {
 
 /// Size and phase of a line by least squares with tapered ends.
 pub fn measure(axis: &AxisState, line: &Line) -> Measured {
-    let length = axis.filled.len();
     let cycles = line.frequency_hz / axis.rate_hz;
-    let end = ((TAPER * length as f64) as usize).max(1);
-    let (mut sum, mut weights) = (Complex64::ZERO, 0.0);
-    let measured = axis.residual.measured();
-    let values = axis.filled.iter().enumerate();
-    Phasor::new(-cycles).zip(0, values, 2.0.into(), |(index, value), phasor| {
-        if !measured[index].is_finite() {
-            return;
-        }
-        let edge = index.min(length - 1 - index);
-        let weight = if edge < end {
-            (0.5 * PI * (edge as f64 + 0.5) / end as f64).sin().powi(2)
-        } else {
-            1.0
-        };
-        sum += phasor * (weight * value);
-        weights += weight;
-    });
+    let Demodulated { sums, weights } = Demodulated::new(axis, cycles);
+    let sum: Complex64 = sums.iter().sum();
     let (cosine, sine) = (sum.re / weights, -sum.im / weights);
     // var A = 4 S / T for a two-sided density S.
     let density = axis.density(line.frequency_hz);
@@ -96,5 +86,59 @@ pub fn measure(axis: &AxisState, line: &Line) -> Measured {
             lost: None,
         },
         amplitude_sd,
+    }
+}
+
+/// A record with tapered ends, shifted down by a frequency, in blocks.
+struct Demodulated {
+    /// Twice the sum of each block.
+    sums: Vec<Complex64>,
+    /// Weights of all samples that were measured.
+    weights: f64,
+}
+
+impl Demodulated {
+    /// Down by `cycles` a sample.
+    fn new(axis: &AxisState, cycles: f64) -> Self {
+        let length = axis.filled.len();
+        let end = ((TAPER * length as f64) as usize).max(1);
+        let rise = |edge: usize| (0.5 * PI * (edge as f64 + 0.5) / end as f64).sin().powi(2);
+        let rise: Vec<f64> = (0..end).map(rise).collect();
+        let phasor = Phasor::new(-cycles);
+        let block = length.div_ceil(BLOCKS);
+        let measured = axis.residual.measured();
+        let mut weights = 0.0;
+        let sums = axis.filled.chunks(block).zip(measured.chunks(block));
+        let sums = sums.enumerate().map(|(number, (values, measured))| {
+            let first = number * block;
+            let values = (first..).zip(values.iter().zip(measured));
+            let mut sum = Complex64::ZERO;
+            phasor.zip(
+                first,
+                values,
+                2.0.into(),
+                |(index, (value, measured)), phasor| {
+                    if measured.is_finite() {
+                        let edge = index.min(length - 1 - index);
+                        let weight = rise.get(edge).copied().unwrap_or(1.0);
+                        sum += phasor * (weight * value);
+                        weights += weight;
+                    }
+                },
+            );
+            sum
+        });
+        Self {
+            sums: sums.collect(),
+            weights,
+        }
+    }
+
+    /// Power of what lies `offset` cycles a record away.
+    fn power(&self, offset: f64) -> f64 {
+        let turn = -TAU * offset / self.sums.len() as f64;
+        let sums = (0_u32..).zip(&self.sums);
+        let turned = sums.map(|(number, sum)| sum * Complex64::cis(turn * f64::from(number)));
+        turned.sum::<Complex64>().norm_sqr()
     }
 }
