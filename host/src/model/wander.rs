@@ -21,10 +21,9 @@ const LEVELS: u32 = 48;
 const LEAST_LEVELS: f64 = 6.0;
 const LEVELS_PER_UNIT: f64 = 3.0;
 
-/// Levels that do as well far from the line, and from where on, half widths: with three the error is below 1e-4 there at
-/// any `b` from 0.03 to 1000, and twice as many are a reserve.
-const FAR_LEVELS: u32 = 6;
-const FAR: f64 = 8.0;
+/// From where on, half widths, how many levels do far from the line: the error is below 1e-5 there at any `b` from 0.03
+/// to 1000.
+const FAR: [(f64, u32); 2] = [(30.0, 2), (8.0, 6)];
 
 /// Deviations beyond which a simulated frequency does not go: 6e-5 of the time.
 const FURTHEST: f64 = 4.0;
@@ -52,8 +51,12 @@ impl Wander {
     /// `J = 1 / (z + D^2 / (z + g + 2 D^2 / (z + 2 g + ...)))` with `D = 2 pi rms`, `g = 1 / T`. The last level is the
     /// root of its own equation with the level below it a little larger.
     pub fn shape(self, offset_hz: f64) -> f64 {
-        let is_far = offset_hz.abs() > FAR * self.half_width_hz();
-        self.shape_by(offset_hz, if is_far { FAR_LEVELS } else { self.levels() })
+        let widths = offset_hz.abs() / self.half_width_hz();
+        let far = FAR.into_iter().find(|(from, _)| widths > *from);
+        self.shape_by(
+            offset_hz,
+            far.map_or_else(|| self.levels(), |(_, levels)| levels),
+        )
     }
 
     /// Levels of the fraction that do near the line.
@@ -155,11 +158,11 @@ mod tests {
             // From a tenth of a turn in a correlation time to a hundred times as many.
             let turns = 10_f64.powf(0.1 * f64::from(tenth));
             let line = wander(turns / TAU, 1.0);
-            for widths in [8.001, 12.0, 30.0, 1e3] {
+            for widths in [8.001, 12.0, 29.999, 30.001, 60.0, 1e3] {
                 let offset_hz = widths * line.half_width_hz();
                 let (few, all) = (line.shape(offset_hz), line.shape_by(offset_hz, LEVELS));
                 assert!(
-                    (few / all - 1.0).abs() < 1e-4,
+                    (few / all - 1.0).abs() < 1e-5,
                     "{turns} {widths}: {few} {all}"
                 );
             }

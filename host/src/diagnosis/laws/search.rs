@@ -183,12 +183,17 @@ fn best_start<'a>(
         laws,
         fit: base,
     } = present;
-    let unfiltered = present.is_unfiltered();
+    let filtered = (!present.is_unfiltered()).then(|| behind(bins, laws));
     let mut best: Option<(f64, &Law)> = None;
     for start in starts.promising(present, components, kind) {
-        let all = match &start.component {
-            Some(own) if unfiltered => [components, std::slice::from_ref(own)].concat(),
-            _ => {
+        // What adds leaves all others as they are; what filters changes all of them.
+        let own = match &filtered {
+            Some(filtered) => component(filtered, &start.law),
+            None => start.component.clone(),
+        };
+        let all = match own {
+            Some(own) => [components, &[own]].concat(),
+            None => {
                 let mut all = laws.to_vec();
                 all.push(start.law.clone());
                 super::components(bins, &all)

@@ -20,9 +20,14 @@ use crate::model::Term;
 /// Bands, at most: a choice. Every subset of them is tried for sizes that are not below zero, 64 at most.
 const MOST: usize = 6;
 
-/// Widths that are tried an octave, from that whose noise is slower than the longest averages to half the rate: a choice, as
-/// many as of the shelves that a spectrum is held against.
+/// Widths that are tried an octave, from that whose noise is slower than the longest averages to that which turns once in the
+/// shortest that lack anything: a choice, as many as of the shelves that a spectrum is held against. Faster noise would
+/// fill what is quiet between the lines of a record, which the Allan deviation of its short averages, theirs, does not show.
 const PER_OCTAVE: f64 = 2.0;
+
+/// Standard deviations, tolerance included, from which a variance lacks something by itself: a choice, 5 % of the deviation
+/// where sampling is no matter.
+const LACKS: f64 = 2.0;
 
 /// Probability of a band too many where something is missing.
 const NEEDLESS: f64 = 0.05;
@@ -112,13 +117,18 @@ impl Pursuit {
             let variance = point.adev.max(point.after).powi(2);
             variance * (2.0 / point.edf).sqrt().hypot(TOLERANCE)
         };
-        let missing = points
+        let missing: Vec<f64> = points
             .iter()
-            .map(|point| (point.adev.powi(2) - point.after.powi(2)) / deviation(point));
+            .map(|point| (point.adev.powi(2) - point.after.powi(2)) / deviation(point))
+            .collect();
+        let mut pairs = points.iter().zip(&missing);
+        let first = pairs.find(|(_, missing)| **missing > LACKS);
+        let half_hz = 0.5 * rate_hz;
+        let fastest_hz = first.map_or(half_hz, |(point, _)| half_hz.min(point.tau_s.recip()));
         let longest_s = points.last().map_or(0.0, |point| point.tau_s);
         // A twentieth of its turn passes within the longest average: over all of them its variance still grows.
         let slowest_hz = 0.05 / longest_s;
-        let steps = ((0.5 * rate_hz / slowest_hz).log2() * PER_OCTAVE).max(0.0) as usize;
+        let steps = ((fastest_hz / slowest_hz).log2() * PER_OCTAVE).max(0.0) as usize;
         let entry = |step: usize| {
             let band = Band {
                 f_hz: 0.0,
@@ -131,7 +141,7 @@ impl Pursuit {
             (band, DVector::from_iterator(points.len(), adds))
         };
         Self {
-            missing: DVector::from_iterator(points.len(), missing),
+            missing: DVector::from_vec(missing),
             dictionary: (0..=steps).map(entry).collect(),
         }
     }
@@ -254,6 +264,26 @@ mod tests {
                 "{}: {ratio}, allowed {allowed}",
                 point.tau_s
             );
+        }
+    }
+
+    #[test]
+    fn what_is_missing_from_a_time_on_is_no_faster_than_that() {
+        // A line makes the short times a hundred times as loud as what is missing.
+        let mut beside_a_line = points(|tau_s| if tau_s > 4.0 { 1.5 } else { 1.0 });
+        for point in &mut beside_a_line {
+            let line = 1e4 * (-point.tau_s).exp();
+            point.adev = point.adev.hypot(line.sqrt());
+            point.after = point.after.hypot(line.sqrt());
+        }
+        let found = lacking(&beside_a_line, RATE_HZ, LEVEL).expect("bands");
+        let first_s = octaves(&beside_a_line)
+            .into_iter()
+            .find(|point| point.tau_s > 4.0 && point.adev > 1.05 * point.after)
+            .expect("it is missing somewhere")
+            .tau_s;
+        for (band, _) in &found.bands {
+            assert!(band.width_hz <= 1.0 / first_s, "{band:?}, {first_s} s");
         }
     }
 

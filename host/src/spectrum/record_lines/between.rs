@@ -48,10 +48,11 @@ impl Survey {
                 while start < values.len() {
                     let index = at + start;
                     let end = values.len().min(start + block - index % block);
-                    let sum = &mut sums[index / block];
+                    let mut sum = Complex64::ZERO;
                     phasor.zip(index, &values[start..end], Complex64::ONE, |x, turned| {
-                        *sum += turned * x;
+                        sum += turned * x;
                     });
+                    sums[index / block] += sum;
                     start = end;
                 }
             }
