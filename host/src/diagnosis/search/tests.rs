@@ -215,7 +215,7 @@ const A_LINE: Line = Line {
 fn lessons_are_learnt_and_change_nothing() {
     const TEACHING: Detector = Detector {
         tests: 0,
-        look: |look| {
+        look: |_| {
             // The second detector sees what the first one said in the same round.
             Ok(vec![
                 Proposal::Learn(Lesson::LevelSwitches),
