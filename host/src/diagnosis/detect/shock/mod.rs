@@ -10,12 +10,14 @@ mod course;
 mod even;
 mod event;
 mod fit;
+mod gaps;
 mod happened;
 mod loud;
 mod moved;
 mod quiet;
 mod scan;
 mod simplex;
+mod singles;
 mod strength;
 #[cfg(test)]
 mod tests;
