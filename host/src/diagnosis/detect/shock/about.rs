@@ -2,8 +2,7 @@
 
 use std::ops::Range;
 
-use super::gaps::Whitener;
-use crate::diagnosis::record::bridge::bridge;
+use crate::diagnosis::steady::gaps::{self, Whitener, missing};
 use crate::diagnosis::steady::prediction::{ORDER, Prediction};
 use crate::model::random::{Gaussian, Generator, Seed};
 use crate::model::shock::Shock;
@@ -52,29 +51,11 @@ pub struct Beside<'a> {
 impl Beside<'_> {
     /// What predicts the noise nearest to `event`, in means over `factor` samples; `None` where nothing tells what it is.
     pub fn prediction(&self, event: &Range<usize>, factor: usize) -> Option<Prediction> {
-        /// Times that what is missing is put in anew as the last prediction has it: a choice. Each leaves of what the first
-        /// was wrong about no more than the share that is missing.
-        const TIMES: usize = 5;
         let seed = Seed { seed: 0, stream: 0 };
         let mut noise = Gaussian::new(seed, (self.faint / factor as f64).sqrt());
         let mut stretches = self.stretches(event, factor);
-        let is_missing: Vec<Vec<bool>> = stretches.iter().map(|one| missing(one)).collect();
-        for stretch in &mut stretches {
-            noise.add_to(stretch);
-            bridge(stretch);
-            let mean = stretch.iter().sum::<f64>() / stretch.len() as f64;
-            stretch.iter_mut().for_each(|value| *value -= mean);
-        }
-        let mut prediction = Prediction::new(&stretches)?;
-        let mut normal = Gaussian::new(seed, 1.0);
-        let is_whole = is_missing.iter().flatten().all(|is_missing| !is_missing);
-        for _ in 0..if is_whole { 0 } else { TIMES } {
-            for (stretch, is_missing) in stretches.iter_mut().zip(&is_missing) {
-                Whitener::new(&prediction, is_missing).fill(stretch, &mut normal);
-            }
-            prediction = Prediction::new(&stretches)?;
-        }
-        Some(prediction)
+        stretches.iter_mut().for_each(|one| noise.add_to(one));
+        gaps::prediction(&mut stretches)
     }
 
     /// Means over `factor` samples of what is nearest to `event`.
@@ -115,11 +96,6 @@ fn means(values: &[f64], factor: usize) -> Vec<f64> {
         }
     };
     values.chunks_exact(factor).map(mean).collect()
-}
-
-/// Which means are no numbers.
-fn missing(means: &[f64]) -> Vec<bool> {
-    means.iter().map(|mean| !mean.is_finite()).collect()
 }
 
 impl About {
@@ -164,9 +140,11 @@ impl About {
     }
 
     /// The same where some `samples` say nothing.
-    pub fn without(&self, samples: &Range<usize>) -> Option<Self> {
+    pub fn without(&self, samples: &[Range<usize>]) -> Option<Self> {
         let mut is_missing = self.is_missing.clone();
-        is_missing[self.means_of(samples)].fill(true);
+        for samples in samples {
+            is_missing[self.means_of(samples)].fill(true);
+        }
         let prediction = self.prediction.clone();
         Self::of(
             prediction,
@@ -209,6 +187,14 @@ impl About {
         self.said(self.means_of(samples))
     }
 
+    /// How many means say something.
+    pub fn count(&self) -> usize {
+        self.is_missing
+            .iter()
+            .filter(|is_missing| !**is_missing)
+            .count()
+    }
+
     /// Errors of some means that say something.
     pub fn said(&self, means: Range<usize>) -> Vec<f64> {
         let said = means.filter(|n| !self.is_missing[*n]);
@@ -249,6 +235,23 @@ impl About {
         both.filter(|(_, value)| !value.is_finite())
             .for_each(|(sample, _)| *sample = f64::NAN);
         self.whitened(&means(&samples, self.factor))
+    }
+
+    /// Mean square of what a shock leaves of some samples beside a level.
+    pub fn left(&self, shock: &Shock, samples: &Range<usize>) -> f64 {
+        let last = self.from + self.values.len();
+        let place = samples.start.max(self.from)..samples.end.min(last);
+        let mut course = vec![0.0; place.len()];
+        shock.add_to(place.start as u64, &mut course, 1.0);
+        let values = &self.values[place.start - self.from..place.end - self.from];
+        let both = values
+            .iter()
+            .zip(&course)
+            .map(|(value, course)| value - course);
+        let left: Vec<f64> = both.filter(|one| one.is_finite()).collect();
+        let count = left.len() as f64;
+        let mean = left.iter().sum::<f64>() / count;
+        left.iter().map(|one| (one - mean).powi(2)).sum::<f64>() / count
     }
 
     /// How well a whitened course explains the errors.

@@ -7,6 +7,7 @@ use std::ops::Range;
 
 use super::about::{About, Beside};
 use super::course::{self, Course};
+use super::ends::beside_ends;
 use super::even::{LONG, even};
 use super::fit::{self, Fitted};
 use super::loud;
@@ -87,7 +88,7 @@ impl<'a> Event<'a> {
         if self.is_one_sample() {
             return What::Singles;
         }
-        if self.is_cut() || course::is_between_levels(self.values(), self.samples(), &self.own) {
+        if self.is_cut() || self.is_between_levels() {
             return What::Jump;
         }
         let close = self.about(1, self.samples().len() / 2);
@@ -118,24 +119,38 @@ impl<'a> Event<'a> {
         if self.samples().start == 0 && fitted.shock.f_hz == 0.0 {
             return What::Other;
         }
-        let course = course::of_fit(about, &fitted, self.samples());
+        let later = beside_ends(about, &fitted);
+        let (rest, best) = later
+            .as_ref()
+            .map_or((about, &fitted), |(rest, best)| (rest, best));
+        let course = course::of_fit(rest, best, self.samples());
         course.map_or_else(|| self.told(Some(about)), What::Shock)
     }
 
     /// What can be told of an event of no simple form.
     fn told(&self, about: Option<&About>) -> What {
         let (values, samples) = (self.scan.whole(), self.samples());
-        let own = &self.whole;
-        let beside = strength::Beside {
-            values,
-            quiet: &self.quiet.whole,
-            own,
-        };
-        match Moved::new(&beside, samples, about) {
+        match Moved::new(&self.beside(), samples, about) {
             Ok(moved) => What::Motion(moved),
-            Err(NotMoved::Short) => What::Shock(course::told(values, samples, own, about)),
+            Err(NotMoved::Short) => What::Shock(course::told(values, samples, &self.whole, about)),
             Err(NotMoved::Louder) => self.louder(),
         }
+    }
+
+    fn beside(&self) -> strength::Beside<'_> {
+        strength::Beside {
+            values: self.scan.whole(),
+            quiet: &self.quiet.whole,
+            own: &self.whole,
+        }
+    }
+
+    /// Whether it goes from one level to another; what lasts for longer than a moment, to one further off than a walk goes in
+    /// that time.
+    fn is_between_levels(&self) -> bool {
+        let samples = self.samples();
+        course::is_between_levels(self.values(), samples, &self.own)
+            && (samples.len() <= MOMENT || self.beside().step(samples).is_some())
     }
 
     /// Noise that is louder in this stretch, where it is.

@@ -4,8 +4,40 @@
 //! before it has the same law whatever is missing between them, so that a course is as likely as what was measured of it
 //! says.
 
-use crate::diagnosis::steady::prediction::Prediction;
-use crate::model::random::Gaussian;
+use super::prediction::Prediction;
+use crate::diagnosis::record::bridge::bridge;
+use crate::model::random::{Gaussian, Seed};
+
+/// What predicts some stretches of noise about their means, which become whole; `None` where they are too short, or do not
+/// change. No numbers where samples are missing.
+pub fn prediction(stretches: &mut [Vec<f64>]) -> Option<Prediction> {
+    /// Times that what is missing is put in anew as the last prediction has it: a choice. Each leaves of what the first was
+    /// wrong about no more than the share that is missing.
+    const TIMES: usize = 5;
+    let is_missing: Vec<Vec<bool>> = stretches.iter().map(|one| missing(one)).collect();
+    for stretch in stretches.iter_mut() {
+        bridge(stretch);
+        let mean = stretch.iter().sum::<f64>() / stretch.len() as f64;
+        stretch.iter_mut().for_each(|value| *value -= mean);
+    }
+    let mut prediction = Prediction::new(stretches)?;
+    if is_missing.iter().flatten().all(|is_missing| !is_missing) {
+        return Some(prediction);
+    }
+    let mut normal = Gaussian::new(Seed { seed: 0, stream: 0 }, 1.0);
+    for _ in 0..TIMES {
+        for (stretch, is_missing) in stretches.iter_mut().zip(&is_missing) {
+            Whitener::new(&prediction, is_missing).fill(stretch, &mut normal);
+        }
+        prediction = Prediction::new(stretches)?;
+    }
+    Some(prediction)
+}
+
+/// Which of some values are no numbers.
+pub fn missing(values: &[f64]) -> Vec<bool> {
+    values.iter().map(|value| !value.is_finite()).collect()
+}
 
 /// Whitens sequences of which the same numbers are missing.
 pub struct Whitener {
@@ -198,6 +230,24 @@ mod tests {
                 "seed {seed}: {square}"
             );
             assert!(next.abs() < 5.0 * sd + 0.02, "seed {seed}: {next}");
+        }
+    }
+
+    #[test]
+    fn noise_of_which_a_third_is_missing_foretells_the_same_noise() {
+        for seed in 4..7 {
+            let (mut values, _) = walk(seed, 1 << 14);
+            let (whole, _) = walk(seed + 100, 1 << 14);
+            let mut normal = numbers(seed, 1);
+            values
+                .iter_mut()
+                .filter(|_| normal.draw() > 0.5)
+                .for_each(|value| *value = f64::NAN);
+            let prediction = prediction(&mut [values]).expect("noise");
+            let errors = prediction.errors(&whole);
+            let square = errors.iter().map(|one| one * one).sum::<f64>() / errors.len() as f64;
+            // 16 384 squares scatter by 1.1 %, what is put in for as many by some more; lines across the gaps make 1.3.
+            assert!((square - 1.0).abs() < 0.1, "seed {seed}: {square}");
         }
     }
 }
