@@ -2,6 +2,7 @@
 //! the noise, lines, and the strength of all of it.
 
 pub mod band_events;
+pub mod gaps;
 pub mod lasting;
 pub mod law;
 pub mod line;

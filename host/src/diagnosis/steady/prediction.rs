@@ -11,6 +11,7 @@ pub const ORDER: usize = 32;
 const RESTS_ON: usize = 16;
 
 /// A lattice that predicts samples of some noise.
+#[derive(Clone)]
 pub struct Prediction {
     reflections: Vec<f64>,
     /// Deviations of the errors by order, from that of no prediction.
@@ -52,6 +53,25 @@ impl Prediction {
             reflections,
             deviations,
         })
+    }
+
+    /// Weights of the samples before one in what is foretold of it, the nearest first: by how many there are, from none on.
+    /// N. Levinson, J. Math. Phys. 25 (1947) 261.
+    pub fn weights(&self) -> Vec<Vec<f64>> {
+        let mut all = vec![Vec::new()];
+        for (last, reflection) in self.reflections.iter().enumerate() {
+            let before: &Vec<f64> = &all[last];
+            let both = before.iter().zip(before.iter().rev());
+            let mut weights: Vec<f64> = both.map(|(own, far)| own + reflection * far).collect();
+            weights.push(-reflection);
+            all.push(weights);
+        }
+        all
+    }
+
+    /// Deviations of the errors, by how many samples are before one.
+    pub fn deviations(&self) -> &[f64] {
+        &self.deviations
     }
 
     /// Errors of the predictions of all samples of a stretch, in their deviations.

@@ -2,10 +2,14 @@
 
 use std::ops::Range;
 
-use crate::diagnosis::record::bridge::block_means;
-use crate::diagnosis::steady::prediction::Prediction;
+use crate::diagnosis::steady::gaps::{self, Whitener, missing};
+use crate::diagnosis::steady::prediction::{ORDER, Prediction};
 use crate::model::random::{Gaussian, Generator, Seed};
 use crate::model::shock::Shock;
+
+/// Means after which what one makes of the errors is over: those that are foretold from it, and, where some are missing, from
+/// what it says of these.
+const ANSWER: usize = 2 * ORDER;
 
 /// Samples about an event, in means over a few of them, less what can be foretold from those before.
 pub struct About {
@@ -13,8 +17,13 @@ pub struct About {
     from: usize,
     /// Samples of a mean.
     factor: usize,
+    /// The samples, no numbers where they are missing.
+    values: Vec<f64>,
+    /// Means that say nothing.
+    is_missing: Vec<bool>,
     prediction: Prediction,
-    /// Errors of prediction, in their deviations, less what a constant level makes of them.
+    whitener: Whitener,
+    /// Errors of prediction, in their deviations, less what a constant level makes of them; zero where nothing is said.
     errors: Vec<f64>,
     /// What a level of 1 makes of them.
     level: Vec<f64>,
@@ -31,7 +40,7 @@ pub struct Explained {
 
 /// Noise beside an event, as stretches of samples.
 pub struct Beside<'a> {
-    /// The record.
+    /// The record; no numbers where samples are missing.
     pub values: &'a [f64],
     /// Runs in which nothing happens, ascending.
     pub quiet: &'a [Range<usize>],
@@ -42,7 +51,11 @@ pub struct Beside<'a> {
 impl Beside<'_> {
     /// What predicts the noise nearest to `event`, in means over `factor` samples; `None` where nothing tells what it is.
     pub fn prediction(&self, event: &Range<usize>, factor: usize) -> Option<Prediction> {
-        Prediction::new(&self.stretches(event, factor))
+        let seed = Seed { seed: 0, stream: 0 };
+        let mut noise = Gaussian::new(seed, (self.faint / factor as f64).sqrt());
+        let mut stretches = self.stretches(event, factor);
+        stretches.iter_mut().for_each(|one| noise.add_to(one));
+        gaps::prediction(&mut stretches)
     }
 
     /// Means over `factor` samples of what is nearest to `event`.
@@ -59,20 +72,30 @@ impl Beside<'_> {
                 .iter()
                 .map(|run| run.start.max(near.start)..run.end.min(near.end));
             let parts = parts.filter(|part| part.end >= part.start + LEAST * factor);
-            let mut stretches: Vec<Vec<f64>> = parts
-                .map(|part| block_means(&self.values[part], factor))
-                .collect();
+            let parts = parts.map(|part| means(&self.values[part], factor));
+            let is_there = |means: &Vec<f64>| means.iter().any(|mean| mean.is_finite());
+            let stretches: Vec<Vec<f64>> = parts.filter(is_there).collect();
             let count: usize = stretches.iter().map(Vec::len).sum();
             if count >= ENOUGH || reach > self.values.len() {
-                let seed = Seed { seed: 0, stream: 0 };
-                let deviation = (self.faint / factor as f64).sqrt();
-                let mut noise = Gaussian::new(seed, deviation);
-                stretches.iter_mut().for_each(|one| noise.add_to(one));
                 return stretches;
             }
             reach *= 4;
         }
     }
+}
+
+/// Means over `factor` samples each, of those that are there; no number where these are less than half.
+fn means(values: &[f64], factor: usize) -> Vec<f64> {
+    let mean = |block: &[f64]| {
+        let there = block.iter().filter(|value| value.is_finite());
+        let count = there.clone().count();
+        if 2 * count >= factor {
+            there.sum::<f64>() / count as f64
+        } else {
+            f64::NAN
+        }
+    };
+    values.chunks_exact(factor).map(mean).collect()
 }
 
 impl About {
@@ -84,20 +107,52 @@ impl About {
         factor: usize,
     ) -> Option<Self> {
         let prediction = beside.prediction(event, factor)?;
-        let means = block_means(&beside.values[range.clone()], factor);
-        let level = prediction.errors(&vec![1.0; means.len()]);
-        let first = means.first().copied()?;
-        let means: Vec<f64> = means.iter().map(|mean| mean - first).collect();
+        let values = &beside.values[range.clone()];
+        let is_missing = missing(&means(values, factor));
+        Self::of(prediction, values.to_vec(), is_missing, range.start, factor)
+    }
+
+    fn of(
+        prediction: Prediction,
+        values: Vec<f64>,
+        is_missing: Vec<bool>,
+        from: usize,
+        factor: usize,
+    ) -> Option<Self> {
+        let whitener = Whitener::new(&prediction, &is_missing);
+        let level = whitener.errors(&vec![1.0; is_missing.len()]);
+        let mut means = means(&values, factor);
+        let first = means.iter().copied().find(|mean| mean.is_finite())?;
+        means.iter_mut().for_each(|mean| *mean -= first);
+        let errors = whitener.errors(&means);
         let mut about = Self {
-            from: range.start,
+            from,
             factor,
-            errors: prediction.errors(&means),
-            level,
+            values,
+            is_missing,
             prediction,
+            whitener,
+            errors: Vec::new(),
+            level,
         };
-        let errors = std::mem::take(&mut about.errors);
         about.errors = about.beside_level(errors);
         Some(about)
+    }
+
+    /// The same where some `samples` say nothing.
+    pub fn without(&self, samples: &[Range<usize>]) -> Option<Self> {
+        let mut is_missing = self.is_missing.clone();
+        for samples in samples {
+            is_missing[self.means_of(samples)].fill(true);
+        }
+        let prediction = self.prediction.clone();
+        Self::of(
+            prediction,
+            self.values.clone(),
+            is_missing,
+            self.from,
+            self.factor,
+        )
     }
 
     /// First sample.
@@ -115,11 +170,35 @@ impl About {
         &self.errors
     }
 
+    /// What a level of 1 makes of them.
+    pub fn level(&self) -> &[f64] {
+        &self.level
+    }
+
     /// Numbers of the means that have part in some samples.
     pub fn means_of(&self, samples: &Range<usize>) -> Range<usize> {
         let number = |sample: usize| sample.saturating_sub(self.from) / self.factor;
         let last = self.errors.len();
         number(samples.start).min(last)..(number(samples.end) + 1).min(last)
+    }
+
+    /// Errors of the means that have part in some samples and say something.
+    pub fn errors_in(&self, samples: &Range<usize>) -> Vec<f64> {
+        self.said(self.means_of(samples))
+    }
+
+    /// How many means say something.
+    pub fn count(&self) -> usize {
+        self.is_missing
+            .iter()
+            .filter(|is_missing| !**is_missing)
+            .count()
+    }
+
+    /// Errors of some means that say something.
+    pub fn said(&self, means: Range<usize>) -> Vec<f64> {
+        let said = means.filter(|n| !self.is_missing[*n]);
+        said.map(|n| self.errors[n]).collect()
     }
 
     fn beside_level(&self, mut errors: Vec<f64>) -> Vec<f64> {
@@ -133,19 +212,46 @@ impl About {
 
     /// What some means become when they are whitened.
     pub fn whitened(&self, means: &[f64]) -> Vec<f64> {
-        self.beside_level(self.prediction.errors(means))
+        self.beside_level(self.whitener.errors(means))
     }
 
-    /// The same beside no level.
+    /// The same beside no level, with nothing missing.
     pub fn unlevelled(&self, means: &[f64]) -> Vec<f64> {
         self.prediction.errors(means)
+    }
+
+    /// What a mean of 1 far from any other makes of it and of as many after it as have part in that.
+    pub fn answer(&self, mean: usize) -> Vec<f64> {
+        let mut one = vec![0.0; ANSWER.min(self.errors.len() - mean)];
+        one[0] = 1.0;
+        self.whitener.errors_from(mean, &mut one)
     }
 
     /// The same of a shock whose times are numbers of samples.
     pub fn of_shock(&self, shock: &Shock) -> Vec<f64> {
         let mut samples = vec![0.0; self.errors.len() * self.factor];
         shock.add_to(self.from as u64, &mut samples, 1.0);
-        self.whitened(&block_means(&samples, self.factor))
+        let both = samples.iter_mut().zip(&self.values);
+        both.filter(|(_, value)| !value.is_finite())
+            .for_each(|(sample, _)| *sample = f64::NAN);
+        self.whitened(&means(&samples, self.factor))
+    }
+
+    /// Mean square of what a shock leaves of some samples beside a level.
+    pub fn left(&self, shock: &Shock, samples: &Range<usize>) -> f64 {
+        let last = self.from + self.values.len();
+        let place = samples.start.max(self.from)..samples.end.min(last);
+        let mut course = vec![0.0; place.len()];
+        shock.add_to(place.start as u64, &mut course, 1.0);
+        let values = &self.values[place.start - self.from..place.end - self.from];
+        let both = values
+            .iter()
+            .zip(&course)
+            .map(|(value, course)| value - course);
+        let left: Vec<f64> = both.filter(|one| one.is_finite()).collect();
+        let count = left.len() as f64;
+        let mean = left.iter().sum::<f64>() / count;
+        left.iter().map(|one| (one - mean).powi(2)).sum::<f64>() / count
     }
 
     /// How well a whitened course explains the errors.
@@ -161,106 +267,6 @@ impl About {
             size: product / square,
             score: product * product / square,
         }
-    }
-
-    /// How well a jump explains them, wherever it is.
-    pub fn jump(&self) -> f64 {
-        self.best(|after| after)
-    }
-
-    /// How well single samples explain them, `count` of them, the largest first; and the largest error that is
-    /// left.
-    pub fn single_samples(&self, count: usize) -> (f64, f64) {
-        let answers = Answers::new(self);
-        let mut left = self.errors.clone();
-        let mut score = 0.0;
-        for _ in 0..count {
-            let best = (0..left.len()).max_by(|&a, &b| {
-                let [a, b] = [a, b].map(|n| answers.explained(n, &left).score);
-                a.total_cmp(&b)
-            });
-            let Some(best) = best else {
-                break;
-            };
-            let explained = answers.explained(best, &left);
-            score += explained.score;
-            answers.take(best, explained.size, &mut left);
-        }
-        let largest = left
-            .iter()
-            .fold(0.0, |most: f64, error| most.max(error.abs()));
-        (score, largest)
-    }
-
-    /// The score of the best of all courses that are zero first and then what `after` makes of 1.
-    fn best(&self, after: impl Fn(f64) -> f64) -> f64 {
-        let len = self.errors.len();
-        let mut course = vec![0.0; 2 * len];
-        course[len..].fill(after(1.0));
-        let answer = &self.prediction.errors(&course)[len..];
-        let scores = (1..len).map(|at| {
-            let mut here = vec![0.0; len];
-            here[at..].copy_from_slice(&answer[..len - at]);
-            self.explained(&self.beside_level(here)).score
-        });
-        scores.fold(0.0, f64::max)
-    }
-}
-
-/// What single samples become when they are whitened, less what a constant level makes of them: on the same scale as
-/// any other course.
-struct Answers<'a> {
-    /// Of a sample with many before it.
-    answer: Vec<f64>,
-    level: &'a [f64],
-    /// Square of the level's errors.
-    level_square: f64,
-}
-
-impl<'a> Answers<'a> {
-    fn new(about: &'a About) -> Self {
-        /// Samples after which an answer is over, at most: a choice.
-        const LONGEST: usize = 64;
-        let reach = LONGEST.min(about.errors.len());
-        let mut one = vec![0.0; 2 * reach];
-        one[reach] = 1.0;
-        Self {
-            answer: about.prediction.errors(&one)[reach..].to_vec(),
-            level: &about.level,
-            level_square: dot(&about.level, &about.level),
-        }
-    }
-
-    /// How much of the level is in the answer of the sample `n`.
-    fn of_level(&self, n: usize) -> f64 {
-        dot(&self.level[n..], &self.answer) / self.level_square
-    }
-
-    /// How well the sample `n` explains some errors that hold no level.
-    fn explained(&self, n: usize, errors: &[f64]) -> Explained {
-        let product = dot(&errors[n..], &self.answer);
-        // Near the end of what is there only a part of the answer is.
-        let there = &self.answer[..self.answer.len().min(errors.len() - n)];
-        let square = dot(there, there) - self.of_level(n).powi(2) * self.level_square;
-        if square <= 0.0 {
-            return Explained {
-                size: 0.0,
-                score: 0.0,
-            };
-        }
-        Explained {
-            size: product / square,
-            score: product * product / square,
-        }
-    }
-
-    /// Takes a sample of a `size` out of some errors.
-    fn take(&self, n: usize, size: f64, errors: &mut [f64]) {
-        let of_level = size * self.of_level(n);
-        let answers = errors[n..].iter_mut().zip(&self.answer);
-        answers.for_each(|(error, answer)| *error -= size * answer);
-        let levels = errors.iter_mut().zip(self.level);
-        levels.for_each(|(error, level)| *error += of_level * level);
     }
 }
 

@@ -32,8 +32,8 @@ pub fn of_fit(about: &About, fitted: &Fitted, samples: &Range<usize>) -> Option<
     let course = about.of_shock(&fitted.shock);
     let region = about.means_of(samples);
     let left = |n: usize| (about.errors()[n] - course[n]).powi(2);
-    let count = region.len() as f64;
-    let square: f64 = region.clone().map(left).sum();
+    let count = about.errors_in(samples).len() as f64;
+    let square: f64 = region.map(left).sum();
     let excess = square - count;
     if excess > LEFT * fitted.score + 5.0 * (2.0 * count).sqrt() {
         return None;
@@ -237,7 +237,7 @@ fn of_course(about: &About, course: &[f64]) -> f64 {
 pub fn of_strength(about: &About, samples: &Range<usize>) -> f64 {
     /// Errors that have one strength: a choice.
     const NEIGHBOURS: usize = 16;
-    let errors = &about.errors()[about.means_of(samples)];
+    let errors = about.errors_in(samples);
     let gain = |part: &[f64]| {
         let half = |parity: usize| part.iter().skip(parity).step_by(2).map(|one| one * one);
         // As if one more of the usual strength had been seen.

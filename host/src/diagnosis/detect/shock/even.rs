@@ -34,9 +34,12 @@ pub fn even(about: &About, samples: &Range<usize>) -> Option<f64> {
     }
     // Its ends are not known to the sample.
     let edge = inside.len() / 10;
-    let errors = &about.errors()[inside.start + edge..inside.end - edge];
+    let errors = about.said(inside.start + edge..inside.end - edge);
+    if errors.len() < LONG / 2 {
+        return None;
+    }
     let count = errors.len() as f64;
-    let (mean, own) = strength(errors);
+    let (mean, own) = strength(&errors);
     let gain = 0.5 * count * own * (mean - 1.0 - mean.ln());
     let parts = (errors.len() / 32).clamp(4, 32);
     let length = errors.len() / parts;

@@ -7,12 +7,14 @@ use std::ops::Range;
 
 use super::about::{About, Beside};
 use super::course::{self, Course};
+use super::ends::beside_ends;
 use super::even::{LONG, even};
 use super::fit::{self, Fitted};
 use super::loud;
 use super::moved::{Moved, NotMoved};
 use super::quiet::Quiet;
 use super::scan::{NOTHING, Scan, Stretch};
+use super::singles::Singles;
 use super::strength;
 use crate::diagnosis::detect::burst::Burst;
 
@@ -23,7 +25,7 @@ pub const MOMENT: usize = 64;
 const WHITENED: usize = 1 << 20;
 
 /// Means that a course is fitted to, at most: a choice. What lasts for more of them is no single transient.
-const FITTED: usize = 1 << 13;
+const FITTED: usize = 1 << 17;
 
 /// What stands out in a stretch.
 pub enum What {
@@ -46,10 +48,10 @@ pub struct Event<'a> {
     scan: &'a Scan<'a>,
     /// The stretch.
     pub stretch: &'a Stretch,
-    /// The run of samples that it lies in.
-    run: Range<usize>,
-    /// That run without the other stretches beside this one.
+    /// The run of samples about it in which nothing else happens.
     own: Range<usize>,
+    /// The same across single gaps.
+    whole: Range<usize>,
     /// Where nothing happens.
     quiet: &'a Quiet,
 }
@@ -57,14 +59,11 @@ pub struct Event<'a> {
 impl<'a> Event<'a> {
     /// Of a stretch, of those in which something happens; `quiet` are the runs without them.
     pub fn new(scan: &'a Scan<'a>, stretch: &'a Stretch, quiet: &'a Quiet) -> Self {
-        let samples = &stretch.samples;
-        let place = scan.runs().partition_point(|run| run.end <= samples.start);
-        let run = scan.runs().get(place).cloned().unwrap_or(samples.clone());
         Self {
-            own: Quiet::about(&quiet.runs, samples),
+            own: Quiet::about(&quiet.runs, &stretch.samples),
+            whole: Quiet::about(&quiet.whole, &stretch.samples),
             scan,
             stretch,
-            run,
             quiet,
         }
     }
@@ -89,12 +88,8 @@ impl<'a> Event<'a> {
         if self.is_one_sample() {
             return What::Singles;
         }
-        if self.is_cut() || course::is_between_levels(self.values(), self.samples(), &self.own) {
+        if self.is_cut() || self.is_between_levels() {
             return What::Jump;
-        }
-        let is_whole = self.run.start <= self.samples().start && self.samples().end <= self.run.end;
-        if !is_whole {
-            return self.told(None);
         }
         let close = self.about(1, self.samples().len() / 2);
         let even = close.as_ref().and_then(|about| even(about, self.samples()));
@@ -124,24 +119,38 @@ impl<'a> Event<'a> {
         if self.samples().start == 0 && fitted.shock.f_hz == 0.0 {
             return What::Other;
         }
-        let course = course::of_fit(about, &fitted, self.samples());
+        let later = beside_ends(about, &fitted);
+        let (rest, best) = later
+            .as_ref()
+            .map_or((about, &fitted), |(rest, best)| (rest, best));
+        let course = course::of_fit(rest, best, self.samples());
         course.map_or_else(|| self.told(Some(about)), What::Shock)
     }
 
     /// What can be told of an event of no simple form.
     fn told(&self, about: Option<&About>) -> What {
         let (values, samples) = (self.scan.whole(), self.samples());
-        let own = &Quiet::about(&self.quiet.whole, samples);
-        let beside = strength::Beside {
-            values,
-            quiet: &self.quiet.whole,
-            own,
-        };
-        match Moved::new(&beside, samples, about) {
+        match Moved::new(&self.beside(), samples, about) {
             Ok(moved) => What::Motion(moved),
-            Err(NotMoved::Short) => What::Shock(course::told(values, samples, own, about)),
+            Err(NotMoved::Short) => What::Shock(course::told(values, samples, &self.whole, about)),
             Err(NotMoved::Louder) => self.louder(),
         }
+    }
+
+    fn beside(&self) -> strength::Beside<'_> {
+        strength::Beside {
+            values: self.scan.whole(),
+            quiet: &self.quiet.whole,
+            own: &self.whole,
+        }
+    }
+
+    /// Whether it goes from one level to another; what lasts for longer than a moment, to one further off than a walk goes in
+    /// that time.
+    fn is_between_levels(&self) -> bool {
+        let samples = self.samples();
+        course::is_between_levels(self.values(), samples, &self.own)
+            && (samples.len() <= MOMENT || self.beside().step(samples).is_some())
     }
 
     /// Noise that is louder in this stretch, where it is.
@@ -152,9 +161,7 @@ impl<'a> Event<'a> {
 
     /// Whether it is noise as strong from its beginning to its end that explains more than so many `nats`.
     pub fn is_even(&self, nats: f64) -> bool {
-        let about = Some(self.samples()).filter(|samples| self.run.end >= samples.end);
-        let about = about.and_then(|_| self.about(1, 0));
-        about
+        self.about(1, 0)
             .and_then(|about| even(&about, self.samples()))
             .is_some_and(|gain| gain > nats)
     }
@@ -168,9 +175,10 @@ impl<'a> Event<'a> {
         let inside = about.means_of(self.samples());
         // Of what goes before, and of what comes after, the one that is quieter.
         let near = self.stretch.window / 2;
-        let before = &about.errors()[..inside.start.saturating_sub(near)];
-        let after = &about.errors()[(inside.end + near).min(about.errors().len())..];
-        let power = |errors: &[f64]| {
+        let len = about.errors().len();
+        let before = about.said(0..inside.start.saturating_sub(near));
+        let after = about.said((inside.end + near).min(len)..len);
+        let power = |errors: Vec<f64>| {
             let square = errors.iter().map(|error| error * error).sum::<f64>();
             square / errors.len() as f64
         };
@@ -199,13 +207,15 @@ impl<'a> Event<'a> {
     }
 
     fn about(&self, factor: usize, margin: usize) -> Option<About> {
-        let range = self.with(margin);
+        let samples = self.samples();
+        let from = samples.start.saturating_sub(margin).max(self.whole.start);
+        let range = from..(samples.end + margin).min(self.whole.end);
         if range.len() > WHITENED * factor {
             return None;
         }
         let beside = Beside {
-            values: self.values(),
-            quiet: &self.quiet.runs,
+            values: self.scan.seen(),
+            quiet: &self.quiet.whole,
             faint: self.scan.faint(),
         };
         About::new(&beside, self.samples(), &range, factor)
@@ -273,12 +283,13 @@ impl<'a> Event<'a> {
         const TOGETHER: usize = 4;
         const NO_ERROR: f64 = 5.0;
         let worth = fitted.score - MORE_NUMBERS;
-        if about.errors().len() <= 1 << 12 && about.jump() > worth {
+        let singles = Singles::new(about)?;
+        if singles.jump() > worth {
             return Some(What::Jump);
         }
         let is_samples = about.factor() == 1
             && (1..=TOGETHER).any(|count| {
-                let (score, largest) = about.single_samples(count);
+                let (score, largest) = singles.some(count);
                 largest < NO_ERROR && score - ONE_SAMPLE * (count - 1) as f64 > worth
             });
         is_samples.then_some(What::Singles)

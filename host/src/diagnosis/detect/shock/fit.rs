@@ -15,6 +15,13 @@ const NEXT: f64 = 1.6;
 /// Peaks of the spectrum that ringing is sought at: a choice.
 const PEAKS: usize = 3;
 
+/// Twice the gain that one more number must bring: as by the information criterion of G. Schwarz, Ann. Stat. 6 (1978), for
+/// some thousand samples.
+pub const ONE_MORE: f64 = 7.0;
+
+/// Twice a gain that decides nothing.
+const CLOSE: f64 = 0.1;
+
 /// A shock as fitted to an event, its times in samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fitted {
@@ -28,8 +35,10 @@ pub struct Fitted {
 
 /// What a shock may be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Form {
+pub enum Form {
+    /// A sine that dies away.
     Ringing,
+    /// Half a sine.
     Bump,
 }
 
@@ -59,19 +68,34 @@ impl Form {
 
 /// The shock that explains an event best, of those that ring and those that do not.
 pub fn fit(about: &About) -> Option<Fitted> {
-    let [ringing, bump] = [
-        (Form::Ringing, first_ringing(about)),
-        (Form::Bump, first_bump(about)),
-    ]
-    .map(|(form, first)| first.and_then(|first| settle(about, form, &first)));
-    /// Twice the gain that one more number must bring: as by the information criterion of G. Schwarz, Ann.
-    /// Stat. 6 (1978), for some thousand samples.
-    const ONE_MORE: f64 = 7.0;
+    let all = first_ringing(about).into_iter();
+    let all = all.filter_map(|first| ringing(about, &first));
+    let ringing = all.max_by(|a, b| a.score.total_cmp(&b.score));
+    let bump = first_bump(about).and_then(|first| settle(about, Form::Bump, &first));
     let worth = |one: &Option<Fitted>, less: f64| one.as_ref().map_or(0.0, |one| one.score - less);
     if worth(&ringing, ONE_MORE) > worth(&bump, 0.0) {
         ringing
     } else {
         bump
+    }
+}
+
+/// The best ringing near a `first` one: half a turn earlier or later it is another of the other sign, nearly as good, and
+/// between the two none is.
+fn ringing(about: &About, first: &[f64]) -> Option<Fitted> {
+    let mut best = settle(about, Form::Ringing, first)?;
+    loop {
+        let half = 0.5 / best.shock.f_hz;
+        let beside = [-half, half].map(|aside| {
+            let shock = &best.shock;
+            let at = [shock.time_s + aside, shock.f_hz.ln(), shock.decay_s.ln()];
+            settle(about, Form::Ringing, &at)
+        });
+        let beside = beside.into_iter().flatten();
+        match beside.max_by(|a, b| a.score.total_cmp(&b.score)) {
+            Some(better) if better.score > best.score + CLOSE => best = better,
+            _ => return Some(best),
+        }
     }
 }
 
@@ -93,38 +117,44 @@ fn score(about: &About, form: Form, at: &[f64]) -> f64 {
     about.explained(&about.of_shock(&form.shock(at))).score
 }
 
-/// Where ringing is sought: at the highest peaks of the errors' spectrum, at all moments and some decays.
-fn first_ringing(about: &About) -> Option<Vec<f64>> {
+/// Where ringing is sought: at each of the highest peaks of the errors' spectrum, at all moments and some decays.
+fn first_ringing(about: &About) -> Vec<Vec<f64>> {
+    let peaks = peaks(about.errors());
+    peaks
+        .into_iter()
+        .map(|one| ringing_at(about, one))
+        .collect()
+}
+
+/// The best moment and decay of ringing of so many cycles a mean, as the logarithms are sought by.
+fn ringing_at(about: &About, cycles: f64) -> Vec<f64> {
     let errors = about.errors();
     let factor = about.factor() as f64;
-    let mut best = (0.0, Vec::new());
-    for cycles in peaks(errors) {
-        let mut decay = 1.0;
-        while decay < errors.len() as f64 {
-            let keep = Complex64::from_polar((-1.0 / decay).exp(), -std::f64::consts::TAU * cycles);
-            let square = 0.5 / (1.0 - keep.norm_sqr());
-            let mut sum = Complex64::ZERO;
-            for (n, error) in errors.iter().enumerate().rev() {
-                sum = sum * keep + error;
-                let score = sum.norm_sqr() / square;
-                if score > best.0 {
-                    let time = about.from() as f64 + n as f64 * factor;
-                    let logs = [(cycles / factor).ln(), (decay * factor).ln()];
-                    best = (score, vec![time, logs[0], logs[1]]);
-                }
+    let mut best = (0.0, about.from() as f64, 1.0);
+    let mut decay = 1.0;
+    while decay < errors.len() as f64 {
+        let keep = Complex64::from_polar((-1.0 / decay).exp(), -std::f64::consts::TAU * cycles);
+        let square = 0.5 / (1.0 - keep.norm_sqr());
+        let mut sum = Complex64::ZERO;
+        for (n, error) in errors.iter().enumerate().rev() {
+            sum = sum * keep + error;
+            let score = sum.norm_sqr() / square;
+            if score > best.0 {
+                best = (score, about.from() as f64 + n as f64 * factor, decay);
             }
-            decay *= NEXT;
         }
+        decay *= NEXT;
     }
-    let (_, at) = best;
-    let period = at.get(1).map(|log| (-log).exp())?;
+    let (_, begins, decay) = best;
+    let logs = [(cycles / factor).ln(), (decay * factor).ln()];
     // Its phase is that of a sine from its beginning: which of some beginnings, the score says.
-    let shifted = (-8..8).map(|step| {
-        let mut at = at.clone();
-        at[0] += f64::from(step) / 8.0 * period;
-        at
+    let shifted = (-8..=8).map(|step| {
+        let turns = f64::from(step) / 8.0;
+        let at = [begins + turns * factor / cycles, logs[0], logs[1]];
+        (score(about, Form::Ringing, &at), at)
     });
-    shifted.max_by(|a, b| score(about, Form::Ringing, a).total_cmp(&score(about, Form::Ringing, b)))
+    let best = shifted.max_by(|a, b| a.0.total_cmp(&b.0));
+    best.map_or_else(Vec::new, |(_, at)| at.to_vec())
 }
 
 /// Frequencies of the highest peaks of a spectrum, cycles a value.
@@ -163,7 +193,8 @@ fn first_bump(about: &About) -> Option<Vec<f64>> {
         let square = dot(&course, &course);
         // What lies beyond the bump and the predictor's reach is nothing.
         let course = &course[..(samples + 64).min(len)];
-        for at in 0..len {
+        // The simplex finds what lies between.
+        for at in (0..len).step_by((samples / 8).max(1)) {
             let product = dot(&errors[at..], course);
             let score = product * product / square;
             if score > best.0 {
@@ -177,7 +208,7 @@ fn first_bump(about: &About) -> Option<Vec<f64>> {
 }
 
 /// The best fit near a `first` one, with its deviations.
-fn settle(about: &About, form: Form, first: &[f64]) -> Option<Fitted> {
+pub fn settle(about: &About, form: Form, first: &[f64]) -> Option<Fitted> {
     let shock = form.shock(first);
     let length = if form == Form::Ringing {
         0.25 / shock.f_hz
@@ -190,14 +221,21 @@ fn settle(about: &About, form: Form, first: &[f64]) -> Option<Fitted> {
         // Within the width of its peak.
         steps[1] = (0.1 / (shock.f_hz * shock.decay_s)).min(0.3);
     }
-    let at = climbed(first, &steps, |at| score(about, form, at));
-    let course = about.of_shock(&form.shock(&at));
-    let explained = about.explained(&course);
-    let sd = deviations(about, form, &at, explained.size)?;
+    known(
+        about,
+        form,
+        &climbed(first, &steps, |at| score(about, form, at)),
+    )
+}
+
+/// A shock with these numbers, with its size and deviations.
+pub fn known(about: &About, form: Form, at: &[f64]) -> Option<Fitted> {
+    let explained = about.explained(&about.of_shock(&form.shock(at)));
+    let sd = deviations(about, form, at, explained.size)?;
     Some(Fitted {
         shock: Shock {
             peak: explained.size,
-            ..form.shock(&at)
+            ..form.shock(at)
         },
         sd,
         score: explained.score,
@@ -255,5 +293,33 @@ mod tests {
         // A quality of a half is a decay of 1.6 samples at 0.1 cycles a sample.
         let score = |decay: f64| score(&about, Form::Ringing, &[5100.0, 0.1_f64.ln(), decay.ln()]);
         assert!(score(1.7).is_finite() && score(1.5).is_infinite(), "seed 1");
+    }
+
+    #[test]
+    fn half_a_turn_off_is_not_the_top() {
+        for seed in 2..5 {
+            let mut values = noise(seed);
+            let shock = Shock {
+                time_s: 5100.0,
+                peak: 50.0,
+                duration_s: f64::INFINITY,
+                f_hz: 0.1,
+                decay_s: 60.0,
+            };
+            shock.add_to(0, &mut values, 1.0);
+            let beside = Beside {
+                values: &values,
+                quiet: &[0..5000, 5600..10_000],
+                faint: 0.0,
+            };
+            let about = About::new(&beside, &(5050..5500), &(5000..5550), 1);
+            let about = about.expect("noise beside it");
+            let logs = [shock.f_hz.ln(), shock.decay_s.ln()];
+            for aside in [-10.0, -5.0, 5.0, 10.0] {
+                let found = ringing(&about, &[5100.0 + aside, logs[0], logs[1]]).expect("ringing");
+                let off = found.shock.time_s - shock.time_s;
+                assert!(off.abs() < 0.5, "seed {seed}, {aside}: {off}");
+            }
+        }
     }
 }

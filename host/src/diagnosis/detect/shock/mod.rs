@@ -7,6 +7,7 @@
 mod about;
 mod bands;
 mod course;
+mod ends;
 mod even;
 mod event;
 mod fit;
@@ -16,6 +17,7 @@ mod moved;
 mod quiet;
 mod scan;
 mod simplex;
+mod singles;
 mod strength;
 #[cfg(test)]
 mod tests;
@@ -118,9 +120,9 @@ fn events(scan: &Scan<'_>, stretches: &[Stretch], level: f64) -> Option<Vec<Happ
             parts.count() > 1 && Event::new(scan, wide, &quiet).is_even(nats)
         });
     let louder: Vec<Stretch> = wider.collect();
-    let lasting = Lasting::of(scan.values(), &quiet.runs, scan.faint());
+    let lasting = Lasting::of(scan.seen(), &quiet.whole, scan.faint());
     let is_foretold = |stretch: &Stretch| {
-        let foretells = |law: &Lasting| law.foretells(scan.values(), &stretch.samples, level);
+        let foretells = |law: &Lasting| law.foretells(scan.seen(), &stretch.samples, level);
         lasting.as_ref().is_some_and(foretells)
     };
     let mut events: Vec<Happened> = Vec::new();

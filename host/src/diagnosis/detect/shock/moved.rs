@@ -80,7 +80,7 @@ impl Moved {
 
 impl Beside<'_> {
     /// Change of the level over an event, where it is larger than levels as far apart differ by anyway.
-    fn step(&self, samples: &Range<usize>) -> Option<[f64; 2]> {
+    pub fn step(&self, samples: &Range<usize>) -> Option<[f64; 2]> {
         self.beyond(samples, |place, own| {
             let [before, after] = levels(self.values, place, own);
             Some(after? - before?)

@@ -109,6 +109,11 @@ impl<'a> Scan<'a> {
         self.values
     }
 
+    /// The samples that were measured; NaN where they are missing.
+    pub const fn seen(&self) -> &'a [f64] {
+        self.seen
+    }
+
     /// Runs of samples that are there.
     pub fn runs(&self) -> &[Range<usize>] {
         &self.runs
