@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use crate::bins::point::Point;
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::explanation::{Explanation, Snapshot};
 use crate::diagnosis::held_out::allan::{Added, AtJumps, HeldCurve};
@@ -74,16 +75,12 @@ impl<'a> Sizes<'a> {
         }
         let rest = rest.law(self.axis.rate_hz);
         let own = self.held.adds(self.axis, &own, AtJumps::Kept);
-        let points = self.held.points.par_iter();
-        let points = points.filter(|point| point.edf >= LEAST_EDF);
-        let changes = points.map(|point| {
+        largest(&self.held.points, |point| {
             let (waves, own) = (self.waves.at(point.m), own.at(point.m));
             let with = law.allan_variance(point.m) + waves;
             let without = rest.allan_variance(point.m) + waves - own;
             100.0 * ((with / without).sqrt() - 1.0).abs()
-        });
-        let changes = changes.filter(|change| change.is_finite());
-        changes.reduce_with(f64::max)
+        })
     }
 
     /// The same for what happened in stretches which the held-out half leaves out: by what it adds to the whole
@@ -100,14 +97,40 @@ impl<'a> Sizes<'a> {
             Part::Term(term) => term,
             Part::Distortion(_) | Part::Clock(_) | Part::Follows(_) => return None,
         };
-        let points = allan_curve::allan(&course, rate_hz).into_par_iter();
-        let points = points.filter(|point| point.edf >= LEAST_EDF);
-        let changes = points.map(|point| {
+        largest(&allan_curve::allan(&course, rate_hz), |point| {
             let without = law.allan_variance(point.m) + self.waves.at(point.m);
             let own = point.variance + term.passing(point.m, samples as u64, rate_hz);
             100.0 * ((1.0 + own / without).sqrt() - 1.0)
-        });
-        let changes = changes.filter(|change| change.is_finite());
-        changes.reduce_with(f64::max)
+        })
+    }
+}
+
+/// The largest change at the points of an Allan curve that count.
+fn largest(points: &[Point], change: impl Fn(&Point) -> f64 + Sync) -> Option<f64> {
+    let points = points.par_iter().filter(|point| point.edf >= LEAST_EDF);
+    let changes = points.map(&change).filter(|change| change.is_finite());
+    changes.reduce_with(f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn where_an_allan_deviation_is_hardly_known_nothing_changes_it() {
+        let point = |m: u64, edf: f64| Point {
+            m,
+            tau_s: 1.0,
+            variance: 1.0,
+            terms: 1,
+            stride: 1,
+            edf,
+            lo: 1.0,
+            hi: 1.0,
+            bridged: false,
+            white_bias: 1.0,
+        };
+        let points = [point(1, 100.0), point(2, 10.0), point(3, 9.9)];
+        assert_eq!(largest(&points, |point| point.m as f64), Some(2.0));
     }
 }
