@@ -227,4 +227,17 @@ mod tests {
             );
         }
     }
+
+    #[test]
+    fn behind_two_poles_the_converter_is_recognised_by_one_of_them() {
+        // No mix of the five terms falls as steeply as two poles do.
+        for (seed, poles) in (41..).zip(["+100hz+150hz", "+30hz+200hz", "+300hz+300hz"]) {
+            let found = seen(&format!("ads1281:linear{poles}"), 2000.0, seed);
+            assert_eq!(
+                found.as_deref(),
+                Some("ads1281:linear"),
+                "seed {seed}, {poles}"
+            );
+        }
+    }
 }

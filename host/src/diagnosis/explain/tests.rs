@@ -3,9 +3,10 @@
 use std::cell::RefCell;
 
 use super::*;
+use crate::diagnosis::statistic::matched_filter::Transformer;
 use crate::diagnosis::trial::{
-    LEVEL, NOTHING, axis, jump, kinds, law, line, made_up, markov as wander, ringing, short, spike,
-    take_in,
+    LEVEL, NOTHING, axis, jump, kinds, law, line, made_up, markov as wander, numbers, ringing,
+    short, spike, take_in,
 };
 use crate::model::{
     burst, clipping, dropped, markov, outliers, rounding, sinusoid, steps, telegraph,
@@ -206,4 +207,30 @@ fn two_levels_have_twice_the_deviation_and_the_time_of_their_law() {
         assert!((ratio - 2.0).abs() < 1e-9, "seed {SEED}: {ratio}");
     }
     assert_eq!(told.len(), 2, "seed {SEED}");
+}
+
+#[test]
+fn behind_a_converter_that_is_recognised_the_record_is_explained_anew() {
+    let chain: Chain = "ads1281:linear".parse().expect("a chain");
+    let rate_hz = 1000.0;
+    let ring = Transformer::new(1 << 14);
+    let density = |k: usize| {
+        let f_hz = k as f64 * rate_hz / ring.len() as f64;
+        chain.power(f_hz, rate_hz) / rate_hz + 1e-9
+    };
+    let density: Vec<f64> = (0..=ring.len() / 2).map(density).collect();
+    let mut normal = numbers(SEED, 0);
+    let values = ring.noise(&density, rate_hz, || normal.draw()).to_vec();
+    let options = Options {
+        family_level: 0.01,
+        covariate: None,
+        suspects: Vec::new(),
+        views: false,
+    };
+    let explained = explain(&signal(), values.into(), rate_hz, &options, &|_, _| {});
+    let explained = explained.expect("a record that can be explained");
+    assert_eq!(explained.recognised.as_ref(), Some(&chain), "seed {SEED}");
+    assert_eq!(explained.axis.chain, Some(chain), "seed {SEED}");
+    // Noise as white as any, once the filter is known.
+    assert_eq!(kinds(&explained.axis), [], "seed {SEED}");
 }

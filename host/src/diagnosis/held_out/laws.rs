@@ -123,8 +123,11 @@ fn bins(axis: &AxisState, half: Half) -> Option<Data> {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
-    use crate::diagnosis::trial::{axis, short};
+    use crate::chain::Chain;
+    use crate::diagnosis::trial::{RATE_HZ, axis, short};
 
     #[test]
     fn no_ordinate_is_in_both_halves_and_none_is_left_out() {
@@ -137,5 +140,19 @@ mod tests {
         assert!((fitted + held - all).abs() < 1e-6 * all, "{fitted} {held}");
         let mut both = halves.fitted.psd.iter().zip(&halves.held.psd);
         assert!(both.all(|(fitted, held)| fitted != held), "seed 1");
+    }
+
+    #[test]
+    fn what_a_filter_shuts_out_says_nothing_of_a_law() {
+        let chain: Chain = "ads1281:linear".parse().expect("a chain");
+        let plain = axis(2, short(2), |_, noise| noise);
+        let values = Arc::clone(&plain.filled);
+        let axis = AxisState::new(values, RATE_HZ, Some(&chain)).expect("a spectrum");
+        let halves = Ordinates::new(&axis).expect("ordinates");
+        for data in [&halves.fitted, &halves.held] {
+            let passed = data.f_hz.iter().map(|f_hz| chain.power(*f_hz, RATE_HZ));
+            let least = passed.fold(f64::INFINITY, f64::min);
+            assert!(least >= PASSED, "seed 2: {least}");
+        }
     }
 }

@@ -23,8 +23,8 @@ pub struct Sizes<'a> {
     axis: &'a AxisState,
     held: &'a HeldCurve,
     noise: &'a ModelAxis,
-    /// Variances of the noise at each point of the curve that counts, with the point.
-    points: Vec<(&'a Point, f64)>,
+    /// Variances of the noise, each behind the samples of an average, at the points of the curve that count.
+    variances: Vec<(u64, f64)>,
     /// What all waveforms add together.
     waves: Arc<Added>,
 }
@@ -41,8 +41,8 @@ impl<'a> Sizes<'a> {
         let points = held.points.par_iter();
         let points = points.filter(|point| point.edf >= LEAST_EDF);
         Self {
-            points: points
-                .map(|point| (point, law.allan_variance(point.m)))
+            variances: points
+                .map(|point| (point.m, law.allan_variance(point.m)))
                 .collect(),
             // What a filter makes of a jump is excluded from tests, but the jump is there.
             waves: held.adds(
@@ -54,6 +54,12 @@ impl<'a> Sizes<'a> {
             held,
             noise,
         }
+    }
+
+    /// Variance of the noise in averages over `m` samples.
+    fn noise_at(&self, m: u64) -> f64 {
+        let found = self.variances.iter().find(|(other, _)| *other == m);
+        found.map_or(f64::NAN, |(_, variance)| *variance)
     }
 
     /// Largest change of the model's Allan deviation, at any averaging time of ten degrees of freedom
@@ -82,14 +88,12 @@ impl<'a> Sizes<'a> {
         }
         let rest = rest.law(self.axis.rate_hz);
         let own = self.held.adds(self.axis, &own, AtJumps::Kept);
-        let changes = self.points.par_iter().map(|(point, noise)| {
+        largest(&self.held.points, |point| {
             let (waves, own) = (self.waves.at(point.m), own.at(point.m));
-            let with = noise + waves;
+            let with = self.noise_at(point.m) + waves;
             let without = rest.allan_variance(point.m) + waves - own;
             100.0 * ((with / without).sqrt() - 1.0).abs()
-        });
-        let changes = changes.filter(|change| change.is_finite());
-        changes.reduce_with(f64::max)
+        })
     }
 
     /// The same for what happened in stretches which the held-out half leaves out: by what it adds to the whole
@@ -106,14 +110,40 @@ impl<'a> Sizes<'a> {
             Part::Term(term) => term,
             Part::Distortion(_) | Part::Clock(_) | Part::Follows(_) => return None,
         };
-        let points = allan_curve::allan(&course, rate_hz).into_par_iter();
-        let points = points.filter(|point| point.edf >= LEAST_EDF);
-        let changes = points.map(|point| {
+        largest(&allan_curve::allan(&course, rate_hz), |point| {
             let without = law.allan_variance(point.m) + self.waves.at(point.m);
             let own = point.variance + term.passing(point.m, samples as u64, rate_hz);
             100.0 * ((1.0 + own / without).sqrt() - 1.0)
-        });
-        let changes = changes.filter(|change| change.is_finite());
-        changes.reduce_with(f64::max)
+        })
+    }
+}
+
+/// The largest change at the points of an Allan curve that count.
+fn largest(points: &[Point], change: impl Fn(&Point) -> f64 + Sync) -> Option<f64> {
+    let points = points.par_iter().filter(|point| point.edf >= LEAST_EDF);
+    let changes = points.map(&change).filter(|change| change.is_finite());
+    changes.reduce_with(f64::max)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn where_an_allan_deviation_is_hardly_known_nothing_changes_it() {
+        let point = |m: u64, edf: f64| Point {
+            m,
+            tau_s: 1.0,
+            variance: 1.0,
+            terms: 1,
+            stride: 1,
+            edf,
+            lo: 1.0,
+            hi: 1.0,
+            bridged: false,
+            white_bias: 1.0,
+        };
+        let points = [point(1, 100.0), point(2, 10.0), point(3, 9.9)];
+        assert_eq!(largest(&points, |point| point.m as f64), Some(2.0));
     }
 }

@@ -11,7 +11,7 @@ use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
 use crate::diagnosis::statistic::matched_filter::{Impulse, Transformer, held_out_gain};
 use crate::diagnosis::trial::{
-    NOTHING, RATE_HZ, axis, law, line, long, made_up, numbers, ringing, short, take_in,
+    NOTHING, RATE_HZ, axis, excluded, law, line, long, made_up, numbers, ringing, short, take_in,
 };
 use crate::model::PerCoefficient;
 use crate::model::axis::ModelAxis;
@@ -165,4 +165,27 @@ fn what_happened_changes_the_record_though_no_fit_looks_at_it() {
     // A bump of a thousand deviations in a hundred of some 20 000 samples.
     let change = change_percent(&axis).expect("a change");
     assert!(change > 1e3, "seed 9: {change} %");
+}
+
+#[test]
+fn no_bin_of_an_excluded_band_is_held_out() {
+    let mut axis = plain(11);
+    let inside = |axis: &AxisState| {
+        let halves = Halves::new(axis).expect("halves");
+        let values = axis.residual.values();
+        [(halves.train, 0), (halves.held, 1)].map(|(bins, parity)| {
+            let data = bins.measure_parts(half(&values, parity));
+            let bins = data.f_hz.iter().zip(&data.dof);
+            let inside = bins.filter(|(f_hz, _)| (105.0..145.0).contains(*f_hz));
+            inside.map(|(_, dof)| dof).sum::<f64>()
+        })
+    };
+    let before = inside(&axis);
+    axis.exclude(excluded(100.0, 150.0));
+    let left = inside(&axis);
+    let mut both = before.iter().zip(&left);
+    assert!(
+        both.all(|(before, left)| *left < 0.01 * before),
+        "seed 11: {left:?} of {before:?}"
+    );
 }

@@ -211,4 +211,17 @@ mod tests {
             assert!(Lasting::of(&values, &all, 0.0).is_none(), "seed {seed}");
         }
     }
+
+    #[test]
+    fn noise_that_is_louder_for_a_while_has_no_law_of_its_strength() {
+        for seed in 20..23 {
+            let mut normal = Gaussian::new(Seed { seed, stream: 1 }, 1.0);
+            let mut values: Vec<f64> = (0..70_001).map(|_| normal.draw()).collect();
+            values[30_000..34_000]
+                .iter_mut()
+                .for_each(|value| *value *= 2.0);
+            let all = [0..values.len()];
+            assert!(Lasting::of(&values, &all, 0.0).is_none(), "seed {seed}");
+        }
+    }
 }

@@ -120,6 +120,9 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
+    use crate::diagnosis::explanation::Change;
+    use crate::diagnosis::trial;
+    use crate::model::burst;
     use crate::model::random::Gaussian;
     use crate::model::random::Seed;
 
@@ -175,6 +178,18 @@ mod tests {
                 size * (TAU * cycles * n).cos()
             });
             assert_eq!(p_steady(&stops, cycles) < 1e-5, is_said, "seed 120");
+        }
+    }
+
+    #[test]
+    fn of_two_parts_nothing_is_said() {
+        for (parts, is_said) in [(2, false), (3, true)] {
+            // Its size falls to a half behind the first part.
+            let size = |n: f64| if n < 8192.0 { 1.0 } else { 0.5 };
+            let mut axis = axis(130, |n| size(n) * (TAU * CYCLES * n).cos());
+            let rest = Change::Mask(vec![8192 * parts..axis.residual.len()]);
+            trial::take_in(&mut axis, burst::KIND, rest);
+            assert_eq!(p_steady(&axis, CYCLES) < 1e-5, is_said, "seed 130");
         }
     }
 }

@@ -190,35 +190,35 @@ pub struct Tone<'a> {
 
 /// The windows through which a tone of a band is plainest, if there is one.
 fn steadiest(axis: &AxisState, band: &Band, level: f64) -> Option<(Track, Steadiness)> {
+    let lengths = std::iter::successors(Some(SHORTEST / 2), |length| Some(2 * length));
+    let lengths = lengths.take_while(|length| band.values.len() / length >= LEAST_WINDOWS);
+    let tracks = lengths.map(|length| Track::new(band, length, band.counting(axis, length)));
+    let mut tracks: Vec<Track> = tracks.collect();
+    let said: Vec<Option<Steadiness>> = tracks.iter().map(Track::steadiness).collect();
+    let best = plainest(&said, level / said.len() as f64)?;
+    Some((tracks.swap_remove(best), said[best]?))
+}
+
+/// The number of those that show a tone plainest, among windows each twice as long as those before, by what is `said` of
+/// each; the first only show how its energy grows.
+fn plainest(said: &[Option<Steadiness>], level: f64) -> Option<usize> {
     /// Energy in a window from which the frequency is known well enough to turn phases into frequencies.
     const ENOUGH: f64 = 6.0;
-    let lengths = std::iter::successors(Some(SHORTEST / 2), |length| Some(2 * length));
-    let lengths: Vec<usize> = lengths
-        .take_while(|length| band.values.len() / length >= LEAST_WINDOWS)
-        .collect();
-    let level = level / lengths.len() as f64;
-    let mut before = f64::INFINITY;
-    let mut best: Option<(Track, Steadiness)> = None;
-    for length in lengths {
-        let track = Track::new(band, length, band.counting(axis, length));
-        let Some(one) = track.steadiness() else {
-            before = f64::INFINITY;
-            continue;
-        };
-        let grows = one.energy > GROWTH * before;
-        before = one.energy;
-        if length < SHORTEST || !grows || one.share < STEADY || one.p_value > level {
-            continue;
+    let tones = said.windows(2).enumerate().filter_map(|(before, two)| {
+        let (shorter, one) = (two[0]?, two[1]?);
+        let grows = one.energy > GROWTH * shorter.energy;
+        (grows && one.share >= STEADY && one.p_value <= level).then_some((before + 1, one))
+    });
+    // The first that is strong enough has the most windows; below, the surest.
+    let better = |best: (usize, Steadiness), next: (usize, Steadiness)| {
+        let surer = next.1.energy >= ENOUGH || next.1.p_value < best.1.p_value;
+        if best.1.energy < ENOUGH && surer {
+            next
+        } else {
+            best
         }
-        // The first that is strong enough has the most windows; below, the surest.
-        let is_better = best.as_ref().is_none_or(|(_, best)| {
-            best.energy < ENOUGH && (one.energy >= ENOUGH || one.p_value < best.p_value)
-        });
-        if is_better {
-            best = Some((track, one));
-        }
-    }
-    best
+    };
+    tones.reduce(better).map(|(number, _)| number)
 }
 
 /// Ordinates of the band that the tone fills: where it was followed to, but for a few windows, and from there on as

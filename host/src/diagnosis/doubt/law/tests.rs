@@ -245,3 +245,17 @@ fn of_several_laws_the_one_that_is_spoken_against_goes() {
     let terms = axis.bins.units().len();
     assert_eq!(axis.fit.squared.len(), terms + 1, "seed 8");
 }
+
+#[test]
+fn what_moves_elsewhere_by_far_less_does_not_excuse_a_law() {
+    let len = long(9);
+    let [little, much] = [0.2, 0.8].map(|swing| swinging(swing, 40.0, len));
+    let mut rings = ringing(9, 100.0, 10.0);
+    let mut axis = axis(9, len, |n, noise| little(n) * noise + much(n) * rings());
+    named(&mut axis, resonance::KIND, resonance::KIND, &BELL);
+    let case = case(&axis, true);
+    let band_hz = case.main_band_hz();
+    let above = steady::noise::unsteady(&axis, band_hz.end..0.5 * RATE_HZ, &[], LEVEL);
+    assert!(above.is_some(), "seed 9: {band_hz:?}");
+    assert!(case.unsteady(&band_hz).is_some(), "seed 9: {band_hz:?}");
+}

@@ -64,3 +64,14 @@ fn a_term_that_swings_is_found_with_its_cycle() {
         );
     }
 }
+
+#[test]
+fn what_the_record_hardly_determines_cannot_be_seen_to_change() {
+    let axis = axis(300, 0.0);
+    let tiles = Tiles::new(&axis, BLOCKS[BLOCKS.len() - 1]);
+    // Known to a few percent, and a thousand times worse.
+    for (weight, is_asked) in [(1.0, true), (1e-3, false)] {
+        let scores = Scores::new(&tiles, |f_hz| weight * f_hz / RATE_HZ);
+        assert_eq!(scores.change(&axis).is_some(), is_asked, "seed 300");
+    }
+}

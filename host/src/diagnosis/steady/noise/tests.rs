@@ -4,6 +4,10 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use super::*;
+use crate::diagnosis::explanation::Change;
+use crate::diagnosis::record::envelope::Envelope;
+use crate::diagnosis::trial;
+use crate::model::cyclic;
 use crate::model::random::Gaussian;
 use crate::model::random::Seed;
 
@@ -103,4 +107,38 @@ fn only_what_lies_within_is_looked_at() {
     let group_hz = seen.transform.frequency(NARROWEST);
     assert!((100.0..100.0 + group_hz).contains(&from_hz), "{from_hz}");
     assert!((200.0 - group_hz..=200.0).contains(&to_hz), "{to_hz}");
+}
+
+#[test]
+fn what_departs_beside_a_band_belongs_to_it() {
+    // Of 256 tiles each, by so many deviations of their sum.
+    let by = [0.0, 4.0, 20.0, 4.0, 0.0, 4.0];
+    let scores = by.iter().scan(0.0, |sum, z| {
+        *sum += z * (256.0_f64 / 48.0).sqrt();
+        Some(*sum)
+    });
+    let groups = Groups {
+        size: NARROWEST,
+        starts: (1..=by.len()).map(|n| n * NARROWEST).collect(),
+        scores: std::iter::once(0.0).chain(scores).collect(),
+        tiles: (0..=by.len()).map(|n| 256.0 * n as f64).collect(),
+    };
+    let mut best = None;
+    groups.search(&mut best);
+    let ordinates = best.expect("a band").ordinates;
+    assert_eq!(ordinates, 2 * NARROWEST..5 * NARROWEST);
+}
+
+#[test]
+fn noise_that_swings_as_is_known_is_steady() {
+    let swing = Envelope {
+        depth: 0.5,
+        period: 4000.0,
+        phase_rad: 0.0,
+    };
+    let mut axis = axis(400, |n, noise| swing.factor(n) * noise);
+    let is_unsteady = |axis: &AxisState| unsteady(axis, 0.0..1000.0, &[], 1e-4).is_some();
+    assert!(is_unsteady(&axis), "seed 400");
+    trial::take_in(&mut axis, cyclic::KIND, Change::Strength(swing));
+    assert!(!is_unsteady(&axis), "seed 400: known");
 }
