@@ -11,9 +11,8 @@ use crate::model::random::{Gaussian, Seed};
 /// What predicts some stretches of noise about their means, which become whole; `None` where they are too short, or do not
 /// change. No numbers where samples are missing.
 pub fn prediction(stretches: &mut [Vec<f64>]) -> Option<Prediction> {
-    /// Times that what is missing is put in anew as the last prediction has it: a choice. Each leaves of what the first was
-    /// wrong about no more than the share that is missing.
-    const TIMES: usize = 5;
+    /// Share of the variance that decides nothing: a choice.
+    const NOTHING: f64 = 0.03;
     let is_missing: Vec<Vec<bool>> = stretches.iter().map(|one| missing(one)).collect();
     for stretch in stretches.iter_mut() {
         bridge(stretch);
@@ -21,15 +20,18 @@ pub fn prediction(stretches: &mut [Vec<f64>]) -> Option<Prediction> {
         stretch.iter_mut().for_each(|value| *value -= mean);
     }
     let mut prediction = Prediction::new(stretches)?;
-    if is_missing.iter().flatten().all(|is_missing| !is_missing) {
-        return Some(prediction);
-    }
+    let all = is_missing.iter().flatten();
+    let count = all.clone().count() as f64;
+    let share = all.filter(|is_missing| **is_missing).count() as f64 / count;
     let mut normal = Gaussian::new(Seed { seed: 0, stream: 0 }, 1.0);
-    for _ in 0..TIMES {
+    // Put in anew as the last prediction has it, what is missing leaves of what that was wrong about no more than its share.
+    let mut left = share;
+    while left > NOTHING {
         for (stretch, is_missing) in stretches.iter_mut().zip(&is_missing) {
             Whitener::new(&prediction, is_missing).fill(stretch, &mut normal);
         }
         prediction = Prediction::new(stretches)?;
+        left *= share;
     }
     Some(prediction)
 }

@@ -81,16 +81,16 @@ mod tests {
 
     const EVENT: Range<usize> = 9000..9200;
 
-    /// What is about an event that came through a filter of 25 samples.
-    fn filtered(seed: u64, shock: &Shock) -> About {
+    /// What is about an event that came through a filter that answers up to `reach` samples from the middle on.
+    fn filtered(seed: u64, shock: &Shock, reach: usize) -> About {
         let mut course = vec![0.0; 10_000];
         shock.add_to(0, &mut course, 1.0);
         let mut values = noise(seed);
-        let weight = |aside: usize| (13.0 - aside.abs_diff(12) as f64) / 169.0;
+        let weight = |aside: usize| (reach - aside) as f64 / (reach * reach) as f64;
         for n in 8900..9400 {
-            values[n] += (0..25)
-                .map(|aside| weight(aside) * course[n + aside - 12])
-                .sum::<f64>();
+            let near =
+                (1..reach).map(|aside| weight(aside) * (course[n - aside] + course[n + aside]));
+            values[n] += weight(0) * course[n] + near.sum::<f64>();
         }
         let quiet = [0..EVENT.start, 9600..values.len()];
         let beside = Beside {
@@ -113,21 +113,23 @@ mod tests {
         for seed in 0..3 {
             let shock = Shock {
                 time_s: 9020.3,
-                peak: 1e4,
+                peak: 1e3,
                 duration_s: f64::INFINITY,
-                f_hz: 0.053,
+                f_hz: 0.03,
                 decay_s: 40.0,
             };
-            let (first, later) = later(seed, &filtered(seed, &shock));
+            let (first, later) = later(seed, &filtered(seed, &shock, 5));
             let off = |one: &Fitted| (one.shock.decay_s / shock.decay_s - 1.0).abs();
             assert!(
                 off(&later) < off(&first),
                 "seed {seed}: {first:?} {later:?}"
             );
-            // At a size of thousands each number is known to some ten thousandths.
-            assert!(off(&later) < 2e-3, "seed {seed}: {later:?}");
+            // A size of a thousand, which rings for n = 40 samples a decay, is known to 1 / (1000 sqrt(n / 4)), the decay to
+            // twice that.
+            assert!(off(&later) < 5e-3, "seed {seed}: {later:?}");
+            // What dies away is shifted by a filter that shifts no tone: by a tenth of a sample here.
             let late = later.shock.time_s - shock.time_s;
-            assert!(late.abs() < 0.05, "seed {seed}: {late}");
+            assert!(late.abs() < 0.2, "seed {seed}: {late}");
         }
     }
 
@@ -141,7 +143,7 @@ mod tests {
                 f_hz: 0.0,
                 decay_s: 0.0,
             };
-            let (first, later) = later(seed, &filtered(seed, &shock));
+            let (first, later) = later(seed, &filtered(seed, &shock, 13));
             let off = |one: &Fitted| (one.shock.duration_s / shock.duration_s - 1.0).abs();
             assert!(
                 off(&later) < off(&first),

@@ -24,8 +24,8 @@ pub const MOMENT: usize = 64;
 /// Samples that are whitened, at most: a choice between time and place.
 const WHITENED: usize = 1 << 20;
 
-/// Means that a course is fitted to, at most: a choice. What lasts for more of them is no single transient.
-const FITTED: usize = 1 << 17;
+/// Means that a course is fitted to, at most: a choice between time and what rings for long at a high frequency.
+const FITTED: usize = 1 << 15;
 
 /// What stands out in a stretch.
 pub enum What {
@@ -193,10 +193,10 @@ impl<'a> Event<'a> {
         }
     }
 
-    /// Samples on either side that a fit looks at.
+    /// Samples on either side that a fit looks at: more of them tell no level better than it is needed.
     fn margin(&self) -> usize {
         let len = self.samples().len();
-        (len / 2).max(self.stretch.window / 2).max(32)
+        (len / 2).min(1024).max(self.stretch.window / 2).max(32)
     }
 
     /// Samples of a mean: enough to see its frequency, and not many more than a hundred in all.

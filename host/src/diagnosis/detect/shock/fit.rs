@@ -1,5 +1,8 @@
 //! The shock that explains an event best: when, how high, at which frequency, how long.
 
+#[cfg(test)]
+mod tests;
+
 use nalgebra::{DMatrix, DVector};
 use realfft::num_complex::Complex64;
 
@@ -69,8 +72,9 @@ impl Form {
 /// The shock that explains an event best, of those that ring and those that do not.
 pub fn fit(about: &About) -> Option<Fitted> {
     let all = first_ringing(about).into_iter();
-    let all = all.filter_map(|first| ringing(about, &first));
+    let all = all.filter_map(|first| settle(about, Form::Ringing, &first));
     let ringing = all.max_by(|a, b| a.score.total_cmp(&b.score));
+    let ringing = ringing.map(|best| on_its_turn(about, best));
     let bump = first_bump(about).and_then(|first| settle(about, Form::Bump, &first));
     let worth = |one: &Option<Fitted>, less: f64| one.as_ref().map_or(0.0, |one| one.score - less);
     if worth(&ringing, ONE_MORE) > worth(&bump, 0.0) {
@@ -80,10 +84,9 @@ pub fn fit(about: &About) -> Option<Fitted> {
     }
 }
 
-/// The best ringing near a `first` one: half a turn earlier or later it is another of the other sign, nearly as good, and
-/// between the two none is.
-fn ringing(about: &About, first: &[f64]) -> Option<Fitted> {
-    let mut best = settle(about, Form::Ringing, first)?;
+/// Ringing where it begins: half a turn earlier or later it is another of the other sign, nearly as good, and between the two
+/// none is.
+fn on_its_turn(about: &About, mut best: Fitted) -> Fitted {
     loop {
         let half = 0.5 / best.shock.f_hz;
         let beside = [-half, half].map(|aside| {
@@ -94,7 +97,7 @@ fn ringing(about: &About, first: &[f64]) -> Option<Fitted> {
         let beside = beside.into_iter().flatten();
         match beside.max_by(|a, b| a.score.total_cmp(&b.score)) {
             Some(better) if better.score > best.score + CLOSE => best = better,
-            _ => return Some(best),
+            _ => return best,
         }
     }
 }
@@ -273,53 +276,4 @@ fn deviations(about: &About, form: Form, at: &[f64], size: f64) -> Option<Vec<f6
         .map(|one| one.max(0.0).sqrt())
         .collect();
     sd.iter().all(|one| one.is_finite()).then_some(sd)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::diagnosis::detect::shock::about::Beside;
-    use crate::diagnosis::detect::trial::noise;
-
-    #[test]
-    fn what_is_damped_more_than_critically_does_not_ring() {
-        let values = noise(1);
-        let beside = Beside {
-            values: &values,
-            quiet: &[0..5000, 5400..10_000],
-            faint: 0.0,
-        };
-        let about = About::new(&beside, &(5000..5400), &(5000..5400), 1).expect("noise beside it");
-        // A quality of a half is a decay of 1.6 samples at 0.1 cycles a sample.
-        let score = |decay: f64| score(&about, Form::Ringing, &[5100.0, 0.1_f64.ln(), decay.ln()]);
-        assert!(score(1.7).is_finite() && score(1.5).is_infinite(), "seed 1");
-    }
-
-    #[test]
-    fn half_a_turn_off_is_not_the_top() {
-        for seed in 2..5 {
-            let mut values = noise(seed);
-            let shock = Shock {
-                time_s: 5100.0,
-                peak: 50.0,
-                duration_s: f64::INFINITY,
-                f_hz: 0.1,
-                decay_s: 60.0,
-            };
-            shock.add_to(0, &mut values, 1.0);
-            let beside = Beside {
-                values: &values,
-                quiet: &[0..5000, 5600..10_000],
-                faint: 0.0,
-            };
-            let about = About::new(&beside, &(5050..5500), &(5000..5550), 1);
-            let about = about.expect("noise beside it");
-            let logs = [shock.f_hz.ln(), shock.decay_s.ln()];
-            for aside in [-10.0, -5.0, 5.0, 10.0] {
-                let found = ringing(&about, &[5100.0 + aside, logs[0], logs[1]]).expect("ringing");
-                let off = found.shock.time_s - shock.time_s;
-                assert!(off.abs() < 0.5, "seed {seed}, {aside}: {off}");
-            }
-        }
-    }
 }
