@@ -148,3 +148,50 @@ fn a_course_is_looked_for_once_and_not_where_it_was_refused() {
     trial.know(KIND, [1.0, 0.0], Change::Grid { decides: false });
     assert!(trial.look(find).is_none(), "seed {seed}: known");
 }
+
+/// Noise with a course.
+fn with_course(seed: u64) -> Vec<f64> {
+    let truth = course(seed, 3.0);
+    let mut values = noise(seed, 1e-3);
+    let each = values.iter_mut().enumerate();
+    each.for_each(|(n, value)| *value += truth(n));
+    values
+}
+
+#[test]
+fn what_costs_more_than_it_explains_goes_for_a_course() {
+    let seed = 11;
+    let mut values = with_course(seed);
+    let middle = values.len() / 2;
+    let jump = trial::jump(middle, 3.0);
+    trial::add(&mut values, &Wave::Steps(vec![jump]));
+    // Ten thousand numbers cost 45 000 nats, a jump of three deviations explains far less.
+    for (freedom, goes) in [(2.0, false), (1e4, true)] {
+        let mut trial = Trial::new(values.clone());
+        let effect = Estimate::new(steps::KIND, [1.0, 3.0].map(Value::exact));
+        trial.accept(Candidate::new(effect, 1e-9, freedom, trial::steps(&[jump])));
+        let found = trial.look(find).expect("a course");
+        assert_eq!(!found.supersedes.is_empty(), goes, "seed {seed}: {freedom}");
+    }
+}
+
+#[test]
+fn a_course_takes_the_noise_below_its_own_frequencies_with_it() {
+    let seed = 12;
+    let values = with_course(seed);
+    let half_wave_hz = 0.5 * RATE_HZ / values.len() as f64;
+    let absorbs_hz = found(values, LEVEL).expect("a course").course.absorbs_hz;
+    // Four half-waves a record are in it; at the hundredth it has a millionth of what it has at the third.
+    let waves = absorbs_hz / half_wave_hz;
+    assert!((4.0..100.0).contains(&waves), "seed {seed}: {waves}");
+}
+
+#[test]
+fn what_lies_in_an_excluded_band_is_no_course() {
+    let seed = 13;
+    let mut trial = Trial::new(with_course(seed));
+    let half_wave_hz = 0.5 * RATE_HZ / length(seed) as f64;
+    assert!(trial.look(find).is_some(), "seed {seed}");
+    trial.exclude(0.0, 300.0 * half_wave_hz);
+    assert!(trial.look(find).is_none(), "seed {seed}: excluded");
+}

@@ -1,6 +1,7 @@
 //! A shock is found for what it is, once, and nothing else is.
 
 mod measured;
+mod rules;
 
 use std::f64::consts::PI;
 

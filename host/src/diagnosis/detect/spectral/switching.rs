@@ -167,4 +167,13 @@ mod tests {
         trial.character.level_switches = true;
         assert!(in_place(&trial).is_none(), "seed 23: known");
     }
+
+    #[test]
+    fn jumps_are_put_back_for_plain_odds_alone() {
+        for (seed, height) in [(25, 0.6), (26, 0.8)] {
+            let trial = Trial::new(trial::switching(seed, height).0);
+            assert!(are_of_it(&trial, &[]), "seed {seed}");
+            assert!(!are_of_it(&trial, &[height, -height]), "seed {seed}");
+        }
+    }
 }

@@ -3,8 +3,9 @@
 use super::*;
 use crate::diagnosis::detect::trial::{self, Trial, noise};
 use crate::diagnosis::laws::Law;
+use crate::diagnosis::record::envelope::Envelope;
 use crate::model::random::{Gaussian, Seed};
-use crate::model::{sinusoid, steps, telegraph as two_levels};
+use crate::model::{cyclic, sinusoid, steps, telegraph as two_levels};
 
 /// Noise with a steady band about 20 Hz.
 fn with_band(seed: u64, deviation: f64) -> Trial {
@@ -46,6 +47,14 @@ fn where_the_strength_moves_a_law_must_be_plainer() {
     assert!(!trial.ask(&DETECTOR).is_empty(), "seed 1");
     trial.character.strength_moves = true;
     assert!(trial.ask(&DETECTOR).is_empty(), "seed 1: moving");
+    trial.character.strength_moves = false;
+    let swing = Envelope {
+        depth: 1e-3,
+        period: 2000.0,
+        phase_rad: 0.0,
+    };
+    trial.know(cyclic::KIND, [1e-3, 20.0, 0.0], Change::Strength(swing));
+    assert!(trial.ask(&DETECTOR).is_empty(), "seed 1: swinging");
 }
 
 #[test]
@@ -211,4 +220,18 @@ fn a_line_is_a_narrow_resonance_whose_power_stands_at_one_frequency() {
         assert!(!is_it(resonance::KIND, 2.0), "seed 9: bins resolve it");
         assert!(!is_it(markov::KIND, 0.5), "seed 9: no resonance");
     });
+}
+
+#[test]
+fn of_two_laws_that_gain_as_much_the_one_of_fewer_numbers_is_worth_more() {
+    let trial = with_band(10, 0.4);
+    let found = trial
+        .look(significant)
+        .expect("a record that can be fitted");
+    let mut one = found.into_iter().next().expect("a plain law");
+    let mut with = |values: usize| {
+        one.law.values.resize(values, 1.0);
+        worth(&one)
+    };
+    assert_eq!(with(2) - with(3), 1.0, "seed 10");
 }

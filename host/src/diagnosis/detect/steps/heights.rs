@@ -91,7 +91,9 @@ mod tests {
 
     use super::*;
     use crate::chain::Chain;
-    use crate::diagnosis::detect::trial::{self, RATE_HZ, noise};
+    use crate::diagnosis::axis::profile::Noise;
+    use crate::diagnosis::detect::steps::pursuit::Pursuit;
+    use crate::diagnosis::detect::trial::{self, RATE_HZ, Trial, noise};
     use crate::model::random::{Gaussian, Seed};
 
     /// A record behind a converter's filter with jumps by `heights` at 6000 and 12 000 that take three samples and
@@ -141,6 +143,25 @@ mod tests {
                 .map(|one| one.abs())
                 .fold(0.0, f64::max);
             assert!(beyond < 6.0 + wrong, "seed {seed}: {beyond} is left");
+        }
+    }
+
+    #[test]
+    fn a_strong_jump_behind_a_filter_is_one() {
+        for seed in 3..5 {
+            let (axis, ..) = behind_a_filter(seed, [3000.0, -2000.0]);
+            let mut trial = Trial::new(noise(seed));
+            trial.axis = axis;
+            let all = trial.look(|look| {
+                let mut pursuit = Pursuit::new(look);
+                let first = pursuit.largest(Noise::Anew).expect("a plain jump");
+                pursuit.all(first, 0)
+            });
+            let close = |jump: &Jump, height: f64| (jump.height / height - 1.0).abs() < 0.01;
+            assert!(
+                all.len() == 2 && close(&all[0], 3000.0) && close(&all[1], -2000.0),
+                "seed {seed}: {all:?}"
+            );
         }
     }
 }

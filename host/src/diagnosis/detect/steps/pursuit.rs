@@ -156,3 +156,64 @@ impl<'a> Pursuit<'a> {
         held_out_gain(&record, &density, &wave)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chain::Chain;
+    use crate::diagnosis::detect::trial::{self, RATE_HZ, Trial, noise};
+
+    /// An axis behind a converter's filter, or not.
+    fn behind(seed: u64, chain: Option<&str>) -> Trial {
+        let chain: Option<Chain> = chain.map(|chain| chain.parse().expect("a chain"));
+        let mut trial = Trial::new(noise(seed));
+        let axis = AxisState::new(Arc::new(noise(seed)), RATE_HZ, chain.as_ref());
+        trial.axis = axis.expect("a spectrum");
+        trial
+    }
+
+    #[test]
+    fn what_a_filter_makes_of_a_jump_is_no_other() {
+        let is_looked_at = |chain, away: usize| {
+            behind(1, chain).look(|look| {
+                let mut pursuit = Pursuit::new(look);
+                pursuit.take_out(trial::jump(9000, 4.0));
+                assert_eq!(pursuit.usable(9000 - away), pursuit.usable(9000 + away));
+                pursuit.usable(9000 + away)
+            })
+        };
+        let converter = Some("ads1281:linear");
+        assert!(is_looked_at(None, SPREAD / 2), "seed 1");
+        assert!(!is_looked_at(converter, SPREAD / 2), "seed 1");
+        assert!(is_looked_at(converter, SPREAD + 1), "seed 1");
+    }
+
+    #[test]
+    fn what_leaves_a_larger_jump_where_one_was_taken_out_is_none() {
+        let mut values = noise(2);
+        for (value, size) in values[9000..].iter_mut().zip([900.0, 600.0, 300.0]) {
+            *value += size;
+        }
+        Trial::new(values).look(|look| {
+            let mut pursuit = Pursuit::new(look);
+            let first = pursuit.largest(Noise::Anew).expect("a jump, it seems");
+            let all = pursuit.all(first, 0);
+            assert!(all.is_empty(), "seed 2: {all:?}");
+            let is_looked_at = |away: usize| pursuit.usable(9000 + away);
+            assert!(!is_looked_at(SHOCK - 100), "seed 2");
+            assert!(is_looked_at(SHOCK + 100), "seed 2");
+        });
+    }
+
+    #[test]
+    fn a_jump_that_walk_was_taken_for_is_found_beside_it() {
+        let mut values = noise(3);
+        trial::add(&mut values, &Wave::Steps(vec![trial::jump(9000, 0.4)]));
+        let trial = Trial::new(values);
+        let found = |noise| trial.look(|look| Pursuit::new(look).largest(noise));
+        assert!(found(Noise::Fitted).is_none(), "seed 3");
+        // A fourteenth of the noise between two means of some thousand samples each.
+        let jump = found(Noise::Anew).expect("a jump");
+        assert!(jump.index.abs_diff(9000) < 200, "seed 3: {jump:?}");
+    }
+}

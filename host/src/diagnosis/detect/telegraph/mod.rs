@@ -138,6 +138,7 @@ pub fn log_odds(axis: &AxisState, law: &Law, fit: &Fit) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::diagnosis::detect::trial;
+    use crate::diagnosis::laws::search;
 
     /// Whether jumps of these heights are two levels, every other one down.
     fn is_two_levels(heights: &[f64]) -> bool {
@@ -182,5 +183,26 @@ mod tests {
         // Three of twenty are few.
         others[..2].fill(4.0);
         assert!(is_two_levels(&others));
+    }
+
+    #[test]
+    fn markov_noise_far_less_likely_than_another_law_is_no_switching() {
+        let trial = trial::Trial::new(trial::switching(7, 4.0).0);
+        let starts = trial.axis.starts().expect("a spectrum");
+        let search = |kind| search::search(trial.axis.fitted(), &starts, kind);
+        let mut found: Vec<Found> = [markov::KIND; 2].into_iter().filter_map(search).collect();
+        found[0].law.effect = crate::model::resonance::KIND;
+        let is_among = |less: f64| {
+            let worth = |one: &Found| {
+                if one.law.effect == markov::KIND {
+                    -less
+                } else {
+                    0.0
+                }
+            };
+            trial.look(|look| among(look, &found, worth).is_some())
+        };
+        assert!(is_among(9.0), "seed 7");
+        assert!(!is_among(11.0), "seed 7");
     }
 }

@@ -70,3 +70,11 @@ fn a_settling_as_slow_as_the_lag_belongs_to_what_follows_the_covariate() {
         assert_eq!(found.effect.kind == KIND, belongs, "{time_s} s");
     }
 }
+
+#[test]
+fn what_walk_was_taken_for_is_found_beside_it() {
+    let trial = following(5, 0.1);
+    let found = |noise| trial.look(|look| find(look, noise).is_some());
+    assert!(!found(Noise::Fitted), "seed 5");
+    assert!(found(Noise::Anew), "seed 5");
+}

@@ -108,4 +108,10 @@ fn a_line_is_a_steady_mark_where_it_keeps_its_size_and_holds_most_of_the_power_a
         line(values, &|_| 0.3);
     });
     assert_eq!(in_band, [(20.0, true)], "seed 5: in a band");
+    // So faint a band does not move it.
+    let in_faint_band = marks(5, |values| {
+        trial::add_band(values, 5, 0.35, |_| 1.0);
+        line(values, &|_| 0.1);
+    });
+    assert_eq!(in_faint_band, [(20.0, true)], "seed 5: in a faint band");
 }

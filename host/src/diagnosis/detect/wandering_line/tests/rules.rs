@@ -1,0 +1,117 @@
+//! Each of what makes a tone, by windows, lines and courses in which it alone decides.
+
+use super::*;
+
+/// What windows say in which a tone has this energy.
+const fn said(energy: f64, share: f64, p_value: f64) -> Option<Steadiness> {
+    Some(Steadiness {
+        energy,
+        p_value,
+        share,
+    })
+}
+
+#[test]
+fn a_tone_grows_with_its_windows_and_is_steadier_than_noise_by_more_than_chance() {
+    let is_tone = |before, share, p_value| {
+        let both = [before, said(6.0, share, p_value)];
+        plainest(&both, trial::LEVEL) == Some(1)
+    };
+    assert!(is_tone(said(3.0, 0.0, 1.0), 1.0, 1e-9));
+    assert!(!is_tone(said(5.0, 0.0, 1.0), 1.0, 1e-9), "does not grow");
+    assert!(!is_tone(None, 1.0, 1e-9), "nothing is known of its growth");
+    assert!(!is_tone(said(3.0, 0.0, 1.0), 0.5, 1e-9), "as narrow noise");
+    assert!(!is_tone(said(3.0, 0.0, 1.0), 1.0, 1e-3), "by chance");
+}
+
+#[test]
+fn the_first_windows_in_which_a_tone_is_strong_are_the_best_or_else_the_surest() {
+    let best = |p_values: [f64; 5], first: f64| {
+        let energy = |number: usize| first * (1 << number) as f64;
+        let all = p_values.iter().enumerate();
+        let all: Vec<_> = all.map(|(n, p)| said(energy(n), 1.0, *p)).collect();
+        plainest(&all, trial::LEVEL)
+    };
+    let [sure, surer] = [1e-6, 1e-9];
+    assert_eq!(best([1.0, sure, surer, sure, surer], 1.0), Some(3));
+    assert_eq!(best([1.0, sure, surer, sure, sure], 0.1), Some(2));
+}
+
+/// Noise with lines that fade towards both ends of the record or do not.
+fn with_lines(seed: u64, lines_hz: &[f64], fades: bool) -> Trial {
+    let mut values = noise(seed);
+    let length = values.len() as f64;
+    for (n, value) in values.iter_mut().enumerate() {
+        let fading = 0.5 - 0.5 * (TAU * n as f64 / length).cos();
+        let size = if fades { 0.5 * fading } else { 0.5 };
+        let turns = lines_hz.iter().map(|f_hz| f_hz * n as f64 / RATE_HZ);
+        *value += size * turns.map(|turns| (TAU * turns).cos()).sum::<f64>();
+    }
+    Trial::new(values)
+}
+
+#[test]
+fn only_lines_that_are_not_steady_and_not_known_are_suspected() {
+    let suspected = |trial: &Trial| trial.look(suspects).len();
+    for lines_hz in [&[20.0][..], &[11.0, 22.0, 33.0]] {
+        let steady = with_lines(8, lines_hz, false);
+        assert!(
+            !lines::lines(&steady.axis, trial::LEVEL).is_empty(),
+            "seed 8"
+        );
+        assert_eq!(suspected(&steady), 0, "seed 8: {lines_hz:?}");
+        let mut fading = with_lines(8, lines_hz, true);
+        assert_ne!(suspected(&fading), 0, "seed 8: {lines_hz:?}");
+        fading.exclude(5.0, 40.0);
+        assert_eq!(suspected(&fading), 0, "seed 8: {lines_hz:?}, excluded");
+    }
+}
+
+#[test]
+fn a_multiple_that_folds_or_lies_partly_in_an_excluded_band_is_none_of_it() {
+    let count = |f_hz: f64, excluded_hz: Range<f64>| {
+        let mut trial = with(1, &tone(f_hz, &[0.5, 0.4]), |_| 1.0);
+        if !excluded_hz.is_empty() {
+            trial.exclude(excluded_hz.start, excluded_hz.end);
+        }
+        let (_, values) = found(&trial).expect("a plain tone");
+        values.len() - wandering_line::FIRST_AMPLITUDE
+    };
+    assert_eq!(count(23.5, 0.0..0.0), 2, "seed 1");
+    // Beyond 0.48 of the rate.
+    assert_eq!(count(24.2, 0.0..0.0), 1, "seed 1");
+    assert_eq!(count(20.0, 40.0..42.0), 1, "seed 1");
+}
+
+/// A band about a tone and the tone as it is followed there.
+fn followed(seed: u64) -> (Band, Track) {
+    let trial = with(seed, &tone(20.0, &[0.5]), |_| 1.0);
+    let band = Band::about(&trial.axis, &trial.axis.whitened(), &(19.8..20.2), ROOM);
+    let band = band.expect("a band");
+    let best = steadiest(&trial.axis, &band, trial::LEVEL).expect("a plain tone");
+    (band, best.0)
+}
+
+#[test]
+fn of_too_few_windows_there_is_no_course() {
+    let (band, mut track) = followed(5);
+    // Where the ring closes none counts; frequencies lie between two windows.
+    let first = track.counts.iter().position(|counts| *counts);
+    let last = first.expect("windows that count") + 16;
+    track.counts[last + 1..].fill(false);
+    assert!(course(&band, &track).is_some(), "seed 5");
+    track.counts[last] = false;
+    assert!(course(&band, &track).is_none(), "seed 5");
+}
+
+#[test]
+fn where_nothing_was_measured_a_course_does_not_move() {
+    let (band, mut track) = followed(5);
+    track.counts[10..14].fill(false);
+    let wander_hz = |track: &Track| course(&band, track).expect("a course").wander_hz;
+    let before = wander_hz(&track);
+    track.places[10..14]
+        .iter_mut()
+        .for_each(|place| *place += 50.0);
+    assert_eq!(wander_hz(&track), before, "seed 5");
+}
