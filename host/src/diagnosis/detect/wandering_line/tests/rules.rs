@@ -27,7 +27,7 @@ fn a_tone_grows_with_its_windows_and_is_steadier_than_noise_by_more_than_chance(
 #[test]
 fn the_first_windows_in_which_a_tone_is_strong_are_the_best_or_else_the_surest() {
     let best = |p_values: [f64; 5], first: f64| {
-        let energy = |number: usize| first * (1 << number) as f64;
+        let energy = |number: usize| first * f64::from(1 << number);
         let all = p_values.iter().enumerate();
         let all: Vec<_> = all.map(|(n, p)| said(energy(n), 1.0, *p)).collect();
         plainest(&all, trial::LEVEL)
