@@ -11,8 +11,8 @@ use crate::model::random::{Gaussian, Seed};
 /// What predicts some stretches of noise about their means, which become whole; `None` where they are too short, or do not
 /// change. No numbers where samples are missing.
 pub fn prediction(stretches: &mut [Vec<f64>]) -> Option<Prediction> {
-    /// Share of the variance that decides nothing: a choice.
-    const NOTHING: f64 = 0.03;
+    /// Part of what a first prediction is wrong about that decides nothing: a choice, four rounds where three of ten are missing.
+    const NOTHING: f64 = 3e-3;
     let is_missing: Vec<Vec<bool>> = stretches.iter().map(|one| missing(one)).collect();
     for stretch in stretches.iter_mut() {
         bridge(stretch);
