@@ -26,3 +26,10 @@ mod trial;
 pub mod unnamed;
 pub mod values;
 pub mod views;
+
+pub(crate) fn off(name: &str) -> bool {
+    static RULE: std::sync::OnceLock<String> = std::sync::OnceLock::new();
+    RULE.get_or_init(|| std::env::var("RULE").unwrap_or_default())
+        .split(',')
+        .any(|one| one == name)
+}

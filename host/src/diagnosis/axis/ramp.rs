@@ -26,7 +26,7 @@ pub fn ramp(axis: &AxisState) -> Option<Ramp> {
     }
     for which in 0..axis.laws.len() {
         if let Some(density) = axis.unit_law_density(which, slow_hz) {
-            slope.beside(density * power);
+            if !crate::diagnosis::off("h3") { slope.beside(density * power); }
         }
     }
     let components = laws::components(&axis.bins, &axis.laws);
@@ -108,5 +108,29 @@ mod tests {
         let from_s: Vec<f64> = blocks(&axis).iter().map(|one| one.from_s).collect();
         assert_eq!(from_s.len(), BLOCKS - 1);
         assert!(!from_s.contains(&51.2) && from_s.contains(&102.4));
+    }
+
+    #[test]
+    fn scratch_ramp() {
+        use crate::diagnosis::trial;
+        let Ok(list) = std::env::var("RAMP") else { return };
+        for tau in list.split(',').map(|one| one.parse::<f64>().expect("tau")) {
+            let mut all = Vec::new();
+            for seed in 0..60 {
+                let mut m = trial::markov(seed, tau);
+                let mut axis = trial::axis(seed, trial::short(seed), |_, noise| noise + 3.0 * m());
+                let kind = crate::model::markov::KIND;
+                trial::take_in(&mut axis, kind, trial::law(kind, &[3.0, tau / trial::RATE_HZ]));
+                let r = ramp(&axis).expect("no gaps");
+                all.push(r);
+            }
+            let n = all.len() as f64;
+            let scatter = (all.iter().map(|r| r.per_s * r.per_s).sum::<f64>() / n).sqrt();
+            let z = (all.iter().map(|r| (r.per_s / r.deviation).powi(2)).sum::<f64>() / n).sqrt();
+            let zt = (all.iter().map(|r| (1.96 * r.per_s / r.two_sided).powi(2)).sum::<f64>() / n).sqrt();
+            let told = all.iter().filter(|r| r.identified()).count();
+            let mean = |f: &dyn Fn(&Ramp) -> f64| all.iter().map(f).sum::<f64>() / n;
+            println!("tau {tau}: scatter {scatter:.3e} deviation {:.3e} two_sided/1.96 {:.3e} rms z {z:.2} rms zt {zt:.2} told {told}", mean(&|r| r.deviation), mean(&|r| r.two_sided / 1.96));
+        }
     }
 }

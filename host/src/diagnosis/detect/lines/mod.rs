@@ -256,7 +256,7 @@ pub fn wanders(look: &Look<'_>, one: &Measured) -> bool {
 
 fn look_for_wandering(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     let mut known = look.axis.excluded_hz();
-    known.extend(resonances_hz(look.axis));
+    if !crate::diagnosis::off("h2") { known.extend(resonances_hz(look.axis)); }
     let mut proposals = Vec::new();
     for group in lines(look.axis, look.level()) {
         let Group::Single(one) = group else { continue };

@@ -150,6 +150,22 @@ fn the_top_of_a_resonance_is_no_line() {
 }
 
 #[test]
+fn a_line_that_wanders_within_a_resonance_is_left_to_it() {
+    // Four widths from the top a resonance has little of its power.
+    for (f_hz, count) in [(20.8, 0), (24.0, 1)] {
+        let mut values = noise(9);
+        let half = values.len() / 2;
+        for (n, value) in values.iter_mut().enumerate() {
+            let size = if n < half { 0.15 } else { -0.15 };
+            *value += size * (TAU * f_hz / trial::RATE_HZ * n as f64).cos();
+        }
+        let mut trial = Trial::new(values);
+        know_resonance(&mut trial, 20.0);
+        assert_eq!(trial.ask(&WANDERING).len(), count, "seed 9: {f_hz}");
+    }
+}
+
+#[test]
 fn what_is_left_beside_a_line_is_no_second_one() {
     let mut trial = Trial::new(noise(2));
     // Of two that are found together as well.

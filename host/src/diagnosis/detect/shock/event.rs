@@ -85,10 +85,10 @@ impl<'a> Event<'a> {
 
     /// What it is.
     pub fn what(&self) -> What {
-        if self.is_one_sample() {
+        if !crate::diagnosis::off("b1") && self.is_one_sample() {
             return What::Singles;
         }
-        if self.is_cut() || self.is_between_levels() {
+        if (!crate::diagnosis::off("b2") && self.is_cut()) || (!crate::diagnosis::off("b3") && self.is_between_levels()) {
             return What::Jump;
         }
         let close = self.about(1, self.samples().len() / 2);
@@ -103,10 +103,10 @@ impl<'a> Event<'a> {
         let score = fitted
             .as_ref()
             .map_or(self.stretch.z.powi(2), |(_, fitted)| fitted.score);
-        if even.is_some_and(|nats| nats > 0.5 * score) {
+        if !crate::diagnosis::off("b6") && even.is_some_and(|nats| nats > 0.5 * score) {
             return self.louder();
         }
-        if score < self.needed() {
+        if !crate::diagnosis::off("b7") && score < self.needed() {
             return What::Other;
         }
         let Some((about, fitted)) = fitted else {
@@ -116,7 +116,7 @@ impl<'a> Event<'a> {
             return other;
         }
         // What settles from the start on has a name of its own.
-        if self.samples().start == 0 && fitted.shock.f_hz == 0.0 {
+        if !crate::diagnosis::off("b8") && self.samples().start == 0 && fitted.shock.f_hz == 0.0 {
             return What::Other;
         }
         let later = beside_ends(about, &fitted);
@@ -149,7 +149,7 @@ impl<'a> Event<'a> {
     /// that time.
     fn is_between_levels(&self) -> bool {
         let samples = self.samples();
-        course::is_between_levels(self.values(), samples, &self.own)
+        (crate::diagnosis::off("b3c") || course::is_between_levels(self.values(), samples, &self.own))
             && (samples.len() <= MOMENT || self.beside().step(samples).is_some())
     }
 
@@ -284,7 +284,7 @@ impl<'a> Event<'a> {
         const NO_ERROR: f64 = 5.0;
         let worth = fitted.score - MORE_NUMBERS;
         let singles = Singles::new(about)?;
-        if singles.jump() > worth {
+        if !crate::diagnosis::off("b4") && singles.jump() > worth {
             return Some(What::Jump);
         }
         let is_samples = about.factor() == 1
@@ -292,6 +292,6 @@ impl<'a> Event<'a> {
                 let (score, largest) = singles.some(count);
                 largest < NO_ERROR && score - ONE_SAMPLE * (count - 1) as f64 > worth
             });
-        is_samples.then_some(What::Singles)
+        (!crate::diagnosis::off("b5") && is_samples).then_some(What::Singles)
     }
 }

@@ -170,7 +170,7 @@ impl<'a> Scan<'a> {
             let Some(mut usual) = usual else {
                 continue;
             };
-            let shorter = self.usual.last().and_then(Usual::rare);
+            let shorter = self.usual.last().and_then(Usual::rare).filter(|_| !crate::diagnosis::off("d1"));
             let least = NOTHING.min(self.threshold);
             let high = usual.heights(self.values, &starts, least, shorter);
             let stretch = |(start, height): (usize, Height)| Stretch {

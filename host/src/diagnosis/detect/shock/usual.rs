@@ -234,12 +234,12 @@ impl Usual {
             // A probability is no less than that of an exponential number.
             let needed = from * group.tail;
             if most > 0.5 * needed * needed && number < octaves {
-                z = normal_of_log(-self.surprise(bin, most)) / group.tail;
+                z = normal_of_log(-self.surprise(bin, most)) / if crate::diagnosis::off("e1") { 1.0 } else { group.tail };
             }
             let count = group.bins.len();
             let mean = sum / count as f64;
             if count >= SUMMED && mean > 1.0 {
-                z = z.max(normal_of_mean(mean, narrow(count)) / group.tail_of_sum);
+                z = z.max(normal_of_mean(mean, narrow(count)) / if crate::diagnosis::off("e2") { 1.0 } else { group.tail_of_sum });
             }
             if z >= from && z > highest.z {
                 highest = Height { z, cycles: bin + 1 };

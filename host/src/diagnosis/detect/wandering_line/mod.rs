@@ -133,7 +133,7 @@ pub fn named(look: &Look<'_>, within_hz: &Range<f64>, p_value: f64) -> Option<Pr
         return None;
     }
     let width_hz = (own.end - own.start) as f64 * band.step_hz;
-    if width_hz > NARROW * 0.5 * axis.rate_hz {
+    if !crate::diagnosis::off("h1") && width_hz > NARROW * 0.5 * axis.rate_hz {
         return None;
     }
     let tone = Tone {

@@ -9,7 +9,7 @@ fn count(seed: u64, peaks: &[f64]) -> usize {
     let places = spread(values.len(), peaks.len());
     let bumps: Vec<Shock> = places
         .zip(peaks)
-        .map(|(place, peak)| bump(place as f64 / RATE_HZ, *peak))
+        .map(|(place, peak)| bump(place as f64 / RATE_HZ, *peak, 0.3))
         .collect();
     add(&mut values, &bumps);
     told(values).len()

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::*;
 use crate::diagnosis::detect::trial::noise;
-use crate::diagnosis::trial::numbers;
+use crate::diagnosis::trial::{markov, numbers};
 
 /// Windows of 64 samples of some values.
 fn of(values: &[f64], least: f64) -> Usual {
@@ -103,4 +103,36 @@ fn where_windows_are_too_few_heights_are_as_rare_as_elsewhere() {
     };
     let (plain, rare) = (z(None), z(Some(elsewhere)));
     assert!(plain > 6.0 && rare < 0.9 * plain, "seed 9: {plain}, {rare}");
+}
+
+/// Noise whose strength wanders within some samples, its logarithm by `deviation`.
+fn wandering(seed: u64, samples: f64, deviation: f64) -> Vec<f64> {
+    let mut strength = markov(seed, samples);
+    let mut values = noise(seed);
+    values.iter_mut().for_each(|value| *value *= (deviation * strength()).exp());
+    values
+}
+
+/// How many in a thousand windows of 64 samples stand out as far as `z`.
+fn beyond(values: &[f64], z: f64) -> f64 {
+    let usual = of(values, 0.0);
+    let starts: Vec<usize> = usual.windows.starts(&(0..values.len())).collect();
+    let mut memory = (usual.windows.scratch(), Vec::new());
+    let mut height = |start: &usize| usual.height(values, *start, 0.0, &mut memory).z;
+    let count = starts.iter().filter(|start| height(start) > z).count();
+    1000.0 * count as f64 / starts.len() as f64
+}
+
+#[test]
+fn scratch_usual() {
+    if std::env::var("USUAL").is_err() {
+        return;
+    }
+    for (samples, deviation) in [(1.0, 0.0), (30.0, 0.2), (30.0, 0.4), (100.0, 0.2), (100.0, 0.4), (1000.0, 0.2), (1000.0, 0.4)] {
+        for seed in 10..13 {
+            let values = wandering(seed, samples, deviation);
+            let tails: Vec<_> = of(&values, 0.0).groups.iter().map(|g| (g.tail, g.tail_of_sum)).collect();
+            println!("{samples} {deviation} {seed}: {:.1} {:.1} {:.1} {tails:.2?}", beyond(&values, 3.0), beyond(&values, 3.5), beyond(&values, 4.5));
+        }
+    }
 }

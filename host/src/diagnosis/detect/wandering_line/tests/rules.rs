@@ -115,3 +115,32 @@ fn where_nothing_was_measured_a_course_does_not_move() {
         .for_each(|place| *place += 50.0);
     assert_eq!(wander_hz(&track), before, "seed 5");
 }
+
+#[test]
+fn scratch_wide() {
+    if std::env::var("WIDE").is_err() {
+        return;
+    }
+    for rms_hz in [2.0, 3.0, 5.0] {
+        for time_s in [20.0, 60.0, 200.0] {
+            for reach in [1.0, 2.5, 4.0, 8.0] {
+                let tone = WanderingLine {
+                    f_hz: 25.0,
+                    wander: Wander { rms_hz, time_s },
+                    amplitudes: vec![3.0],
+                };
+                let trial = with(1, &tone, |_| 1.0);
+                let seen = trial.axis.whitened();
+                let within = 25.0 - reach..25.0 + reach;
+                let band = Band::about(&trial.axis, &seen, &within, ROOM);
+                let Some(band) = band else { println!("{rms_hz} {time_s} {reach}: no band"); continue };
+                let Some((track, _)) = steadiest(&trial.axis, &band, trial::LEVEL) else { println!("{rms_hz} {time_s} {reach}: not steady"); continue };
+                let Some(course) = course(&band, &track) else { println!("{rms_hz} {time_s} {reach}: no course"); continue };
+                let own = filled(&band, &track);
+                let width_hz = (own.end - own.start) as f64 * band.step_hz;
+                let named = trial.look(|look| named(look, &within, 1e-9).is_some());
+                println!("{rms_hz} {time_s} {reach}: nats {:.1} line {} width {width_hz:.1} named {named}", course.nats, band.is_line(&own, IMPERFECT));
+            }
+        }
+    }
+}
