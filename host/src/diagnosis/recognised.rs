@@ -2,7 +2,8 @@
 //!
 //! The digital filter of an ADS1281 passes all up to 0.41 of the data rate and next to nothing from 0.5 of it on: a wall that
 //! noise of no sensor has by itself, and that every law of the catalogue would be tried on in vain. So it is looked for
-//! before anything else: the upper end of the spectrum is fitted as white noise behind a pole, with the filter and without.
+//! before anything else: the upper end of the spectrum is fitted as white noise behind a pole, averaged or not, with the
+//! filter and without.
 
 use inm_protocol::Phase;
 
@@ -11,7 +12,7 @@ use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::laws::{self, Law};
 use crate::diagnosis::record::bins::SpectralBins;
 use crate::fit::likelihood::{Data, Fit};
-use crate::model::rolloff;
+use crate::model::{averaging, rolloff};
 
 /// Share of the data rate from which the spectrum is looked at: half an octave below the wall shows the pole that may be
 /// ahead of it, and little of what moves slowly.
@@ -87,7 +88,7 @@ fn falls(data: &Data, rate_hz: f64) -> bool {
     end.is_some_and(|end| count > 0.0 && level > LEAST_FALL * count * end)
 }
 
-/// The likeliest fit of the upper end of a spectrum, with a pole or without.
+/// The likeliest fit of the upper end of a spectrum, with a pole or an average of neighbours, both or none.
 fn fitted(bins: &SpectralBins, data: &Data) -> Option<Fit> {
     let rate_hz = bins.rate_hz();
     let below = 0.0..FROM * rate_hz;
@@ -95,14 +96,30 @@ fn fitted(bins: &SpectralBins, data: &Data) -> Option<Fit> {
         dof: bins.dof_beside(std::slice::from_ref(&below)),
         ..data.clone()
     };
-    let pole = |start: f64| {
-        let mut laws = vec![Law {
-            effect: rolloff::KIND,
-            values: vec![start * rate_hz],
-        }];
+    let polished = |laws: &[Law]| {
+        let mut laws = laws.to_vec();
         laws::search::polish(bins, &data, &mut laws, 0, STEP)
     };
-    let fits = STARTS.into_iter().filter_map(pole);
+    let poles = STARTS.map(|start| {
+        vec![Law {
+            effect: rolloff::KIND,
+            values: vec![start * rate_hz],
+        }]
+    });
+    // Behind the converter somebody may have averaged: the likeliest length by itself, then with a pole as well.
+    let starts = laws::search::Starts::new(bins)?;
+    let likelihood = |law: &Law| {
+        let fit = laws::fit(bins, &data, std::slice::from_ref(law));
+        fit.map_or(f64::NEG_INFINITY, |fit| fit.log_likelihood)
+    };
+    let lengths = starts.laws(averaging::KIND);
+    let length = lengths.max_by(|a, b| likelihood(a).total_cmp(&likelihood(b)));
+    let averaged = length.into_iter().flat_map(|length| {
+        let behind_pole = poles.iter().map(|pole| [pole.as_slice(), &[length.clone()]].concat());
+        std::iter::once(vec![length.clone()]).chain(behind_pole)
+    });
+    let fits = poles.iter().cloned().chain(averaged);
+    let fits = fits.filter_map(|laws| polished(&laws));
     let fits = fits.chain(laws::fit(bins, &data, &[]));
     fits.max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood))
 }

@@ -47,6 +47,7 @@ pub fn take_events_out(axis: &mut AxisState, context: &Context<'_>) -> Result<()
     let mut search = Search::new(axis, context);
     search.ask(&detect::stale::DETECTOR)?;
     while search.ask(&detect::shock::DETECTOR)? != Changed::Nothing {}
+    search.ask(&detect::clipping::DETECTOR)?;
     // Noise that they had raised hides further ones.
     for _ in 0..ROUNDS {
         if search.ask(&detect::outliers::DETECTOR)? == Changed::Nothing {

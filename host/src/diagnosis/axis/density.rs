@@ -50,12 +50,13 @@ impl AxisState {
     }
 
     /// Share of all of the density that noise without a memory has, white and quantisation: it is what swings where the
-    /// strength of the noise does. A walk and flicker are sums of what went before, and go on as they were.
+    /// strength of the noise does. A walk and flicker are sums of what went before, and go on as they were. What is measured
+    /// beyond the model, such as codes that were rounded behind a converter's filter, is not known to swing either.
     pub fn short_share(&self, f_hz: f64) -> f64 {
         let short = (0..).zip(SEEN);
         let short = short.filter(|(_, term)| matches!(term, Coefficient::N | Coefficient::Q));
         let share: f64 = short.map(|(one, _)| self.term_share(one, f_hz)).sum();
-        share.min(1.0)
+        share.min(1.0) / self.ratio(f_hz).max(1.0)
     }
 
     /// The same in the mean over some ordinates of a transform with so many hertz between two.

@@ -46,7 +46,7 @@ const LEAST_SHARE: f64 = 1e-5;
 
 impl AxisState {
     /// Measured over expected power of the bins, drawn towards 1 where it rests on little.
-    fn ratio(&self, f_hz: f64) -> f64 {
+    pub(super) fn ratio(&self, f_hz: f64) -> f64 {
         let place = self.data.f_hz.partition_point(|&f| f < f_hz);
         let at = |bin: usize| {
             let dof = self.bins.dof()[bin];

@@ -70,6 +70,7 @@ pub static ROUND: &[&Detector] = &[
     // What is left may be hidden by the walk that it was taken for.
     &level::IN_NOISE_ANEW,
     &lines::WANDERING,
+    &spectral::needed::STILL,
 ];
 
 /// Tests of the whole record: what its axes share, and its clock.

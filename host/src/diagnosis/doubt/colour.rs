@@ -34,12 +34,28 @@ fn of_terms(hearing: &mut Hearing<'_>) -> Result<(), NoFit> {
     }
     let change = law::change_of_terms(hearing.axis);
     let change = change.filter(|one| one.p_value < hearing.level);
+    let change = change.filter(|one| !is_of_swing(hearing.axis, one));
     hearing.remarks.extend(change.map(|change| {
         let band_hz = 0.0..0.5 * hearing.axis.rate_hz;
         let what = format!("as if {}", change.parameter);
         changing(&change, &band_hz, &what)
     }));
     Ok(())
+}
+
+/// Whether a change is the swing of noise that is known to swing: whether it does so at all frequencies alike was asked
+/// when it was named, octave by octave.
+fn is_of_swing(axis: &AxisState, change: &Change) -> bool {
+    /// Multiples of its frequency at which what a deep swing leaves still shows: a choice.
+    const HARMONICS: u32 = 4;
+    let duration_s = axis.ring_len() as f64 / axis.rate_hz;
+    let cycles = duration_s / change.time_s;
+    change.cyclic
+        && axis.periods_s().any(|period_s| {
+            let mut orders = (1..=HARMONICS).map(f64::from);
+            // Cycles are told in whole ones.
+            orders.any(|order| (cycles - order * duration_s / period_s).abs() <= 1.0)
+        })
 }
 
 /// A law of the name `kind` whose parameters change in time, which noise of another kind makes whose colour
@@ -56,7 +72,7 @@ pub fn of_law(
         return None;
     }
     let change = law::change_of_law(axis, which);
-    let change = change.filter(|one| one.p_value < level)?;
+    let change = change.filter(|one| one.p_value < level && !is_of_swing(axis, one))?;
     let name = kind.to_string();
     let article = if name.starts_with(['a', 'e', 'i', 'o', 'u']) {
         "an"

@@ -1,6 +1,7 @@
 //! Laws that change the shape of the spectrum: every effect of the catalogue that a search by shape can begin
 //! with ([`Effect::starts`](crate::model::effect::Effect::starts)), and telegraph noise among them.
 
+pub mod needed;
 mod switching;
 #[cfg(test)]
 mod tests;
@@ -80,10 +81,15 @@ pub fn strongest_law(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     Ok(named(look, found))
 }
 
+/// Level of the test of one kind.
+fn level(look: &Look<'_>) -> f64 {
+    let moving = look.character.strength_moves || look.axis.has_envelope();
+    look.level() * if moving { WHERE_STRENGTH_MOVES } else { 1.0 }
+}
+
 /// Laws that are significant, the one that is worth most first.
 fn significant(look: &Look<'_>) -> Result<Vec<Found>, NoFit> {
-    let moving = look.character.strength_moves || look.axis.has_envelope();
-    let level = look.level() * if moving { WHERE_STRENGTH_MOVES } else { 1.0 };
+    let level = level(look);
     let axis = look.axis;
     let starts = axis.starts().ok_or(NoFit)?;
     let kinds = CATALOGUE.par_iter().filter(|kind| look.is_open(**kind));
