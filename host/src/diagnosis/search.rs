@@ -46,6 +46,7 @@ pub fn search(
 pub fn take_events_out(axis: &mut AxisState, context: &Context<'_>) -> Result<(), NoFit> {
     let mut search = Search::new(axis, context);
     search.ask(&detect::stale::DETECTOR)?;
+    search.ask(&detect::telegraph::path::DETECTOR)?;
     while search.ask(&detect::shock::DETECTOR)? != Changed::Nothing {}
     // Noise that they had raised hides further ones.
     for _ in 0..ROUNDS {

@@ -45,6 +45,8 @@ pub struct Detector {
 /// to a limit may be one.
 pub static BEFORE_ROUNDS: &[&Detector] = &[
     &stale::DETECTOR,
+    // What a level goes through that switches all the time is no event.
+    &telegraph::path::DETECTOR,
     &shock::DETECTOR,
     &clipping::DETECTOR,
     &coarse_grid::DETECTOR,

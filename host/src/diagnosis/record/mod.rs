@@ -13,4 +13,5 @@ pub mod runs;
 pub mod samples;
 pub mod short_gaps;
 pub mod spill;
+pub mod switching;
 pub mod wave;

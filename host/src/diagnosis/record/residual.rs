@@ -29,7 +29,7 @@ pub struct Residual {
     /// The same, short gaps filled.
     whole: Arc<Vec<f64>>,
     taken: TakenOut,
-    /// Jumps as wide as a converter's filter spreads them.
+    /// Jumps as wide as a converter's filter spreads them, and where those of a switching are not known to the noise.
     spread: Vec<Range<usize>>,
 }
 
@@ -52,6 +52,11 @@ impl Residual {
             ..Self::new(Arc::clone(&self.measured), Arc::clone(&self.whole))
         };
         left.spread = spread.map_or_else(Vec::new, |samples| left.about_jumps(samples).collect());
+        let of_switching = left.taken.waves.iter().filter_map(|wave| match wave {
+            Wave::Switching(switching) => Some(switching.unsure()),
+            _ => None,
+        });
+        left.spread.extend(of_switching.flatten());
         left
     }
 

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use realfft::num_complex::Complex64;
 
 use crate::diagnosis::record::bridge::bridge;
+use crate::diagnosis::record::switching::Switching;
 use crate::fft::phasor::Phasor;
 use crate::model::drift::Drift;
 use crate::model::random::Generator;
@@ -55,6 +56,8 @@ pub struct Meanwhile {
 pub enum Wave {
     /// Jumps of the level that stay.
     Steps(Vec<Jump>),
+    /// A level that switches between two.
+    Switching(Arc<Switching>),
     /// Levels that come back.
     Meanwhile(Vec<Meanwhile>),
     /// Exponential settling from the start of the record.
@@ -165,6 +168,7 @@ impl Wave {
                 let down = |jump: &Jump| (jump.index as u64, -jump.height);
                 Staircase::new(jumps.iter().map(down)).add_to(values);
             }
+            Self::Switching(switching) => switching.take_out(values),
             Self::Meanwhile(levels) => {
                 for Meanwhile { samples, height } in levels {
                     let end = samples.end.min(values.len());

@@ -5,6 +5,7 @@ use crate::chain::Chain;
 use crate::diagnosis::result::finding::{AxisDiagnosis, Finding, Unnamed, UnnamedBand};
 use crate::diagnosis::result::verdict::Verdict;
 use crate::model::marks::Mark;
+use crate::model::rolloff;
 
 /// Moments and stretches that are listed, at most; the findings have all.
 const MOST_EVENTS: usize = 6;
@@ -75,7 +76,9 @@ fn filled(axis: &AxisDiagnosis) -> Option<String> {
 
 /// What a chain that was recognised asks for.
 fn recognised(axis: &AxisDiagnosis, chain: &Chain) -> String {
-    let poles = axis.findings.iter().flat_map(Finding::marks);
+    let is_pole = |one: &&Finding| one.effect == rolloff::KIND;
+    let poles = axis.findings.iter().filter(is_pole);
+    let poles = poles.flat_map(Finding::marks);
     let poles = poles.filter_map(|mark| match mark {
         Mark::Corner(f_hz) => Some(f_hz),
         _ => None,

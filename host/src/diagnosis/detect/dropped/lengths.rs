@@ -3,6 +3,7 @@
 use super::demodulate::Blocks;
 use super::line::{Line, Turned, fitted};
 use super::moment::{Best, Posterior, Quiet, zoom};
+use super::sample;
 use super::tables::{AS_GOOD, Tables};
 
 /// A length looked at closely.
@@ -21,12 +22,24 @@ impl Found {
         self.gain - lines.iter().map(|line| line.gain).sum::<f64>()
     }
 
-    fn new(blocks: &Blocks, quiet: &Quiet, lines: &[Line], tables: &Tables, best: Best) -> Self {
+    fn new(
+        blocks: &Blocks,
+        quiet: &Quiet<'_>,
+        lines: &[Line],
+        tables: &Tables,
+        best: Best,
+    ) -> Self {
         let mut moment = tables.moment(best.samples, blocks.len);
         let mut turned = fitted(lines, best.place as f64, best.samples);
         if moment.sd < blocks.len as f64 {
             moment = zoom(blocks, quiet, lines, &turned, best);
-            turned = fitted(lines, moment.middle / blocks.len as f64, best.samples);
+            let at =
+                |moment: Posterior| fitted(lines, moment.middle / blocks.len as f64, best.samples);
+            turned = at(moment);
+            if let Some(exact) = sample::moment(quiet.whole, blocks.len, lines, &turned, moment) {
+                moment = exact;
+                turned = at(moment);
+            }
         }
         Self {
             best,
@@ -45,7 +58,7 @@ impl Found {
 /// Gains of all moments and lengths, and the best of them looked at closely.
 pub(super) fn looked(
     blocks: &Blocks,
-    quiet: &Quiet,
+    quiet: &Quiet<'_>,
     lines: &[Line],
     longest: usize,
 ) -> (Tables, Vec<Found>) {

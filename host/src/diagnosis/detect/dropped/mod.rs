@@ -7,6 +7,7 @@ mod line;
 mod loss;
 mod moment;
 mod peaks;
+mod sample;
 mod search;
 mod tables;
 

@@ -60,7 +60,9 @@ pub(crate) fn posterior(gains: &(impl Iterator<Item = f64> + Clone)) -> Posterio
 
 /// A record for judging single moments: noise that is louder elsewhere than under the lines is
 /// brought down to that.
-pub(crate) struct Quiet {
+pub(crate) struct Quiet<'a> {
+    /// The record as it is, with all its lines.
+    pub(crate) whole: &'a [f64],
     /// The record, by the share that the least density under a line is of the density, where less
     /// than 1; zero where not usable.
     pub(crate) values: Series,
@@ -80,7 +82,7 @@ struct Course {
 /// The lines as they run on from their beginning, at these samples.
 fn courses(
     blocks: &Blocks,
-    quiet: &Quiet,
+    quiet: &Quiet<'_>,
     lines: &[Line],
     turned: &[Turned],
     samples: Range<usize>,
@@ -114,7 +116,7 @@ fn courses(
 /// with `a` and `b` the lines ahead and behind at sample `t`, and `C^-1` one number a line.
 pub(crate) fn zoom(
     blocks: &Blocks,
-    quiet: &Quiet,
+    quiet: &Quiet<'_>,
     lines: &[Line],
     turned: &[Turned],
     best: Best,

@@ -89,25 +89,26 @@ pub fn lost_samples(axis: &AxisState, found: &[Peak], level: f64) -> Option<Loss
         return None;
     }
     let usable = |index: usize| axis.usable(index);
-    let quiet = quiet(axis, &places);
+    let quiet = quiet(axis, &values, &places);
     search(&values, &quiet, &places, level, usable)
 }
 
 /// The record with loud noise brought down to what is under the lines.
-fn quiet(axis: &AxisState, places: &[Place]) -> Quiet {
+fn quiet<'a>(axis: &AxisState, whole: &'a [f64], places: &[Place]) -> Quiet<'a> {
     let least = places
         .iter()
         .map(|place| axis.density(place.cycles * axis.rate_hz))
         .fold(f64::INFINITY, f64::min);
     let seen = axis.whitened();
-    let (whole, density) = (&seen.transform, &seen.density);
-    let mut values = whole.filtered(|k| Complex64::new((least / density[k]).min(1.0), 0.0));
+    let (transform, density) = (&seen.transform, &seen.density);
+    let mut values = transform.filtered(|k| Complex64::new((least / density[k]).min(1.0), 0.0));
     for (index, value) in values.iter_mut().enumerate() {
         if !axis.usable(index) {
             *value = 0.0;
         }
     }
     Quiet {
+        whole,
         values,
         variance: least * axis.rate_hz,
     }
@@ -116,7 +117,7 @@ fn quiet(axis: &AxisState, places: &[Place]) -> Quiet {
 /// [`lost_samples`] in a plain series.
 fn search(
     values: &[f64],
-    quiet: &Quiet,
+    quiet: &Quiet<'_>,
     places: &[Place],
     level: f64,
     usable: impl Fn(usize) -> bool,

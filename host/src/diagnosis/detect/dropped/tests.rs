@@ -49,6 +49,7 @@ fn peak(f_hz: f64, off: f64, nats: f64) -> Peak {
 
 fn look(values: &[f64], rough: &[Peak], level: f64) -> Option<Loss> {
     let quiet = Quiet {
+        whole: values,
         values: Series::new(values),
         variance: 1.0,
     };

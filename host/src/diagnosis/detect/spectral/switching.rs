@@ -4,7 +4,7 @@
 use super::strongest_law;
 use crate::diagnosis::axis::{AxisState, NoFit};
 use crate::diagnosis::detect::look::{Lesson, Look, Proposal};
-use crate::diagnosis::detect::telegraph::log_odds;
+use crate::diagnosis::detect::telegraph::{is_read_off, log_odds};
 use crate::diagnosis::laws;
 use crate::diagnosis::laws::search;
 use crate::model::telegraph::KIND;
@@ -16,7 +16,7 @@ use crate::model::{markov, steps};
 /// # Errors
 /// [`NoFit`] where the record with the jumps put back cannot be fitted.
 pub fn in_place_of_jumps(look: &Look<'_>) -> Result<Option<Vec<Proposal>>, NoFit> {
-    if look.character.level_switches {
+    if look.character.level_switches || is_read_off(look.axis) {
         return Ok(None);
     }
     if look.axis.has(KIND) {

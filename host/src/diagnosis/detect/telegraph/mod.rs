@@ -1,9 +1,14 @@
 //! Telegraph noise: the level jumps to and fro between two levels.
 //!
-//! It is recognised in one of two ways. Few jumps are taken out one by one ([steps](super::steps)) and
+//! It is recognised in one of three ways. Few jumps are taken out one by one ([steps](super::steps)) and
 //! recognised by going to and fro by as much; many are seen by their spectrum, which is that of Markov
-//! noise, and distinguished from it by the law of amplitudes ([`two_levels`]).
+//! noise, and distinguished from it by the law of amplitudes ([`two_levels`]). Levels that are far apart are read off the
+//! record before anything else ([`path`]).
 
+mod differences;
+mod edge;
+pub mod path;
+mod pulses;
 pub mod short_dwells;
 mod two_levels;
 
@@ -12,7 +17,7 @@ use crate::diagnosis::detect::look::Look;
 use crate::diagnosis::explanation::Candidate;
 use crate::diagnosis::laws::search::Found;
 use crate::diagnosis::laws::{self, Law};
-use crate::diagnosis::record::wave::Jump;
+use crate::diagnosis::record::wave::{Jump, Wave};
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
 use crate::fit::likelihood::Fit;
@@ -34,6 +39,12 @@ pub fn levels(axis: &AxisState) -> Option<Telegraph> {
     };
     let values = laws::sized(&axis.bins, &axis.laws, number, &axis.fit);
     Some(Telegraph::with_spectrum_of(&Markov::of(&values)))
+}
+
+/// Whether the two levels of an axis were read off, every jump of them.
+pub fn is_read_off(axis: &AxisState) -> bool {
+    let is_whole = |wave: &Wave| matches!(wave, Wave::Switching(_));
+    axis.residual.waves().iter().any(is_whole)
 }
 
 /// Two levels by their jumps.
