@@ -29,7 +29,7 @@ pub struct Seen {
 pub struct Differences {
     /// One a sample; NaN where nothing was measured on either side.
     all: Vec<f64>,
-    /// Their spread, which jumps do not decide.
+    /// Their spread, which jumps do not decide; not less than that of rounding.
     pub spread: f64,
     /// Samples over which each reaches to either side.
     pub reach: usize,
@@ -69,8 +69,8 @@ impl Sums {
 }
 
 impl Differences {
-    /// Of means over `samples`.
-    pub fn new(sums: &Sums, samples: usize) -> Self {
+    /// Of means over `samples` of values that are rounded so that two of them differ by `rounding`, as a standard deviation.
+    pub fn new(sums: &Sums, samples: usize, rounding: f64) -> Self {
         // A jump that takes some samples reaches its height across a pause.
         let pause = samples / 2;
         let reach = samples + pause;
@@ -83,7 +83,7 @@ impl Differences {
         let all: Vec<f64> = (0..sums.len()).map(|n| at(n).unwrap_or(f64::NAN)).collect();
         let there: Vec<f64> = all.iter().copied().filter(|one| one.is_finite()).collect();
         Self {
-            spread: middle_spread(&there),
+            spread: middle_spread(&there).max(rounding),
             all,
             reach,
         }
@@ -103,15 +103,6 @@ impl Differences {
             (side(&run[0]) != 0).then_some(from..begin)
         });
         stand_out.map(|range| self.largest(range)).collect()
-    }
-
-    /// Mean square of all.
-    pub fn mean_square(&self) -> f64 {
-        let there = self.all.iter().filter(|one| one.is_finite());
-        let (sum, count) = there.fold((0.0, 0.0), |(sum, count), one| {
-            (sum + one * one, count + 1.0)
-        });
-        sum / f64::max(count, 1.0)
     }
 
     /// The largest difference among some, at the middle of those that are nearly as large.

@@ -29,8 +29,9 @@ const LEAST: usize = 16;
 /// Spreads of the differences that a jump has at least: five more than what stands out at all, so that none is missed.
 const PLAIN: f64 = 12.0;
 
-/// Steps of a grid that a jump has at least: a choice. A level that lies between two codes goes to and fro between them.
-const STEPS: f64 = 4.0;
+/// Share of a jump by which the level differs from the second half of one dwell to that of the next, at least: a choice.
+/// Behind a capacitor that forgets within a dwell it is less.
+const LASTS: f64 = 0.5;
 
 /// Share of a jump that one has at least which was overlooked between two to one side: a choice. A dwell shorter than the
 /// windows shows in part.
@@ -75,13 +76,14 @@ struct Path {
 /// The finest means that show two levels.
 fn read_off(values: &[f64]) -> Option<Path> {
     let sums = Sums::new(values);
-    let step = grid(values);
+    // A level that lies between two codes goes to and fro between them, whatever the noise: rounding errs by the root of a
+    // twelfth of a step on either side.
+    let rounding = grid(values).map_or(0.0, |step| step * (2.0 / 12.0_f64).sqrt());
     let mut samples = 1;
     while 4 * LEAST * samples <= values.len() {
-        let differences = Differences::new(&sums, samples);
+        let differences = Differences::new(&sums, samples, rounding);
         if differences.spread > 0.0
             && let Some(path) = Path::seen(values, &sums, &differences)
-            && step.is_none_or(|step| path.known.height > STEPS * step)
         {
             return Some(path);
         }
@@ -119,16 +121,26 @@ impl Path {
             dwell,
             plain,
         };
-        path.steadies(values).then_some(path)
+        path.lasts(sums, plain * differences.spread).then_some(path)
     }
 
-    /// Whether the level is steadier without it, from one half of a dwell to the next.
-    fn steadies(&self, values: &[f64]) -> bool {
-        let mut left = values.to_vec();
-        self.known.wave(&self.moments).take_out(&mut left);
-        let half = (0.5 * self.dwell).max(1.0) as usize;
-        let unsteady = |values: &[f64]| Differences::new(&Sums::new(values), half).mean_square();
-        unsteady(&left) < unsteady(values)
+    /// Whether the level is still the other one in the second half of a dwell, as it was at a jump of this `height`. Long
+    /// dwells count more: there it shows.
+    fn lasts(&self, sums: &Sums, height: f64) -> bool {
+        let late = |two: &[Moment]| {
+            let level = sums.mean(two[0].0.midpoint(two[1].0)..two[1].0)?;
+            Some((level, (two[1].0 - two[0].0) as f64))
+        };
+        let levels: Vec<Option<(f64, f64)>> = self.moments.windows(2).map(late).collect();
+        let rises = levels.windows(2).zip(&self.moments[1..]);
+        let rises = rises.filter_map(|(two, jump)| {
+            let ([before, after], sign) = ([two[0]?, two[1]?], if jump.1 { 1.0 } else { -1.0 });
+            Some((sign * (after.0 - before.0), before.1.min(after.1)))
+        });
+        let (sum, weight) = rises.fold((0.0, 0.0), |(sum, weight), (rise, samples)| {
+            (sum + rise * samples, weight + samples)
+        });
+        sum > LASTS * height * weight
     }
 
     fn candidate(self, rate_hz: f64) -> Proposal {

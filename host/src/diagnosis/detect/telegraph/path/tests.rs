@@ -81,7 +81,8 @@ fn what_is_taken_out_leaves_the_noise() {
 #[test]
 fn a_filter_ahead_gives_every_jump_its_course() {
     for seed in 30..33 {
-        let sharp = to_and_fro(seed, exponential(seed, 120.0));
+        // Dwells short of the filter's memory are another matter.
+        let sharp = to_and_fro(seed, exponential(seed, 120.0).map(|time| time + 8));
         let own = noise(seed);
         // A level that follows by a half of what it lacks, beside the same noise.
         let mut level = sharp[0] - own[0];
@@ -159,6 +160,7 @@ fn more_than_two_levels_are_not_two() {
 
 #[test]
 fn a_level_between_two_codes_does_not_switch() {
+    // The noise is within a step of each: less than one code, and one in eight of the height.
     for (step, is_switching) in [(HEIGHT, false), (HEIGHT / 8.0, true)] {
         let mut values = to_and_fro(53, exponential(53, 60.0));
         let round = |value: &mut f64| *value = ((*value + 0.5 * HEIGHT) / step).round() * step;
