@@ -130,6 +130,17 @@ mod tests {
     /// Samples a record: the bins of the wall then have hundreds of degrees of freedom.
     const SAMPLES: u64 = 1 << 16;
 
+    /// Noise of a chain at a rate.
+    fn record(chain: &str, rate_hz: f64, seed: u64) -> Vec<f64> {
+        let text = format!(
+            r#"{{ "schema": 1, "rate_hz": {rate_hz}, "axes": [ {{ "name": "X", "chain": "{chain}",
+                "coefficients": {{ "K": 1e-3, "B": 5e-3, "N": 0.01 }} }} ] }}"#
+        );
+        let model = Model::from_json(&text).expect("a model");
+        let mut simulation = Simulation::new(&model, SAMPLES, seed).expect("a model");
+        simulation.next_columns(SAMPLES as usize).remove(0)
+    }
+
     /// What is recognised in noise of this chain at a rate, undeclared.
     fn seen(chain: &str, rate_hz: f64, seed: u64) -> Option<String> {
         seen_without(chain, rate_hz, seed, 0)
@@ -137,13 +148,7 @@ mod tests {
 
     /// The same without so many in a hundred of the samples.
     fn seen_without(chain: &str, rate_hz: f64, seed: u64, percent: u64) -> Option<String> {
-        let text = format!(
-            r#"{{ "schema": 1, "rate_hz": {rate_hz}, "axes": [ {{ "name": "X", "chain": "{chain}",
-                "coefficients": {{ "K": 1e-3, "B": 5e-3, "N": 0.01 }} }} ] }}"#
-        );
-        let model = Model::from_json(&text).expect("a model");
-        let mut simulation = Simulation::new(&model, SAMPLES, seed).expect("a model");
-        let mut values = simulation.next_columns(SAMPLES as usize).remove(0);
+        let mut values = record(chain, rate_hz, seed);
         // A sequence that is as good as random, and has each number once in a hundred.
         let numbers = (0..SAMPLES).map(|n| n * n * n % 101);
         let lost = values.iter_mut().zip(numbers).filter(|(_, n)| *n < percent);
@@ -238,6 +243,33 @@ mod tests {
                 Some("ads1281:linear"),
                 "seed {seed}, {poles}"
             );
+        }
+    }
+
+    #[test]
+    fn where_its_wall_is_excluded_the_likelihood_says_whether_there_is_one() {
+        use crate::diagnosis::trial::{RATE_HZ, excluded, numbers, ringing};
+        let is_seen = |values: Vec<f64>| {
+            let axis = AxisState::new(Arc::new(values), RATE_HZ, None);
+            let mut axis = axis.expect("a spectrum");
+            axis.exclude(excluded(WALL * RATE_HZ, 0.5 * RATE_HZ));
+            axis.refresh().expect("a fit");
+            super::chain(&axis, |_| None).is_some()
+        };
+        for seed in 51..54 {
+            // Louder at 0.44 of the rate, and shut out about half of it alone: a zero there beside a pole.
+            let mut white = numbers(seed, 0);
+            let mut rings = ringing(seed, 0.44 * RATE_HZ, 0.03 * RATE_HZ);
+            let (mut before, mut passed) = (0.0, 0.0);
+            let next = |_| {
+                let value = white.draw() + 0.7 * rings();
+                passed = value + before - 0.6 * passed;
+                before = value;
+                passed
+            };
+            assert!(!is_seen((0..SAMPLES).map(next).collect()), "seed {seed}");
+            let converter = record("ads1281:linear", RATE_HZ, seed);
+            assert!(is_seen(converter), "seed {seed}: the converter");
         }
     }
 }

@@ -114,18 +114,22 @@ impl<'a> Search<'a> {
     fn round(&mut self, detectors: &[&Detector]) -> Result<bool, NoFit> {
         self.axis.prepare(self.context.level);
         for detector in detectors {
-            let mut changed = self.ask(detector)?;
-            if changed != Changed::Nothing {
-                for _ in 0..ROUNDS {
-                    if changed != Changed::Laws {
-                        break;
-                    }
-                    changed = self.ask(detector)?;
-                }
+            if self.ask_while_laws(detector)? {
                 return Ok(true);
             }
         }
         Ok(false)
+    }
+
+    /// Lets a detector look until it finds no further law; whether it changed the model.
+    fn ask_while_laws(&mut self, detector: &Detector) -> Result<bool, NoFit> {
+        for laws in 0..=ROUNDS {
+            let changed = self.ask(detector)?;
+            if changed != Changed::Laws {
+                return Ok(laws > 0 || changed != Changed::Nothing);
+            }
+        }
+        Ok(true)
     }
 
     /// Lets a detector look and does what it proposes; what that changed of the model.

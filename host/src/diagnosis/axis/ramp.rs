@@ -109,4 +109,28 @@ mod tests {
         assert_eq!(from_s.len(), BLOCKS - 1);
         assert!(!from_s.contains(&51.2) && from_s.contains(&102.4));
     }
+
+    #[test]
+    fn beside_slow_noise_with_a_name_a_slope_is_as_sure_as_it_is_said_to_be() {
+        use crate::diagnosis::trial;
+        use crate::model::markov::KIND;
+        const SEEDS: u64 = 24;
+        let over_deviation = |seed: u64| {
+            let mut slow = trial::markov(seed, 100.0);
+            let make = |_, noise| noise + 3.0 * slow();
+            let mut axis = trial::axis(seed, trial::short(seed), make);
+            let law = trial::law(KIND, &[3.0, 100.0 / trial::RATE_HZ]);
+            trial::take_in(&mut axis, KIND, law);
+            let ramp = ramp(&axis).expect("no gaps");
+            ramp.per_s / ramp.deviation
+        };
+        let square: f64 = (300..300 + SEEDS)
+            .map(|seed| over_deviation(seed).powi(2))
+            .sum();
+        let square = square / SEEDS as f64;
+        // A mean of as many squares scatters by sqrt(2 / n) of itself: five of it up, and down by a factor.
+        let off = 5.0 * (2.0 / SEEDS as f64).sqrt();
+        let is_one = (1.0 / (1.0 + off)..1.0 + off).contains(&square);
+        assert!(is_one, "seeds 300 on: {square}");
+    }
 }

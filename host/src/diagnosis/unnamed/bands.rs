@@ -5,6 +5,9 @@
 //! together; until the best of the dictionary is worth less than it costs (a matching pursuit, S. Mallat and
 //! Z. Zhang, IEEE Trans. Signal Process. 41, 1993, by likelihood).
 
+#[cfg(test)]
+mod tests;
+
 use rayon::prelude::*;
 
 use super::dictionary::{Band, Dictionary};

@@ -8,6 +8,8 @@
 mod bands;
 mod dictionary;
 pub mod long_times;
+#[cfg(test)]
+mod tests;
 
 use rayon::prelude::*;
 
@@ -188,76 +190,4 @@ fn freedom(noise: &[f64], own: &[f64], tones: &[Tone]) -> Vec<f64> {
         }
     }
     inverse.iter().map(|one| one.recip()).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::diagnosis::laws;
-    use crate::diagnosis::trial::{
-        LEVEL, RATE_HZ, axis, kinds, law, long, markov, ringing, take_in,
-    };
-    use crate::model::kind::Kind;
-    use crate::model::{markov as markov_noise, resonance};
-
-    /// What is left of the names when noise that rings at two frequencies has none.
-    fn left(seed: u64, kind: Kind, values: &[f64], also: &mut dyn FnMut() -> f64) -> Vec<Kind> {
-        let mut one = ringing(seed, 0.11 * RATE_HZ, 0.03 * RATE_HZ);
-        let mut other = ringing(seed + 1, 0.2 * RATE_HZ, 0.05 * RATE_HZ);
-        let make = |_, noise| noise + 2.0 * one() + 3.0 * other() + also();
-        let mut axis = axis(seed, long(seed), make);
-        take_in(&mut axis, kind, law(kind, values));
-        // As it was named, not as it would be beside nothing else.
-        axis.laws[0].values = values.to_vec();
-        axis.fit = laws::fit(&axis.bins, &axis.data, &axis.laws).expect("a fit");
-        let completed = complete(&mut axis, LEVEL);
-        assert!(
-            completed.p_value.is_some(),
-            "seed {seed}: bands are missing"
-        );
-        kinds(&axis)
-    }
-
-    #[test]
-    fn a_name_without_which_bands_explain_as_much_is_taken_back() {
-        const SEEDS: u64 = 8;
-        let values = [0.3 * RATE_HZ, 6.0, 2.0];
-        let stays = |seed: &u64| !left(*seed, resonance::KIND, &values, &mut || 0.0).is_empty();
-        let stay: Vec<u64> = (1..=SEEDS).filter(stays).collect();
-        // Where the search of the bands ends differs by more than a name costs, now and then.
-        assert!(stay.len() <= 2, "of seeds 1 to {SEEDS}: {stay:?}");
-    }
-
-    #[test]
-    fn a_name_that_bands_would_cost_more_than_stays_beside_them() {
-        for seed in 1..5 {
-            // Its shelf falls more slowly than any band's.
-            let mut noise = markov(seed, 30.0);
-            let time_s = 30.0 / RATE_HZ;
-            let values = [3.0, time_s];
-            let left = left(seed, markov_noise::KIND, &values, &mut || 3.0 * noise());
-            assert_eq!(left, [markov_noise::KIND], "seed {seed}");
-        }
-    }
-
-    #[test]
-    fn a_tone_that_wanders_a_few_times_is_no_better_known_than_these() {
-        let noise = [1.0; 4];
-        let own = [40.0; 4];
-        let tone = |shaped_by| Tone {
-            expected: vec![0.0, 9.0, 27.0, 0.0],
-            shaped_by,
-        };
-        assert_eq!(freedom(&noise, &own, &[tone(f64::INFINITY)]), own);
-        let few = freedom(&noise, &own, &[tone(8.0)]);
-        // A quarter and three quarters of eight values.
-        let expected =
-            |share: f64, values: f64| (1.0 / 40.0 + 0.5 * share * share / values).recip();
-        for (bin, expected) in [40.0, expected(0.9, 2.0), expected(27.0 / 28.0, 6.0), 40.0]
-            .into_iter()
-            .enumerate()
-        {
-            assert!((few[bin] / expected - 1.0).abs() < 1e-12, "{few:?}");
-        }
-    }
 }

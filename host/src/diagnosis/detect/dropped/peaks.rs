@@ -54,11 +54,9 @@ pub(crate) fn merged(peaks: &[Peak], rate_hz: f64, len: usize) -> Vec<Place> {
         .iter()
         .map(|group| {
             let (mut low, mut high) = (group[0].frequency_hz, group[0].frequency_hz);
-            // The main peaks of a split line are alike within a factor of a few.
-            for peak in group.iter().filter(|peak| {
-                let away = (peak.frequency_hz - group[0].frequency_hz).abs() * duration_s;
-                away < SPLIT && 4.0 * peak.amplitude > group[0].amplitude
-            }) {
+            // The main peaks of a split line are alike within a factor of a few, and no lobe further off is.
+            let is_main = |peak: &&Peak| 4.0 * peak.amplitude > group[0].amplitude;
+            for peak in group.iter().filter(is_main) {
                 low = low.min(peak.frequency_hz);
                 high = high.max(peak.frequency_hz);
             }

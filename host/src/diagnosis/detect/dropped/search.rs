@@ -12,8 +12,6 @@
 //! probability of as much (A. A. Markov's inequality). It counts the trials by itself; amplitudes
 //! and offsets are fitted on both sides of the ratio.
 
-use std::borrow::Cow;
-
 use rustfft::num_complex::Complex64;
 
 use super::demodulate::Blocks;
@@ -22,9 +20,8 @@ use super::lengths::{looked, smallest_of_the_best};
 use super::line::{LINE_REACH, Line, cleaned};
 use super::loss::Loss;
 use super::moment::Quiet;
-use super::peaks::{self, Place, SPLIT};
+use super::peaks::{self, Place};
 use crate::diagnosis::axis::AxisState;
-use crate::diagnosis::record::wave::Wave;
 use crate::spectrum::Line as Peak;
 
 /// Blocks that a record is cut into, at most and at least. The tables hold every block times every
@@ -53,44 +50,17 @@ const CLEANINGS: usize = 2;
 
 /// Looks for samples lost in an axis at a family-wise `level`, by the lines `found` and what else
 /// there is at multiples of a mains frequency among them; the side lobes into which a jump splits
-/// a line count as one with it. Lines that were taken out of the record already are put back for
-/// the look, and are among the result's. `None` without two lines.
+/// a line count as one with it. `None` without two lines.
 pub fn lost_samples(axis: &AxisState, found: &[Peak], level: f64) -> Option<Loss> {
-    let mut values = Cow::from(axis.filled.as_slice());
-    let near = SPLIT * axis.rate_hz / values.len() as f64;
-    for wave in axis.residual.waves() {
-        let Wave::Line {
-            cycles,
-            cosine,
-            sine,
-            lost,
-        } = *wave
-        else {
-            continue;
-        };
-        let f_hz = cycles * axis.rate_hz;
-        if found
-            .iter()
-            .any(|line| (line.frequency_hz - f_hz).abs() < near)
-        {
-            let (cosine, sine) = (-cosine, -sine);
-            let back = Wave::Line {
-                cycles,
-                cosine,
-                sine,
-                lost,
-            };
-            back.take_out(values.to_mut());
-        }
-    }
+    let values = &axis.filled;
     let peaks = peaks::merged(found, axis.rate_hz, values.len());
     let places = peaks::with_harmonics(peaks, axis.rate_hz, values.len());
     if places.len() < 2 {
         return None;
     }
     let usable = |index: usize| axis.usable(index);
-    let quiet = quiet(axis, &values, &places);
-    search(&values, &quiet, &places, level, usable)
+    let quiet = quiet(axis, values, &places);
+    search(values, &quiet, &places, level, usable)
 }
 
 /// The record with loud noise brought down to what is under the lines.

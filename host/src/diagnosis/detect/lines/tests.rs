@@ -8,7 +8,8 @@ use super::*;
 use crate::diagnosis::detect::trial::{self, Trial, noise};
 use crate::diagnosis::laws::Law;
 use crate::model::kind::Kind;
-use crate::model::wandering_line;
+use crate::model::resonance::Resonance;
+use crate::model::{Seed, Term, wandering_line};
 
 /// A line as it is measured.
 fn measured(f_hz: f64) -> Measured {
@@ -147,6 +148,29 @@ fn the_top_of_a_resonance_is_no_line() {
     let far_hz = about.end + 1.0;
     let within_hz = 0.5 * (about.start + about.end);
     assert_eq!(single_hz(&trial, &[within_hz, far_hz]), [far_hz], "seed 1");
+}
+
+#[test]
+fn a_line_that_wanders_within_a_resonance_is_left_to_it() {
+    // Four widths from the top a resonance has little of its power, far from there it has none.
+    for (f_hz, amplitude, count) in [(20.8, 0.3, 0), (3.7, 0.15, 1)] {
+        let mut values = noise(9);
+        let rings = Resonance {
+            f_hz: 20.0,
+            width_hz: 0.2,
+            amplitude: 1.0,
+        };
+        let random = Seed { seed: 9, stream: 7 };
+        rings.generator(trial::RATE_HZ, random).add_to(&mut values);
+        let half = values.len() / 2;
+        for (n, value) in values.iter_mut().enumerate() {
+            let size = if n < half { amplitude } else { -amplitude };
+            *value += size * (TAU * f_hz / trial::RATE_HZ * n as f64).cos();
+        }
+        let mut trial = Trial::new(values);
+        know_resonance(&mut trial, 20.0);
+        assert_eq!(trial.ask(&WANDERING).len(), count, "seed 9: {f_hz}");
+    }
 }
 
 #[test]

@@ -75,11 +75,9 @@ fn begun(about: &About, rest: &About, later: &Fitted, range: &Range<usize>) -> O
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::detect::shock::about::Beside;
     use crate::diagnosis::detect::shock::fit;
+    use crate::diagnosis::detect::shock::trial::{self, bump, ringing};
     use crate::diagnosis::detect::trial::noise;
-
-    const EVENT: Range<usize> = 9000..9200;
 
     /// What is about an event that came through a filter that answers up to `reach` samples from the middle on.
     fn filtered(seed: u64, shock: &Shock, reach: usize) -> About {
@@ -92,13 +90,7 @@ mod tests {
                 (1..reach).map(|aside| weight(aside) * (course[n - aside] + course[n + aside]));
             values[n] += weight(0) * course[n] + near.sum::<f64>();
         }
-        let quiet = [0..EVENT.start, 9600..values.len()];
-        let beside = Beside {
-            values: &values,
-            quiet: &quiet,
-            faint: 0.0,
-        };
-        About::new(&beside, &EVENT, &(8900..9300), 1).expect("noise beside it")
+        trial::about(&values)
     }
 
     fn later(seed: u64, about: &About) -> (Fitted, Fitted) {
@@ -111,13 +103,7 @@ mod tests {
     #[test]
     fn ringing_behind_a_filter_is_told_by_what_follows_its_beginning() {
         for seed in 0..3 {
-            let shock = Shock {
-                time_s: 9020.3,
-                peak: 1e3,
-                duration_s: f64::INFINITY,
-                f_hz: 0.03,
-                decay_s: 40.0,
-            };
+            let shock = ringing(9020.3, 1e3, 0.03, 40.0);
             let (first, later) = later(seed, &filtered(seed, &shock, 5));
             let off = |one: &Fitted| (one.shock.decay_s / shock.decay_s - 1.0).abs();
             assert!(
@@ -136,13 +122,7 @@ mod tests {
     #[test]
     fn a_bump_behind_a_filter_is_told_by_what_is_between_its_ends() {
         for seed in 3..6 {
-            let shock = Shock {
-                time_s: 9020.3,
-                peak: 1e4,
-                duration_s: 90.0,
-                f_hz: 0.0,
-                decay_s: 0.0,
-            };
+            let shock = bump(9020.3, 1e4, 90.0);
             let (first, later) = later(seed, &filtered(seed, &shock, 13));
             let off = |one: &Fitted| (one.shock.duration_s / shock.duration_s - 1.0).abs();
             assert!(
@@ -157,21 +137,8 @@ mod tests {
     fn ringing_without_a_filter_is_all_there_is() {
         for seed in 6..9 {
             let mut values = noise(seed);
-            let shock = Shock {
-                time_s: 9020.3,
-                peak: 100.0,
-                duration_s: f64::INFINITY,
-                f_hz: 0.053,
-                decay_s: 40.0,
-            };
-            shock.add_to(0, &mut values, 1.0);
-            let quiet = [0..EVENT.start, 9600..values.len()];
-            let beside = Beside {
-                values: &values,
-                quiet: &quiet,
-                faint: 0.0,
-            };
-            let about = About::new(&beside, &EVENT, &(8900..9300), 1).expect("noise beside it");
+            ringing(9020.3, 100.0, 0.053, 40.0).add_to(0, &mut values, 1.0);
+            let about = trial::about(&values);
             let fitted = fit::fit(&about).unwrap_or_else(|| panic!("seed {seed}: no fit"));
             assert!(beside_ends(&about, &fitted).is_none(), "seed {seed}");
         }

@@ -52,3 +52,29 @@ pub fn even(about: &About, samples: &Range<usize>) -> Option<f64> {
     let even = p_value::chi_squared(scatter * 0.5 * length as f64 * own, logs.len() as f64 - 1.0);
     (mean > 1.0 && even > EVEN).then_some(gain)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::detect::shock::trial::{EVENT, about};
+    use crate::diagnosis::detect::trial::noise;
+
+    /// The gain of a stretch in which the noise is so many times as strong, by the share of it that is over.
+    fn gain(seed: u64, factor: impl Fn(f64) -> f64) -> Option<f64> {
+        let mut values = noise(seed);
+        let length = EVENT.len() as f64;
+        let inside = values[EVENT].iter_mut().enumerate();
+        inside.for_each(|(n, value)| *value *= factor(n as f64 / length));
+        even(&about(&values), &EVENT)
+    }
+
+    #[test]
+    fn a_burst_is_louder_and_does_not_die_away() {
+        for seed in 0..4 {
+            assert!(gain(seed, |_| 3.0).is_some(), "seed {seed}: louder");
+            assert!(gain(seed, |_| 0.3).is_none(), "seed {seed}: quieter");
+            let dies_away = |over: f64| 6.0 * (-4.0 * over).exp();
+            assert!(gain(seed, dies_away).is_none(), "seed {seed}: dies away");
+        }
+    }
+}

@@ -21,6 +21,8 @@ mod singles;
 mod strength;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod trial;
 mod usual;
 mod windows;
 

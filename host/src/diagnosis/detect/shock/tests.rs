@@ -1,11 +1,13 @@
 //! A shock is found for what it is, once, and nothing else is.
 
 mod measured;
+mod refused;
 mod rules;
 
 use std::f64::consts::PI;
 
 use super::DETECTOR;
+use super::trial::bump;
 use crate::diagnosis::detect::trial::{self, RATE_HZ, Trial, noise};
 use crate::diagnosis::explanation::Change;
 use crate::diagnosis::record::wave::Wave;
@@ -19,13 +21,7 @@ fn add(values: &mut [f64], shocks: &[Shock]) {
 }
 
 fn ringing(time_s: f64, peak: f64) -> Shock {
-    Shock {
-        time_s,
-        peak,
-        duration_s: f64::INFINITY,
-        f_hz: 7.3,
-        decay_s: 0.4,
-    }
+    super::trial::ringing(time_s, peak, 7.3, 0.4)
 }
 
 /// Rows of the shocks that are told of a record.
@@ -96,13 +92,7 @@ fn a_shock_is_seen_at_both_ends_and_beside_a_gap() {
 fn bumps_do_not_ring() {
     for (seed, length_s) in (20..).zip([0.3, 1.0]) {
         let mut values = noise(seed);
-        let bump = Shock {
-            duration_s: length_s,
-            f_hz: 0.0,
-            decay_s: 0.0,
-            ..ringing(100.0, 40.0)
-        };
-        add(&mut values, &[bump]);
+        add(&mut values, &[bump(100.0, 40.0, length_s)]);
         let found = told(values);
         assert_eq!(found.len(), 1, "seed {seed}: {found:?}");
         assert_eq!(found[0].f_hz, 0.0, "seed {seed}: {found:?}");
@@ -156,13 +146,7 @@ fn a_short_shock_among_many_single_samples_is_some_that_came_together() {
             let mut values = noise(seed);
             let len = values.len();
             spread(len, singles).for_each(|place| values[place] += 20.0);
-            let bump = Shock {
-                duration_s: 6.0 / RATE_HZ,
-                f_hz: 0.0,
-                decay_s: 0.0,
-                ..ringing(91.037, size)
-            };
-            add(&mut values, &[bump]);
+            add(&mut values, &[bump(91.037, size, 6.0 / RATE_HZ)]);
             told(values)
         };
         assert_eq!(with(0, 15.0).len(), 1, "seed {seed}: alone");
@@ -202,16 +186,6 @@ fn single_samples_beside_missing_ones_are_no_shocks() {
     }
 }
 
-/// A bump of 0.3 s.
-fn bump(time_s: f64, peak: f64) -> Shock {
-    Shock {
-        duration_s: 0.3,
-        f_hz: 0.0,
-        decay_s: 0.0,
-        ..ringing(time_s, peak)
-    }
-}
-
 #[test]
 fn shocks_are_told_once_and_not_where_they_were_refused() {
     let mut values = noise(60);
@@ -237,7 +211,7 @@ fn a_bump_among_many_more_jumps_is_two_of_them() {
         let places = spread(values.len(), jumps).enumerate();
         let jumps: Vec<_> = places.map(|(n, at)| trial::jump(at, height(n))).collect();
         trial::add(&mut values, &Wave::Steps(jumps));
-        add(&mut values, &[bump(111.0, peak)]);
+        add(&mut values, &[bump(111.0, peak, 0.3)]);
         told(values).len()
     };
     assert_eq!(with(2, 15.0), 1, "seed 61: beside two");

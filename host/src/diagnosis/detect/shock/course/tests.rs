@@ -3,31 +3,16 @@
 use std::f64::consts::TAU;
 
 use super::*;
-use crate::diagnosis::detect::shock::about::Beside;
 use crate::diagnosis::detect::shock::fit;
+use crate::diagnosis::detect::shock::trial::{self, EVENT, ringing};
 use crate::diagnosis::detect::trial::noise;
-
-const EVENT: Range<usize> = 9000..9200;
 
 /// Ringing of 0.1 cycles a sample in noise that is `loud` within it, fitted.
 fn fitted(seed: u64, loud: f64) -> (About, Fitted) {
     let mut values = noise(seed);
     values[EVENT].iter_mut().for_each(|one| *one *= loud);
-    let shock = Shock {
-        time_s: EVENT.start as f64,
-        peak: 300.0,
-        duration_s: f64::INFINITY,
-        f_hz: 0.1,
-        decay_s: 30.0,
-    };
-    shock.add_to(0, &mut values, 1.0);
-    let quiet = [0..EVENT.start, 9600..values.len()];
-    let beside = Beside {
-        values: &values,
-        quiet: &quiet,
-        faint: 0.0,
-    };
-    let about = About::new(&beside, &EVENT, &(8900..9300), 1).expect("noise beside it");
+    ringing(EVENT.start as f64, 300.0, 0.1, 30.0).add_to(0, &mut values, 1.0);
+    let about = trial::about(&values);
     let fitted = fit::fit(&about).unwrap_or_else(|| panic!("seed {seed}: no fit"));
     (about, fitted)
 }

@@ -1,6 +1,9 @@
 //! What stands out, and where.
 
 use super::*;
+use crate::diagnosis::detect::trial::noise;
+use crate::diagnosis::statistic::tails::Rare;
+use crate::diagnosis::trial::markov;
 
 fn stretch(samples: Range<usize>, z: f64) -> Stretch {
     Stretch {
@@ -25,7 +28,7 @@ fn stretches_are_joined_with_the_plainest_of_them() {
 
 /// Noise with every seventh sample missing, or one stretch of a hundred.
 fn with_gaps(everywhere: bool) -> Vec<f64> {
-    let mut values = crate::diagnosis::detect::trial::noise(1);
+    let mut values = noise(1);
     if everywhere {
         values.iter_mut().step_by(7).for_each(|one| *one = f64::NAN);
     } else {
@@ -51,7 +54,7 @@ fn gaps_are_looked_across_where_they_are_everywhere() {
 
 #[test]
 fn a_knock_does_not_fill_the_windows_of_a_minute() {
-    let mut values = crate::diagnosis::detect::trial::noise(2);
+    let mut values = noise(2);
     values[9000..9008].iter_mut().for_each(|one| *one += 1e6);
     let filled = values.clone();
     let mut scan = Scan::new(&values, &filled).expect("long enough");
@@ -70,4 +73,25 @@ fn what_stands_out_lasts_until_nothing_is_left() {
         stretch(40..48, 5.9),
     ];
     assert_eq!(lasting(windows, 6.0), [stretch(0..24, 9.0)]);
+}
+
+#[test]
+fn how_rare_a_height_is_shorter_windows_say_where_there_are_too_few() {
+    for seed in 3..6 {
+        let mut strength = markov(seed, 1000.0);
+        let mut values = noise(seed);
+        values
+            .iter_mut()
+            .for_each(|value| *value *= (0.3 * strength()).exp());
+        let mut scan = Scan::new(&values, &values).expect("long enough");
+        scan.stretches(1e-4, 100.0);
+        let rare: Vec<Option<Rare>> = scan.usual.iter().map(Usual::rare).collect();
+        let lengths: Vec<usize> = scan.usual.iter().map(|one| one.windows.len()).collect();
+        assert_eq!(lengths, [16, 64, 256], "seed {seed}");
+        // Of 40 000 samples at most a hundred places of the longest windows are apart: the highest 160 are looked at.
+        assert!(
+            rare[1].is_some() && rare[2] == rare[1],
+            "seed {seed}: {rare:?}"
+        );
+    }
 }

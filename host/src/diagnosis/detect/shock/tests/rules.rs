@@ -9,7 +9,7 @@ fn count(seed: u64, peaks: &[f64]) -> usize {
     let places = spread(values.len(), peaks.len());
     let bumps: Vec<Shock> = places
         .zip(peaks)
-        .map(|(place, peak)| bump(place as f64 / RATE_HZ, *peak))
+        .map(|(place, peak)| bump(place as f64 / RATE_HZ, *peak, 0.3))
         .collect();
     add(&mut values, &bumps);
     told(values).len()
@@ -55,5 +55,53 @@ fn what_lasting_strength_foretells_is_no_shock() {
         };
         let found = told((0..70_001).map(next).collect());
         assert!(found.is_empty(), "seed {seed}: {found:?}");
+    }
+}
+
+#[test]
+fn where_something_happens_most_of_the_time_what_stands_out_of_that_is_told() {
+    for seed in 80..82 {
+        let mut values = noise(seed);
+        let length_s = values.len() as f64 / RATE_HZ;
+        let long = [0.2, 0.5, 0.8].map(|part| Shock {
+            decay_s: 0.02 * length_s,
+            ..ringing(part * length_s, 3.0)
+        });
+        add(&mut values, &long);
+        assert_eq!(told(values.clone()), [], "seed {seed}");
+        let knock = Shock {
+            decay_s: 0.05,
+            ..ringing(0.33 * length_s, 1e4)
+        };
+        add(&mut values, &[knock]);
+        let found = told(values);
+        let is_it = |one: &Shock| (one.time_s - knock.time_s).abs() < 0.02;
+        assert!(
+            found.len() == 1 && is_it(&found[0]),
+            "seed {seed}: {found:?}"
+        );
+    }
+}
+
+#[test]
+fn more_than_forty_shocks_are_none() {
+    // Some short, some long, so that neither are many enough to say how rare such heights are.
+    let count = |seed: u64, of_each: usize| {
+        let mut normal = Gaussian::new(Seed { seed, stream: 4 }, 1.0);
+        let mut values: Vec<f64> = (0..200_001).map(|_| normal.draw()).collect();
+        let places = spread(values.len(), 2 * of_each);
+        let knocks: Vec<Shock> = places
+            .zip([0.05, 1.0].into_iter().cycle())
+            .map(|(place, decay_s)| Shock {
+                decay_s,
+                ..ringing(place as f64 / RATE_HZ, 30.0)
+            })
+            .collect();
+        add(&mut values, &knocks);
+        told(values).len()
+    };
+    for seed in 84..86 {
+        assert_eq!(count(seed, 19), 38, "seed {seed}");
+        assert_eq!(count(seed, 22), 0, "seed {seed}");
     }
 }

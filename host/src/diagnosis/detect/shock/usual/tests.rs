@@ -2,9 +2,11 @@
 
 use std::f64::consts::TAU;
 
+use statrs::distribution::{ContinuousCDF, Normal};
+
 use super::*;
 use crate::diagnosis::detect::trial::noise;
-use crate::diagnosis::trial::numbers;
+use crate::diagnosis::trial::{markov, numbers};
 
 /// Windows of 64 samples of some values.
 fn of(values: &[f64], least: f64) -> Usual {
@@ -103,4 +105,35 @@ fn where_windows_are_too_few_heights_are_as_rare_as_elsewhere() {
     };
     let (plain, rare) = (z(None), z(Some(elsewhere)));
     assert!(plain > 6.0 && rare < 0.9 * plain, "seed 9: {plain}, {rare}");
+}
+
+/// Noise whose strength wanders within some samples, its logarithm by `deviation`.
+fn wandering(seed: u64, samples: f64, deviation: f64) -> Vec<f64> {
+    let mut strength = markov(seed, samples);
+    let mut values = noise(seed);
+    values
+        .iter_mut()
+        .for_each(|value| *value *= (deviation * strength()).exp());
+    values
+}
+
+#[test]
+fn where_strength_wanders_hardly_more_stands_out_than_by_a_normal_law() {
+    const Z: f64 = 3.0;
+    for seed in 10..13 {
+        let values = wandering(seed, 30.0, 0.4);
+        let usual = of(&values, 0.0);
+        let starts: Vec<usize> = usual.windows.starts(&(0..values.len())).collect();
+        let mut memory = (usual.windows.scratch(), Vec::new());
+        let mut height = |start: usize| usual.height(&values, start, 0.0, &mut memory).z;
+        let count = starts.iter().filter(|start| height(**start) > Z).count();
+        // Each ordinate is judged, and the sum of each group.
+        let trials = usual.windows.bins() + usual.groups.len();
+        let by_chance = trials as f64 * Normal::standard().sf(Z) * starts.len() as f64;
+        // Some sixty of a thousand windows, known to a seventh; with the tails of normal noise five times as many would.
+        assert!(
+            (count as f64) < 3.0 * by_chance,
+            "seed {seed}: {count} of {by_chance}"
+        );
+    }
 }

@@ -115,3 +115,19 @@ fn where_nothing_was_measured_a_course_does_not_move() {
         .for_each(|place| *place += 50.0);
     assert_eq!(wander_hz(&track), before, "seed 5");
 }
+
+#[test]
+fn what_fills_a_quarter_of_the_spectrum_is_no_line() {
+    let is_named = |rms_hz: f64, time_s: f64, reach_hz: f64| {
+        let wide = WanderingLine {
+            wander: Wander { rms_hz, time_s },
+            ..tone(25.0, &[3.0])
+        };
+        let trial = with(1, &wide, |_| 1.0);
+        let within_hz = 25.0 - reach_hz..25.0 + reach_hz;
+        trial.look(|look| named(look, &within_hz, 1e-9).is_some())
+    };
+    // It fills some 8 Hz of 50, and some 17.
+    assert!(is_named(2.0, 200.0, 1.0), "seed 1");
+    assert!(!is_named(2.0, 20.0, 4.0), "seed 1");
+}

@@ -1,0 +1,51 @@
+//! Bands that a spectrum without any scatter is made of are found.
+
+use super::*;
+use crate::diagnosis::trial::{axis, short};
+
+/// Frequency, width and amplitude of the bands that the spectrum of an axis lacks if it has these.
+fn found(seed: u64, bands: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    let axis = axis(seed, short(seed), |_, noise| noise);
+    let bins = laws::behind(&axis.bins, &axis.laws);
+    let component = |[f_hz, width_hz, _]: &[f64; 3]| {
+        let (f_hz, width_hz) = (*f_hz, *width_hz);
+        Band { f_hz, width_hz }.component(&bins)
+    };
+    let components: Vec<Vec<f64>> = bands.iter().map(component).collect();
+    let squared: Vec<f64> = bands.iter().map(|band| band[2] * band[2]).collect();
+    let mut psd = axis.fit.expected.clone();
+    add_mixture(&mut psd, &components, &squared);
+    let completed = fitted(&axis, &axis.data.with_psd(psd), &[]);
+    let completed = completed.unwrap_or_else(|| panic!("seed {seed}: nothing"));
+    let squared = &completed.fit.squared[completed.fit.squared.len() - completed.laws.len()..];
+    let both = completed.laws.iter().zip(squared);
+    both.map(|(law, squared)| [law.values[0], law.values[1], squared.sqrt()])
+        .collect()
+}
+
+#[test]
+fn a_band_is_moved_to_where_it_is() {
+    // Far from the middles that are tried first, which are half a width apart, and from their widths.
+    for (seed, f_hz) in (1..).zip([97.3, 103.0, 111.0]) {
+        let all = found(seed, &[[f_hz, 8.4, 3.0]]);
+        let [[found_hz, width_hz, amplitude], ..] = all[..] else {
+            panic!("seed {seed}: nothing");
+        };
+        // The last moves are by a twenty-fifth of the width, on the width by twice that.
+        assert!(
+            ((found_hz - f_hz) / 8.4).abs() < 0.04,
+            "seed {seed}: {all:?}"
+        );
+        assert!((width_hz / 8.4).ln().abs() < 0.08, "seed {seed}: {all:?}");
+        assert!((amplitude / 3.0 - 1.0).abs() < 0.05, "seed {seed}: {all:?}");
+    }
+}
+
+#[test]
+fn a_band_that_others_stand_for_is_none_any_more() {
+    for (seed, apart_hz) in (4..).zip([10.0, 14.0, 18.0, 24.0]) {
+        let two = [[100.0, 5.0, 3.0], [100.0 + apart_hz, 5.0, 3.0]];
+        let all = found(seed, &two);
+        assert!(all.iter().all(|band| band[2] > 0.0), "seed {seed}: {all:?}");
+    }
+}
