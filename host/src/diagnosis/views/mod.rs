@@ -16,7 +16,9 @@ use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::options::Options;
 use crate::diagnosis::record::in_record::InRecord;
 use crate::diagnosis::result::finding::Finding;
-use crate::diagnosis::result::views::{AllanPoint, Amplitudes, Counts, Course, Views};
+use crate::diagnosis::result::views::{
+    AllanPoint, Amplitudes, Counts, Course, SpectrumPoint, Views,
+};
 use crate::fit::likelihood::Fit;
 use crate::model::axis::ModelAxis;
 use crate::model::whole::{Model, SCHEMA};
@@ -111,6 +113,13 @@ pub fn allan(
         &in_record(axis),
         &Passing::new(axis, findings),
     )
+}
+
+/// The density of an axis, measured in all of the record and as the five terms alone, fitted as `before`, and the last model
+/// expect it.
+pub fn densities(axis: &AxisState, before: &Fit, findings: &[Finding]) -> Vec<SpectrumPoint> {
+    let (own, passing) = (in_record(axis), Passing::new(axis, findings));
+    spectrum::Pooled::new(axis, before, &own, &passing).points
 }
 
 /// Adds what a record of `model` comes to, simulated once, to the points of an axis, where data can be made of it.

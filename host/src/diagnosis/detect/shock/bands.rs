@@ -95,7 +95,7 @@ pub fn bands(data: &Data, noise: &[f64], groups: &[Range<usize>]) -> Option<(Vec
     let len = 2 * groups.last()?.end;
     let dictionary: Vec<(Band, Local)> = dictionary(len as f64)
         .into_par_iter()
-        .map(|band| (band, seen(band, groups, len)))
+        .map(|band| (band, seen(band, groups, len, taper_covariance)))
         .collect();
     let cost_nats = (dictionary.len() as f64 / (OVERLAP * NEEDLESS)).ln();
     let mut bands: Vec<Band> = Vec::new();
@@ -110,7 +110,7 @@ pub fn bands(data: &Data, noise: &[f64], groups: &[Range<usize>]) -> Option<(Vec
         let Some((band, _, (_, gain))) = best.filter(|best| best.2.1 > cost_nats) else {
             break;
         };
-        let tried = |band: Band| seen(band, groups, len);
+        let tried = |band: Band| seen(band, groups, len, taper_covariance);
         let band = settled((*band, gain), |band| tried(band).best(data, &others).1);
         let local = tried(band);
         squared.push(local.best(data, &others).0);
@@ -185,9 +185,10 @@ fn dictionary(len: f64) -> Vec<Band> {
 }
 
 /// What the groups of ordinates are expected to be for a band that is let in for so many samples: the transform of its
-/// covariance times the taper's own, with what the ordinates fold.
-fn seen(band: Band, groups: &[Range<usize>], len: usize) -> Local {
-    let covariance = |lag: usize| taper_covariance(lag, len) * band.covariance(lag as f64);
+/// covariance times that of the `taper` with itself a part of the stretch later, with what the ordinates fold.
+pub fn seen(band: Band, groups: &[Range<usize>], len: usize, taper: impl Fn(f64) -> f64) -> Local {
+    let of_taper = |lag: usize| taper(lag as f64 / len as f64);
+    let covariance = |lag: usize| of_taper(lag) * band.covariance(lag as f64);
     let fft = fft::real_forward(len);
     let (mut lags, mut ordinates) = (fft.make_input_vec(), fft.make_output_vec());
     lags[0] = covariance(0);
@@ -207,9 +208,8 @@ fn seen(band: Band, groups: &[Range<usize>], len: usize) -> Local {
     }
 }
 
-/// Sum of the products of Hann's taper over `len` samples with itself `lag` samples later, over that without a lag.
-fn taper_covariance(lag: usize, len: usize) -> f64 {
-    let part = lag as f64 / len as f64;
+/// Sum of the products of Hann's taper with itself a `part` of its length later, over that without a lag.
+fn taper_covariance(part: f64) -> f64 {
     let (sine, cosine) = (TAU * part).sin_cos();
     (1.0 - part) * (2.0 + cosine) / 3.0 + sine / TAU
 }

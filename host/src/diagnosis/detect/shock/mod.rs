@@ -8,6 +8,7 @@ mod about;
 mod bands;
 mod course;
 mod ends;
+mod energy;
 mod even;
 mod event;
 mod fit;

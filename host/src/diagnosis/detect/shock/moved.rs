@@ -1,7 +1,7 @@
 //! A stretch in which something moves the sensor: about which frequencies, how strongly, and how it lies afterwards.
 //!
 //! What it is over the line between the levels before and after is held against bands of noise that are let in for as
-//! long, beside the noise that is always there, by Whittle's likelihood of its periodogram.
+//! long, beside the noise that is always there, by Whittle's likelihood of its periodogram; how strong they are, their energy says.
 
 use std::ops::Range;
 
@@ -9,6 +9,7 @@ use super::about::About;
 use super::bands;
 use super::bands::bands;
 use super::course::{deflection, levels, of_strength};
+use super::energy;
 use super::strength::{Beside, Inside};
 use crate::model::unnamed::Band;
 use crate::numeric::order::median;
@@ -54,12 +55,13 @@ impl Moved {
         let level = mean.map(|[level, _]| level);
         let inside = Inside::new(beside, samples, level).ok_or(NotMoved::Short)?;
         let Inside {
+            values,
             groups,
             data,
             noise,
             is_known,
         } = &inside;
-        let (bands, gain) = bands(data, noise, groups).ok_or(NotMoved::Short)?;
+        let (mut bands, gain) = bands(data, noise, groups).ok_or(NotMoved::Short)?;
         // Each number costs as by the information criterion of G. Schwarz, Ann. Stat. 6 (1978): a band has three, noise
         // that is louder has one. A level of its own is either's: what is louder strays further from its mean.
         let ordinates = samples.len() / 2;
@@ -68,6 +70,7 @@ impl Moved {
         if *is_known && of_louder > gain - cost_nats {
             return Err(NotMoved::Louder);
         }
+        energy::give(&mut bands, values, groups, noise);
         Ok(Self {
             samples: samples.clone(),
             step: beside.step(samples),

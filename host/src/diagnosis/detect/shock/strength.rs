@@ -26,6 +26,8 @@ const NOTHING: f64 = 1e-6;
 
 /// The spectrum of a stretch, and of others as long in which nothing happens.
 pub struct Inside {
+    /// What it is over the line between the levels beside it, and over its mean.
+    pub values: Vec<f64>,
     /// Ordinates that are taken together.
     pub groups: Vec<Range<usize>>,
     /// Their powers.
@@ -68,6 +70,7 @@ impl Inside {
         let data = data(&periodogram(&inside), &groups)?;
         let (noise, is_known) = beside.noise(&even, &groups, &data);
         Some(Self {
+            values: inside,
             groups,
             data,
             noise,
