@@ -1,5 +1,6 @@
 //! What is made of an axis when it is first asked for, and then kept.
 
+use std::borrow::Cow;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use crate::diagnosis::axis::{AxisState, Whitened};
@@ -38,6 +39,17 @@ impl<T> Made<T> {
     fn forget(&self) {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Arc::default();
     }
+}
+
+/// A density, infinite from the ordinate `top` on, where the chain shuts all out: what is there, codes that were rounded
+/// behind it, is of another strength.
+fn without_shut_out(density: &[f64], top: usize) -> Cow<'_, [f64]> {
+    if top >= density.len() {
+        return Cow::Borrowed(density);
+    }
+    let mut density = density.to_vec();
+    density[top..].fill(f64::INFINITY);
+    Cow::Owned(density)
 }
 
 impl AxisState {
@@ -109,6 +121,16 @@ impl AxisState {
         self.envelopes().next().is_some()
     }
 
+    /// Standard deviation of the power of the whitened record that they explain, over its mean.
+    pub fn known_movement(&self) -> f64 {
+        let squares: f64 = self.envelopes().map(|one| one.power_sd().powi(2)).sum();
+        if squares == 0.0 {
+            return 0.0;
+        }
+        let seen = self.whitened();
+        squares.sqrt() * self.mean_short_share(&(1..seen.top), seen.transform.frequency(1))
+    }
+
     /// Factor on the standard deviation of the noise at a sample that they explain.
     pub fn envelope(&self, index: usize) -> f64 {
         let factors = self.envelopes().map(|one| one.factor(index));
@@ -136,13 +158,21 @@ impl AxisState {
     /// each sample.
     pub fn powers_by(&self, density: &[f64], factor: impl Fn(usize) -> f64 + Sync) -> Powers {
         let seen = self.whitened();
+        let density = without_shut_out(density, seen.top);
         let share = if self.has_envelope() {
             self.mean_short_share(&(1..seen.top), seen.transform.frequency(1))
         } else {
             1.0
         };
         let strength = |n| factor(n) * self.strength(n, share);
-        powers::powers(&seen.transform, density, |n| self.usable(n), strength)
+        powers::powers(&seen.transform, &density, |n| self.usable(n), strength)
+    }
+
+    /// The same as if nothing were known of the strength.
+    pub fn powers_as_measured(&self, density: &[f64]) -> Powers {
+        let seen = self.whitened();
+        let density = without_shut_out(density, seen.top);
+        powers::powers(&seen.transform, &density, |n| self.usable(n), |_| 1.0)
     }
 
     /// Makes what a round looks at, two things at a time. No two of these wait for a third that is made
@@ -163,5 +193,19 @@ impl AxisState {
     pub fn starts(&self) -> Option<Arc<search::Starts>> {
         let made = || search::Starts::new(&self.bins).map(Arc::new);
         self.starts.get_or_init(made).clone()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_chain_shuts_out_counts_nowhere() {
+        assert_eq!(
+            *without_shut_out(&[1.0, 2.0, 1e-9], 2),
+            [1.0, 2.0, f64::INFINITY]
+        );
+        assert_eq!(*without_shut_out(&[1.0, 2.0], 2), [1.0, 2.0]);
     }
 }

@@ -123,6 +123,11 @@ impl AxisState {
         (samples as usize).clamp(least, most)
     }
 
+    /// What is missing of the residual on end and was filled, ascending.
+    pub fn bridged(&self) -> &[Range<usize>] {
+        &self.bridged
+    }
+
     /// Whether tests of single moments may look at a sample.
     pub fn usable(&self, index: usize) -> bool {
         if index < SEAM || index + SEAM >= self.fast.len() {

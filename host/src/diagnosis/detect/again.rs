@@ -14,7 +14,7 @@ use crate::model::{self, kind::Kind};
 
 /// Gain in log-likelihood from which a change is measured anew, nats: a choice. Its size and its time gain one by what
 /// they follow of the noise.
-const LEAST_GAIN: f64 = 3.0;
+pub const LEAST_GAIN: f64 = 3.0;
 
 /// What is to be done about a slow change that is known, where it is known better now.
 pub fn proposal(look: &Look<'_>) -> Option<Proposal> {

@@ -8,6 +8,7 @@ use std::f64::consts::TAU;
 
 use super::Detector;
 use crate::diagnosis::axis::{AxisState, NoFit};
+use crate::diagnosis::detect::again::LEAST_GAIN;
 use crate::diagnosis::detect::look::{Look, Proposal};
 use crate::diagnosis::explanation::{Candidate, Change};
 use crate::diagnosis::record::envelope::{Envelope, of_share};
@@ -15,7 +16,7 @@ use crate::diagnosis::record::powers::{BLOCK, Powers};
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
 use crate::diagnosis::statistic::p_value;
-use crate::diagnosis::steady::strength::{Wander, wander};
+use crate::diagnosis::steady::strength::{LEFT, Wander, wander};
 use crate::diagnosis::steady::swing::Swing;
 use crate::diagnosis::steady::tiles::strengths;
 use crate::model::cyclic::KIND;
@@ -38,15 +39,51 @@ pub static DETECTOR: Detector = Detector { tests: 1, look };
 fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     let axis = look.axis;
     // On a coarse grid noise seems to change wherever its level lies within a step.
-    if !look.is_open(KIND) || axis.has(KIND) || axis.has(rounding::KIND) {
+    if !look.is_open(KIND) || axis.has(rounding::KIND) {
         return Ok(Vec::new());
+    }
+    if let Some(place) = look.place_of(KIND) {
+        return Ok(again(axis, place).into_iter().collect());
     }
     let found = cyclic(axis, look.level());
     let found = found.filter(|one| evenness(axis, &one.swing) >= look.level());
     Ok(found.into_iter().map(|one| proposal(axis, &one)).collect())
 }
 
+/// The swing that is known, where it is known better beside what was found since: which part of the noise swings, the model
+/// of the spectrum says.
+fn again(axis: &AxisState, place: usize) -> Option<Proposal> {
+    let one = &axis.explanations()[place];
+    let known = one.envelope()?;
+    let Short { density, share } = Short::new(axis)?;
+    let powers = Powers {
+        powers: axis.powers_as_measured(&density).powers,
+        counts: axis.powers_by(&density, |_| 1.0).counts,
+    };
+    let fit = Swing::new(&powers, known.period, share)?;
+    let gain = fit.score(&powers) - Swing::known(&powers, known, share).score(&powers);
+    if gain.is_nan() || gain <= LEAST_GAIN {
+        return None;
+    }
+    let (swing, sd) = fit.named()?;
+    let found = Cyclic {
+        swing,
+        sd,
+        held_nats: held_out(&powers, known.period, share),
+        p_value: one.p_value,
+    };
+    Some(Proposal::Explain(Box::new(Candidate {
+        amends: Some(place),
+        supersedes: Vec::new(),
+        ..candidate(axis, &found)
+    })))
+}
+
 fn proposal(axis: &AxisState, found: &Cyclic) -> Proposal {
+    Proposal::Explain(Box::new(candidate(axis, found)))
+}
+
+fn candidate(axis: &AxisState, found: &Cyclic) -> Candidate {
     let Cyclic { swing, sd, .. } = found;
     let rate_hz = axis.rate_hz;
     let effect = Estimate::new(
@@ -57,12 +94,12 @@ fn proposal(axis: &AxisState, found: &Cyclic) -> Proposal {
             Value::normal(swing.phase_rad, sd.phase_rad),
         ],
     );
-    Proposal::Explain(Box::new(Candidate {
+    Candidate {
         held_out_nats: found.held_nats,
         // Loud parts of it may have been taken for them.
         supersedes: vec![burst::KIND, outliers::KIND],
         ..Candidate::new(effect, found.p_value, 3.0, Change::Strength(*swing))
-    }))
+    }
 }
 
 /// A cosine of the strength.
@@ -97,8 +134,15 @@ fn cyclic(axis: &AxisState, level: f64) -> Option<Cyclic> {
         counts: left.counts.clone(),
     };
     let fit = Swing::new(&powers, cyclic.period, share)?;
+    let known_sd = share * swing.power_sd();
     let moves = wander(&left)?;
-    if moves.cyclic.p_value.min(moves.slow.p_value) < level || fit.harmonics(&left) < HARMONICS {
+    let harmonics = fit.harmonics(&left);
+    let are_left = harmonics.p_value < HARMONICS && harmonics.sd > LEFT * known_sd;
+    if are_left
+        || [moves.cyclic, moves.slow]
+            .iter()
+            .any(|one| one.counts(level, known_sd))
+    {
         return None;
     }
     let (swing, sd) = fit.named()?;
@@ -172,6 +216,7 @@ fn evenness(axis: &AxisState, swing: &Envelope) -> f64 {
         let kept = 1.0 - periods / strengths.len() as f64;
         if let Some([mean, variance]) = swing_of_band(axis, swing, &strengths) {
             let expected = kept * short;
+            let variance = variance + (LEFT * mean).powi(2);
             square += mean * mean / variance;
             swings += expected * mean / variance;
             weights += expected * expected / variance;

@@ -7,6 +7,7 @@ use super::{Detector, again, drift, steps, thermal, warmup};
 use crate::diagnosis::axis::NoFit;
 use crate::diagnosis::axis::profile::Noise;
 use crate::diagnosis::detect::look::{Look, Proposal};
+use crate::diagnosis::room;
 
 /// Tests of one look: what follows a covariate, settling, jumps.
 const TESTS: u32 = 3;
@@ -50,16 +51,36 @@ fn strongest(look: &Look<'_>, noise: Noise) -> Result<Vec<Proposal>, NoFit> {
     ];
     let gains = slow.into_iter().flatten().map(|change| change.gain_nats);
     let most_nats = gains.fold(0.5 * of_jump * of_jump, f64::max);
-    if let Some(course) = course.filter(|course| course.nats * PART > most_nats) {
-        return Ok(vec![drift::proposal(look, course)]);
+    let is_most = course
+        .as_ref()
+        .is_some_and(|course| course.nats * PART > most_nats);
+    let largest = if is_most {
+        Vec::new()
+    } else if let Some(thermal) =
+        thermal.filter(|_| of_thermal >= of_settling && of_thermal >= of_jump)
+    {
+        thermal::proposal(thermal).into_iter().collect()
+    } else if let Some(settling) = settling.filter(|_| of_settling > 0.0 && of_settling >= of_jump)
+    {
+        warmup::proposal(look, settling).into_iter().collect()
+    } else {
+        jump.map_or_else(Vec::new, |jump| steps::proposals(look, jump))
+    };
+    match course {
+        Some(course) if !largest.iter().any(|one| is_held(look, one)) => {
+            Ok(vec![drift::proposal(look, course)])
+        }
+        _ => Ok(largest),
     }
-    if let Some(thermal) = thermal.filter(|_| of_thermal >= of_settling && of_thermal >= of_jump) {
-        return Ok(thermal::proposal(thermal).into_iter().collect());
+}
+
+/// Whether the record has room for what is proposed. What shows most and is refused, as a settling that never settles, does not
+/// stand in the way of a course.
+fn is_held(look: &Look<'_>, proposal: &Proposal) -> bool {
+    match proposal {
+        Proposal::Explain(candidate) => room::holds(look.axis, candidate),
+        _ => true,
     }
-    if let Some(settling) = settling.filter(|_| of_settling > 0.0 && of_settling >= of_jump) {
-        return Ok(warmup::proposal(look, settling).into_iter().collect());
-    }
-    Ok(jump.map_or_else(Vec::new, |jump| steps::proposals(look, jump)))
 }
 
 #[cfg(test)]

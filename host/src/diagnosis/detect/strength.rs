@@ -4,6 +4,7 @@ use super::Detector;
 use crate::diagnosis::axis::NoFit;
 use crate::diagnosis::detect::look::{Lesson, Look, Proposal};
 use crate::diagnosis::steady;
+use crate::diagnosis::steady::strength::Movement;
 use crate::model::{burst, outliers, rounding};
 
 /// Looks whether it moves, in a cycle or slowly; the test for a cycle is counted with its detector.
@@ -15,12 +16,15 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
         return Ok(Vec::new());
     }
     let wander = steady::strength::wander(&look.axis.powers());
-    let least = wander.map_or(1.0, |one| one.cyclic.p_value.min(one.slow.p_value));
-    Ok(if least < look.level() {
-        moves()
-    } else {
-        Vec::new()
-    })
+    let known_sd = look.axis.known_movement();
+    let counts = |one: &Movement| one.counts(look.level(), known_sd);
+    Ok(
+        if wander.is_some_and(|one| counts(&one.cyclic) || counts(&one.slow)) {
+            moves()
+        } else {
+            Vec::new()
+        },
+    )
 }
 
 /// What is to be done where it moves: single stretches are no causes, and samples are outliers only against the

@@ -92,7 +92,8 @@ fn of_strength(axis: &AxisState, level: f64) -> Option<Remark> {
     ];
     // One movement shows in both: a cycle is the plainer of the two.
     let mut seen = movements.iter();
-    let (movement, place, how) = seen.find(|(one, ..)| one.p_value < level)?;
+    let known_sd = axis.known_movement();
+    let (movement, place, how) = seen.find(|(one, ..)| one.counts(level, known_sd))?;
     Some(Remark {
         test: "variance".into(),
         place: place(movement.period / axis.rate_hz),

@@ -14,6 +14,13 @@ pub struct Envelope {
 }
 
 impl Envelope {
+    /// Standard deviation over a period of the power of what it multiplies, over its mean.
+    pub fn power_sd(&self) -> f64 {
+        let square = self.depth * self.depth;
+        // That of 2 a cos + a^2 cos(2 w) / 2.
+        (2.0 * square + 0.125 * square * square).sqrt() / (1.0 + 0.5 * square)
+    }
+
     /// Factor on the standard deviation at a sample. Its mean square over a period is one, so that what is
     /// multiplied keeps its mean spectrum.
     pub fn factor(&self, index: usize) -> f64 {

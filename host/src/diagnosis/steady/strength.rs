@@ -9,13 +9,27 @@ use crate::fft;
 const SLOW: usize = 16;
 const SHARE: usize = 8;
 
+/// Standard deviation that is left of a movement whose course is known, over its own, up to which the course is right: a
+/// hundredth of its energy, as for a [line](crate::diagnosis::detect::lines). Of a strong one any imperfection shows.
+pub const LEFT: f64 = 0.1;
+
 /// A movement of the power.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Movement {
     /// Its period, or for what has none the shortest that shows it best, samples.
     pub period: f64,
+    /// Standard deviation of the power that moves, over its mean.
+    pub sd: f64,
     /// Probability of as much in steady noise.
     pub p_value: f64,
+}
+
+impl Movement {
+    /// Whether it is more than chance at a `level`, and more than what noise that is known to move by the standard deviation
+    /// `known_sd` may leave.
+    pub fn counts(&self, level: f64, known_sd: f64) -> bool {
+        self.p_value < level && self.sd > LEFT * known_sd
+    }
 }
 
 /// How the power of the noise moves in time all along the record.
@@ -59,7 +73,7 @@ pub fn wander(powers: &Powers) -> Option<Wander> {
     let (strongest, highest) = (SLOW + 1..=last)
         .map(|k| (k, power(k)))
         .max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let (mut slow, mut sum, mut cutoffs) = ((1.0, SLOW), 0.0, 0.0);
+    let (mut slow, mut sum, mut cutoffs) = ((1.0, SLOW, 0.0), 0.0, 0.0);
     let mut cutoff = SLOW;
     for k in 1..=length / 2 / SHARE {
         sum += 2.0 * power(k);
@@ -67,19 +81,24 @@ pub fn wander(powers: &Powers) -> Option<Wander> {
             cutoffs += 1.0;
             let tail = p_value::chi_squared(sum, 2.0 * k as f64);
             if tail < slow.0 {
-                slow = (tail, k);
+                slow = (tail, k, sum);
             }
             cutoff *= 4;
         }
     }
     let period = |k: usize| (length * BLOCK) as f64 / k as f64;
+    // A small relative change of a power of `n` degrees of freedom moves the normal number by that, over the root of 2 / n.
+    let unit = (2.0 / whole_block).sqrt();
+    let sd = |power: f64| unit * (power * variance / length as f64).max(0.0).sqrt();
     Some(Wander {
         cyclic: Movement {
             period: period(strongest),
+            sd: sd(2.0 * highest),
             p_value: p_value::searched((-highest).exp(), (last - SLOW) as f64),
         },
         slow: Movement {
             period: period(slow.1),
+            sd: sd(slow.2 - 2.0 * slow.1 as f64),
             p_value: p_value::searched(slow.0, cutoffs),
         },
     })

@@ -34,6 +34,15 @@ pub struct Swing {
     covariance: Matrix4<f64>,
 }
 
+/// What is left of a swing at multiples of its frequency.
+#[derive(Debug, Clone, Copy)]
+pub struct Harmonics {
+    /// Their standard deviation, over the mean power.
+    pub sd: f64,
+    /// Probability of as much by chance.
+    pub p_value: f64,
+}
+
 impl Swing {
     /// No cosine: the mean of the powers.
     pub fn steady(powers: &Powers) -> Self {
@@ -101,9 +110,27 @@ impl Swing {
         scores.sum()
     }
 
-    /// Probability of second and third harmonics as strong, each of any phase, in powers over the swing.
-    pub fn harmonics(&self, left: &Powers) -> f64 {
-        let mut square = 0.0;
+    /// A swing that is known, of a `share` of the power, with the likeliest power.
+    pub fn known(powers: &Powers, swing: &Envelope, share: f64) -> Self {
+        let steady = Self::steady(powers);
+        let frequency = BLOCK as f64 / swing.period;
+        let (sine, cosine) = (swing.phase_rad + TAU * frequency * steady.middle).sin_cos();
+        let mut known = Self {
+            log_power: 0.0,
+            parts: [swing.depth * cosine, swing.depth * sine],
+            frequency,
+            share,
+            ..steady
+        };
+        let pairs = powers.powers.iter().zip(&powers.counts).enumerate();
+        let ratios = pairs.map(|(block, (power, n))| n * power / known.expected(block).0);
+        known.log_power = (ratios.sum::<f64>() / powers.counts.iter().sum::<f64>()).ln();
+        known
+    }
+
+    /// Second and third harmonics, each of any phase, that are left in powers over the swing.
+    pub fn harmonics(&self, left: &Powers) -> Harmonics {
+        let (mut square, mut variance) = (0.0, 0.0);
         for order in [2.0, 3.0] {
             let (mut sums, mut squares) = ([0.0; 2], [0.0; 2]);
             let pairs = left.powers.iter().zip(&left.counts).enumerate();
@@ -115,9 +142,16 @@ impl Swing {
                     squares[place] += 2.0 * n * wave * wave;
                 }
             }
-            square += sums[0].powi(2) / squares[0] + sums[1].powi(2) / squares[1];
+            for (sum, scatter) in sums.iter().zip(squares) {
+                square += sum * sum / scatter;
+                // Half the square of an amplitude, less what chance makes of it.
+                variance += 2.0 * (sum * sum - scatter) / (scatter * scatter);
+            }
         }
-        p_value::chi_squared(square, 4.0)
+        Harmonics {
+            sd: variance.max(0.0).sqrt(),
+            p_value: p_value::chi_squared(square, 4.0),
+        }
     }
 
     /// As depth, period and phase at the first sample, with their standard deviations.
@@ -212,7 +246,7 @@ mod tests {
             for (block, power) in left.powers.iter_mut().enumerate() {
                 *power /= fit.expected(block).0;
             }
-            fit.harmonics(&left)
+            fit.harmonics(&left).p_value
         };
         let cosine = Envelope {
             depth: 0.3,

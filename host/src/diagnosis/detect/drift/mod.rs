@@ -5,6 +5,7 @@
 //! ([`cosines`]).
 
 mod cosines;
+mod gaps;
 #[cfg(test)]
 mod tests;
 
@@ -142,15 +143,20 @@ fn cost_nats(axis: &AxisState, kinds: &[Kind]) -> Option<f64> {
 fn cosines_beside(axis: &AxisState, kinds: &[Kind]) -> Cosines {
     let factor = axis.residual.len().div_ceil(MEANS).max(1);
     let mean_s = factor as f64 / axis.rate_hz;
+    let cosines = |values: &[f64]| {
+        let mut means = block_means(values, factor);
+        gaps::cross(&mut means, axis.bridged(), factor);
+        Cosines::new(axis, &means, mean_s)
+    };
     if kinds.is_empty() {
-        return Cosines::new(axis, &block_means(&axis.filled, factor), mean_s);
+        return cosines(&axis.filled);
     }
     let kept = axis.explanations().iter();
     let kept = kept.filter(|one| !kinds.contains(&one.kind()));
     let waves: Vec<Wave> = kept.flat_map(|one| one.waves().to_vec()).collect();
     let mut values = axis.residual.with(waves).values();
     bridge(Arc::make_mut(&mut values).as_mut_slice());
-    Cosines::new(axis, &block_means(&values, factor), mean_s)
+    cosines(&values)
 }
 
 impl Course {

@@ -26,7 +26,7 @@ pub const NEEDLESS: f64 = 0.05;
 const SPECTRUM_TOLERANCE: f64 = 0.26;
 
 /// What an Allan variance may be off by beside chance: 1 % of the deviation, as models are compared.
-const TOLERANCE: f64 = 0.02;
+pub const TOLERANCE: f64 = 0.02;
 
 /// Probability of a gain by chance, in nats, of the best of so many bands.
 pub fn by_gain(nats: f64, bands: usize) -> f64 {
@@ -179,5 +179,57 @@ impl Pursuit {
         let squared = solve_non_negative(&a, &self.missing);
         let left = (&a * &squared - &self.missing).norm_squared();
         (squared, left)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const RATE_HZ: f64 = 100.0;
+
+    /// A white spectrum of density 1 that a model expects, and `of` it what was measured.
+    fn spectrum(of: impl Fn(f64) -> f64) -> Vec<SpectrumPoint> {
+        let at = |step: i32| 0.01 * (f64::from(step) / 12.0).exp2();
+        let point = |f_hz: f64| SpectrumPoint {
+            f_hz,
+            psd: of(f_hz),
+            lo: 0.0,
+            hi: 0.0,
+            edf: 100.0,
+            before: 1.0,
+            after: 1.0,
+            simulated: None,
+        };
+        (0..140).map(|step| point(at(step))).collect()
+    }
+
+    #[test]
+    fn a_spectrum_has_room_only_for_what_it_lacks() {
+        let band = Band {
+            f_hz: 0.0,
+            width_hz: 1.0,
+        };
+        let found = Found {
+            bands: vec![(band, 4.0)],
+            first_nats: 0.0,
+            nats: 0.0,
+        };
+        let added = |f_hz: f64| 4.0 * band.term().spectrum(f_hz, RATE_HZ);
+        // It was there all the time: a gain, which is counted already.
+        assert_eq!(
+            found.room_nats(&spectrum(|f_hz| 1.0 + added(f_hz)), RATE_HZ),
+            0.0
+        );
+        // Twice as loud where it is, for some octaves: several tolerances each.
+        let nats = found.room_nats(&spectrum(|_| 1.0), RATE_HZ);
+        assert!(nats < -10.0, "{nats}");
+        // A tenth of a decibel is within them.
+        let faint = Found {
+            bands: vec![(band, 0.04)],
+            ..found
+        };
+        let nats = faint.room_nats(&spectrum(|_| 1.0), RATE_HZ);
+        assert!((-0.5..=0.0).contains(&nats), "{nats}");
     }
 }
