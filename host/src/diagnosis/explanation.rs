@@ -67,6 +67,8 @@ pub struct Candidate {
     pub supersedes: Vec<Kind>,
     /// Kinds that are taken back once it is in and looked for again: they may have been found for it.
     pub reopens: Vec<Kind>,
+    /// Whether bands that were excluded count again once it is in: it may have made their noise unsteady.
+    pub readmits_bands: bool,
 }
 
 impl Candidate {
@@ -82,6 +84,7 @@ impl Candidate {
             amends: None,
             supersedes: Vec::new(),
             reopens: Vec::new(),
+            readmits_bands: false,
         }
     }
 }

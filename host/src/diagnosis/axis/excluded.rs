@@ -77,6 +77,11 @@ impl AxisState {
         self.excluded.push(new);
     }
 
+    /// Lets all excluded bands count again.
+    pub fn readmit_all(&mut self) {
+        self.excluded.clear();
+    }
+
     /// The bands that would be excluded with a new one, hertz.
     pub fn excluded_with(&self, new_hz: &Range<f64>) -> Vec<Range<f64>> {
         let bands = self.excluded.iter().map(|one| one.band_hz.clone());

@@ -70,8 +70,12 @@ impl AxisState {
             held_out_nats,
             change,
             reopens,
+            readmits_bands,
             ..
         } = candidate;
+        if readmits_bands {
+            self.readmit_all();
+        }
         let place = if let Some(place) = amends {
             let one = &mut self.explanations[place];
             (one.effect, one.freedom, one.change) = (effect, freedom, change);

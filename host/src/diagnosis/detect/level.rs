@@ -118,4 +118,25 @@ mod tests {
         assert_eq!(first(0, [1.0, 12.0, 1.0]), warmup::KIND);
         assert_eq!(first(0, [2.0, 8.0, 2.0]), steps::KIND);
     }
+
+    #[test]
+    fn what_a_record_has_no_room_for_does_not_stand_in_the_way_of_a_course() {
+        use crate::model::drift::KIND;
+        let mut values = noise(1);
+        let half = 0.5 * values.len() as f64;
+        // A parabola and its bend the other way: an exponential that follows it never settles.
+        for (n, value) in values.iter_mut().enumerate() {
+            let at = n as f64 / half - 1.0;
+            *value += 200.0 * (at * at + 0.2 * at.powi(3));
+        }
+        let trial = Trial::new(values);
+        let refused = trial.look(|look| {
+            let settling = warmup::find(look, Noise::Anew)?;
+            let proposal = warmup::proposal(look, settling)?;
+            Some(is_held(look, &proposal))
+        });
+        assert_eq!(refused, Some(false), "seed 1: nothing to refuse");
+        let found = trial::candidate(trial.ask(&IN_NOISE_ANEW)).expect("a course, seed 1");
+        assert_eq!(found.effect.kind, KIND, "seed 1");
+    }
 }

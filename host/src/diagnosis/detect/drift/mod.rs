@@ -5,6 +5,7 @@
 //! ([`cosines`]).
 
 mod cosines;
+mod ends;
 mod gaps;
 #[cfg(test)]
 mod tests;
@@ -120,6 +121,8 @@ pub fn proposal(look: &Look<'_>, found: Found) -> Proposal {
     Proposal::Explain(Box::new(Candidate {
         held_out_nats: Some(found.nats),
         supersedes: found.supersedes,
+        // For a walk, whose bends a course is, its wanderings are far from steady.
+        readmits_bands: true,
         ..Candidate::new(
             Estimate::new(KIND, values),
             found.p_value,
@@ -181,7 +184,11 @@ impl Course {
             unit * (PI * turns as f64 / GRID as f64).cos()
         };
         let levels: Vec<f64> = (0..=GRID)
-            .map(|place| all.clone().map(|j| mean[j - 1] * cosine(j, place)).sum())
+            .map(|place| {
+                let seen: f64 = all.clone().map(|j| mean[j - 1] * cosine(j, place)).sum();
+                let angle = PI * place as f64 / GRID as f64;
+                seen + unit * ends::beyond(&fitted.fixed, angle)
+            })
             .collect();
         let variances: Vec<f64> = (0..=GRID)
             .map(|place| {

@@ -195,3 +195,19 @@ fn what_lies_in_an_excluded_band_is_no_course() {
     trial.exclude(0.0, 300.0 * half_wave_hz);
     assert!(trial.look(find).is_none(), "seed {seed}: excluded");
 }
+
+#[test]
+fn a_band_that_was_unsteady_for_a_course_counts_again() {
+    use crate::diagnosis::trial::excluded;
+    const SEED: u64 = 70;
+    let course = course(SEED, 300.0);
+    let mut values = noise(SEED, 0.0);
+    let all = values.iter_mut().enumerate();
+    all.for_each(|(n, value)| *value += course(n));
+    let mut trial = Trial::new(values);
+    trial.axis.exclude(excluded(0.01 * RATE_HZ, 0.02 * RATE_HZ));
+    let found = trial::candidate(trial.ask(&level::IN_NOISE_ANEW)).expect("a course");
+    assert_eq!(found.effect.kind, KIND, "seed {SEED}");
+    trial.accept(found);
+    assert!(trial.axis.excluded().is_empty(), "seed {SEED}");
+}
