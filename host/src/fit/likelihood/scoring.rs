@@ -152,6 +152,31 @@ pub(super) mod tests {
     }
 
     #[test]
+    fn a_line_less_is_a_likelier_spectrum_whatever_lines_are_left() {
+        // Lines of ten thousand times the noise, as one bin has them, at places and heights that are drawn. Without one of them the
+        // expectation that was best before is likelier, so the best one is no less likely.
+        for seed in 0..40_u32 {
+            let drawn = |number: u32| 2.0_f64.sqrt() * f64::from(number * (seed + 3)) % 1.0;
+            let lines: Vec<usize> = (1..=3)
+                .map(|number| (40.0 + 150.0 * drawn(number)) as usize)
+                .collect();
+            let height = 10.0_f64.powf(3.0 + 2.0 * drawn(7));
+            let mut left = synthetic(300 + u64::from(seed), 1e5, |_| 1.0);
+            let components = components(&left);
+            let mut before = maximise(&left, &components).expect("a fit").log_likelihood;
+            for line in lines {
+                left.psd[line] += height;
+                let now = maximise(&left, &components).expect("a fit").log_likelihood;
+                assert!(
+                    now < before,
+                    "seed {seed}, lines of {height}: {now} after {before}"
+                );
+                before = now;
+            }
+        }
+    }
+
+    #[test]
     fn slopes_vanish_inside_and_fall_at_the_bound() {
         for seed in 0..50 {
             let data = synthetic(100 + seed, 3e4, |f| 1e-3 / (f * f) + 1.0);

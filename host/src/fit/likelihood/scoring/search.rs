@@ -63,11 +63,15 @@ impl<'a> Search<'a> {
         if let Some(start) = start {
             return self.run(self.scaled(start));
         }
-        // The likelihood is not concave: two starts far apart, the better end.
+        // The likelihood is not concave, least of all where lines stand in a spectrum: starts far apart, with each component by
+        // itself, and the best end.
+        let size = self.components.len();
         let guess = self.step(&smooth(self.data));
-        let even = DVector::from_element(self.components.len(), 1.0);
+        let even = DVector::from_element(size, 1.0);
+        let alone = (0..size).map(|one| DVector::from_fn(size, |i, _| f64::from(i == one)));
         [guess, even]
             .into_iter()
+            .chain(alone)
             .filter_map(|start| self.run(start))
             .max_by(|one, other| one.1.total_cmp(&other.1))
     }
