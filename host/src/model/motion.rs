@@ -3,8 +3,7 @@
 //! A hand on the block or its cable, people who walk past, a lorry outside. It has no course that a later
 //! record would have again; what stays the same is how strong it was, about which frequencies, and for how long:
 //! bands of noise that are let in between two times, which have no mean, and a level of its own meanwhile: what is turned has a
-//! rate for as long as that takes, what lies on its side has gravity. It happened once, with the energy that it had: each
-//! band is made with as much of it as is expected of it, where noise of a few turns would stray by a half.
+//! rate for as long as that takes, what lies on its side has gravity.
 
 mod course;
 mod stretch;
@@ -15,7 +14,7 @@ use super::marks::Mark;
 use super::once::Once;
 use super::random::Generator;
 use super::{Seed, Term};
-use course::{Moved, Passing, moments};
+use course::{Moved, Passing, mean};
 
 pub use stretch::Stretch;
 
@@ -54,19 +53,12 @@ impl Once for Motion {
                 seed: seed.seed,
                 stream: seed.stream ^ stream.rotate_left(32),
             };
-            let [mean, square] = moments(one.band.generator(rate_hz, own), to - from);
-            let expected = one.mean_square(rate_hz);
             Passing {
                 from,
                 to,
                 step: one.step,
                 level: one.mean,
-                mean,
-                gain: if square > 0.0 {
-                    (expected / square).sqrt()
-                } else {
-                    1.0
-                },
+                mean: mean(one.band.generator(rate_hz, own), to - from),
                 noise: one.band.generator(rate_hz, own),
             }
         };

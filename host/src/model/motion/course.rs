@@ -1,4 +1,4 @@
-//! Motions sample by sample: each stretch's noise about its own level, with the energy that it should have, its step in the middle.
+//! Motions sample by sample: each stretch's noise about its own level, its step in the middle.
 
 use crate::model::random::Generator;
 
@@ -9,25 +9,19 @@ pub(super) struct Passing {
     pub(super) level: f64,
     /// Mean of its noise, which is taken out.
     pub(super) mean: f64,
-    /// Factor on what is left of it, with which it has the energy that it should have.
-    pub(super) gain: f64,
     pub(super) noise: Box<dyn Generator>,
 }
 
-/// Mean of the first `count` samples of some noise, and their mean square about it.
-pub(super) fn moments(mut noise: Box<dyn Generator>, count: u64) -> [f64; 2] {
+/// Mean of the first `count` samples of some noise.
+pub(super) fn mean(mut noise: Box<dyn Generator>, count: u64) -> f64 {
     /// Samples that are made at once: a choice.
     const BLOCK: u64 = 4096;
-    let (mut sum, mut square) = (0.0, 0.0);
-    for from in (0..count).step_by(BLOCK as usize) {
+    let blocks = (0..count).step_by(BLOCK as usize).map(|from| {
         let mut block = vec![0.0; (count - from).min(BLOCK) as usize];
         noise.add_to(&mut block);
-        sum += block.iter().sum::<f64>();
-        square += block.iter().map(|one| one * one).sum::<f64>();
-    }
-    let count = count as f64;
-    let mean = sum / count;
-    [mean, (square / count - mean * mean).max(0.0)]
+        block.iter().sum::<f64>()
+    });
+    blocks.sum::<f64>() / count as f64
 }
 
 pub(super) struct Moved {
@@ -43,11 +37,9 @@ impl Generator for Moved {
             let (from, to) = (one.from.max(first), one.to.min(end));
             if from < to {
                 let part = &mut samples[(from - first) as usize..(to - first) as usize];
-                let mut noise = vec![0.0; part.len()];
-                one.noise.add_to(&mut noise);
-                for (sample, noise) in part.iter_mut().zip(noise) {
-                    *sample += one.level + one.gain * (noise - one.mean);
-                }
+                one.noise.add_to(part);
+                part.iter_mut()
+                    .for_each(|sample| *sample += one.level - one.mean);
             }
             // The level goes over in the middle of it.
             let middle = one.from.midpoint(one.to).clamp(first, end);

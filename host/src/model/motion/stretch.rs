@@ -59,24 +59,6 @@ impl Stretch {
         band.spectrum(f_hz, rate_hz) * (1.0 - of_mean * of_mean)
     }
 
-    /// Mean square of its noise about its mean, as it is expected.
-    pub(super) fn mean_square(&self, rate_hz: f64) -> f64 {
-        let (from, to) = self.samples(rate_hz);
-        let first = self.band.covariance(0.0);
-        // As in `Sums`, without its memory: what all samples sum up to.
-        let (mut square, mut growth) = (0.0, first);
-        for lag in 1..=to - from {
-            square += growth;
-            let lag_s = lag as f64 / rate_hz;
-            if self.band.bound(lag_s) < NOTHING * first {
-                square += growth * (to - from - lag) as f64;
-                break;
-            }
-            growth += 2.0 * self.band.covariance(lag_s);
-        }
-        (first - square / ((to - from) as f64).powi(2)).max(0.0)
-    }
-
     /// What its noise adds to the Allan variance over `m` samples of a record of `samples`, in the mean, where it is
     /// further from both ends than that.
     ///
@@ -92,9 +74,6 @@ impl Stretch {
     }
 }
 
-/// Of a covariance that is a part of the first one this small, nothing is left to add: a choice.
-const NOTHING: f64 = 1e-12;
-
 /// Sums of the noise of a stretch, whose mean is none.
 struct Sums {
     /// Mean square of a sum over as many samples of noise that always was there.
@@ -103,6 +82,8 @@ struct Sums {
 
 impl Sums {
     fn new(band: &Band, length: usize, rate_hz: f64) -> Self {
+        /// Of a covariance that is a part of the first one this small, nothing is left to add: a choice.
+        const NOTHING: f64 = 1e-12;
         let first = band.covariance(0.0);
         let (mut squares, mut square, mut growth) = (vec![0.0], 0.0, first);
         let mut is_over = false;

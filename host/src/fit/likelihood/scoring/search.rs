@@ -63,17 +63,37 @@ impl<'a> Search<'a> {
         if let Some(start) = start {
             return self.run(self.scaled(start));
         }
-        // The likelihood is not concave, least of all where lines stand in a spectrum: starts far apart, with each component by
-        // itself, and the best end.
-        let size = self.components.len();
+        // The likelihood is not concave, least of all where lines stand in a spectrum: starts far apart, the best end.
         let guess = self.step(&smooth(self.data));
-        let even = DVector::from_element(size, 1.0);
-        let alone = (0..size).map(|one| DVector::from_fn(size, |i, _| f64::from(i == one)));
+        let even = DVector::from_element(self.components.len(), 1.0);
         [guess, even]
             .into_iter()
-            .chain(alone)
+            .chain(self.likeliest_alone())
             .filter_map(|start| self.run(start))
             .max_by(|one, other| one.1.total_cmp(&other.1))
+    }
+
+    /// The component that is likeliest by itself, as large as suits all bins; `None` where none reaches every bin.
+    fn likeliest_alone(&self) -> Option<DVector<f64>> {
+        let alone = |which: usize| {
+            let component = &self.components[which];
+            let ratios = self.data.psd.iter().zip(component);
+            let ratios = ratios
+                .zip(&self.data.dof)
+                .map(|((psd, e), dof)| dof * psd / e);
+            let size = ratios.sum::<f64>() / self.data.dof.iter().sum::<f64>();
+            let x = DVector::from_fn(
+                self.components.len(),
+                |i, _| {
+                    if i == which { size } else { 0.0 }
+                },
+            );
+            let value = log_likelihood(self.data, &self.expected(&x));
+            value.is_finite().then_some((x, value))
+        };
+        let all = (0..self.components.len()).filter_map(alone);
+        let best = all.max_by(|one, other| one.1.total_cmp(&other.1));
+        best.map(|(x, _)| x)
     }
 
     fn scaled(&self, squared: &[f64]) -> DVector<f64> {
