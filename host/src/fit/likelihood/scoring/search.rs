@@ -16,6 +16,10 @@ const HALVINGS: usize = 40;
 /// Gain in log-likelihood below which the search has arrived.
 const ARRIVED: f64 = 1e-10;
 
+/// Components that a search starts from by themselves, at most: as many as the noise of a sensor has. Of many bands, which would
+/// make it slow, none alone is the whole spectrum.
+const ALONE: usize = 4;
+
 /// Bins on either side that the first guess of a bin's expectation averages.
 const NEIGHBOURS: usize = 4;
 
@@ -73,14 +77,13 @@ impl<'a> Search<'a> {
             .max_by(|one, other| one.1.total_cmp(&other.1))
     }
 
-    /// The component that is likeliest by itself, as large as suits all bins; `None` where none reaches every bin.
-    fn likeliest_alone(&self) -> Option<DVector<f64>> {
+    /// The components that are likeliest by themselves, each as large as suits all bins, of those that reach every bin.
+    fn likeliest_alone(&self) -> impl Iterator<Item = DVector<f64>> {
         let alone = |which: usize| {
             let component = &self.components[which];
             let ratios = self.data.psd.iter().zip(component);
-            let ratios = ratios
-                .zip(&self.data.dof)
-                .map(|((psd, e), dof)| dof * psd / e);
+            let ratios = ratios.zip(&self.data.dof);
+            let ratios = ratios.map(|((psd, e), dof)| dof * psd / e);
             let size = ratios.sum::<f64>() / self.data.dof.iter().sum::<f64>();
             let x = DVector::from_fn(
                 self.components.len(),
@@ -91,9 +94,9 @@ impl<'a> Search<'a> {
             let value = log_likelihood(self.data, &self.expected(&x));
             value.is_finite().then_some((x, value))
         };
-        let all = (0..self.components.len()).filter_map(alone);
-        let best = all.max_by(|one, other| one.1.total_cmp(&other.1));
-        best.map(|(x, _)| x)
+        let mut all: Vec<_> = (0..self.components.len()).filter_map(alone).collect();
+        all.sort_by(|one, other| other.1.total_cmp(&one.1));
+        all.into_iter().take(ALONE).map(|(x, _)| x)
     }
 
     fn scaled(&self, squared: &[f64]) -> DVector<f64> {
