@@ -73,11 +73,14 @@ fn check_sources(stages: &mut Stages) -> Result<()> {
     stages.run("lints", check_on_the_host)
 }
 
-/// Every test of the workspace but those of the image.
+/// Every test of the workspace but those of the image; a failure keeps none of the others from
+/// being told.
 fn test_workspace(stages: &mut Stages) -> Result<()> {
     eprintln!("\nproperty tests: {PROPTEST_VARIABLE}={PROPTEST_SEED}");
     stages.run("tests", || {
-        execute(cargo(&["test", "--workspace"]).env(PROPTEST_VARIABLE, PROPTEST_SEED))
+        execute(
+            cargo(&["test", "--workspace", "--no-fail-fast"]).env(PROPTEST_VARIABLE, PROPTEST_SEED),
+        )
     })
 }
 

@@ -70,10 +70,27 @@ fn the_json_result() {
             "-",
         ],
     );
-    // Digits beyond the sixth may differ between machines.
-    let mut settings = insta::Settings::clone_current();
-    settings.add_filter(r"(\.\d{6})\d+", "$1");
-    settings.bind(|| insta::assert_snapshot!(json));
+    insta::assert_snapshot!(rounded(&json));
+}
+
+/// The same text, its numbers with five significant digits.
+///
+/// Sixty-four samples leave the top of the likelihood flat: from one start or another, on one
+/// processor or another, its coefficients agree to a millionth.
+fn rounded(json: &str) -> String {
+    json.lines()
+        .map(|line| {
+            let place = line.rfind([' ', ':']).map_or(0, |space| space + 1);
+            let (key, value) = line.split_at(place);
+            let number = value.trim_end_matches(',');
+            match number.parse::<f64>() {
+                Ok(parsed) if number.contains(['.', 'e']) => {
+                    format!("{key}{parsed:.4e}{}\n", &value[number.len()..])
+                }
+                _ => format!("{line}\n"),
+            }
+        })
+        .collect()
 }
 
 /// The same seed gives the same bytes, another seed others; page and bitmap are whole.
