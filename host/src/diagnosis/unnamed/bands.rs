@@ -5,6 +5,7 @@
 //! together; until the best of the dictionary is worth less than it costs (a matching pursuit, S. Mallat and
 //! Z. Zhang, IEEE Trans. Signal Process. 41, 1993, by likelihood).
 
+mod sizes;
 #[cfg(test)]
 mod tests;
 
@@ -15,9 +16,10 @@ use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::laws::gain::Local;
 use crate::diagnosis::laws::{self, Law};
 use crate::diagnosis::record::bins::Filtered;
-use crate::fit::likelihood::scoring::{Range, greatest_beside, maximise_beside};
+use crate::fit::likelihood::scoring::maximise_beside;
 use crate::fit::likelihood::{Data, Fit, log_likelihood};
 use crate::numeric::mixture::add_mixture;
+use sizes::likeliest;
 
 /// Bands, at most: a choice. Twenty octaves with two and a half bands each.
 const MOST: usize = 48;
@@ -31,9 +33,6 @@ const NARROWEST: f64 = 0.25 * 0.05;
 
 /// Moves of a band's middle and width, in widths and as logarithms: the coarse first.
 const MOVES: [f64; 3] = [0.25, 0.1, 0.04];
-
-/// How often sizes are multiplied towards the data before they are scored: enough to come within a tenth.
-const MULTIPLIED: usize = 30;
 
 /// Turns of moving, at most, for each size of a move.
 const TURNS: usize = 8;
@@ -60,11 +59,28 @@ impl Completed {
 /// The model of an axis with bands, and its fit to all of `data` together with the sizes of its `tones`; `None` where no
 /// band is worth its cost.
 pub fn fitted(axis: &AxisState, data: &Data, tones: &[Vec<f64>]) -> Option<Completed> {
-    let mut search = Search::new(axis, data, tones);
-    let dictionary = Dictionary::new(&search.bins, data);
-    let cost_nats = (dictionary.trials() / NEEDLESS).ln();
-    while search.bands.len() < MOST && search.add_best(&dictionary, cost_nats).is_some() {}
-    search.finish(cost_nats)
+    Search::new(axis, data, tones).completed()
+}
+
+/// A `completed` model, or a likelier one in which bands take the place of one of the five terms: the pursuit never takes back
+/// what it began with, and a term that is wrong everywhere hides from every single band that they could be right.
+pub fn in_place_of_a_term(
+    axis: &AxisState,
+    data: &Data,
+    tones: &[Vec<f64>],
+    completed: Completed,
+) -> Completed {
+    let terms = (0..axis.bins.units().len()).into_par_iter();
+    let there = terms.filter(|&term| completed.fit.squared[term] > 0.0);
+    let others = there.filter_map(|term| {
+        let mut search = Search::new(axis, data, tones);
+        search.do_without(term)?;
+        search.completed()
+    });
+    let others: Vec<Completed> = others.collect();
+    let all = std::iter::once(completed).chain(others);
+    let best = all.max_by(|a, b| a.worth_nats().total_cmp(&b.worth_nats()));
+    best.expect("one that was completed")
 }
 
 /// A model with one more band.
@@ -73,40 +89,6 @@ struct Longer {
     component: Vec<f64>,
     squared: Vec<f64>,
     log_likelihood: f64,
-}
-
-/// The likeliest squares of `components`, from a start, and their log-likelihood. Scoring may fail to get anywhere from a
-/// start that is far off: then the sizes are first multiplied towards the data, which never loses (C. Fevotte,
-/// N. Bertin and J.-L. Durrieu, Neural Computation 21, 2009, eq. 4.1 with the square root that makes it monotonic).
-fn likeliest(
-    data: &Data,
-    components: &[Vec<f64>],
-    mut squared: Vec<f64>,
-) -> Option<(Vec<f64>, f64)> {
-    let nothing = vec![0.0; data.len()];
-    let scored = |start: &[f64]| {
-        greatest_beside(data, components, &nothing, Some(start), Range::NonNegative)
-    };
-    let first = scored(&squared);
-    for _ in 0..MULTIPLIED {
-        let mut expected = nothing.clone();
-        add_mixture(&mut expected, components, &squared);
-        for (squared, component) in squared.iter_mut().zip(components) {
-            let (mut up, mut down) = (0.0, 0.0);
-            for (bin, own) in component.iter().enumerate() {
-                let share = data.dof[bin] * own / expected[bin];
-                up += share * data.psd[bin] / expected[bin];
-                down += share;
-            }
-            *squared *= if down > 0.0 { (up / down).sqrt() } else { 1.0 };
-        }
-    }
-    let second = scored(&squared);
-    let mut expected = nothing.clone();
-    add_mixture(&mut expected, components, &squared);
-    let multiplied = Some((squared, log_likelihood(data, &expected)));
-    let fits = [first, second, multiplied].into_iter().flatten();
-    fits.max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 struct Search<'a> {
@@ -120,6 +102,8 @@ struct Search<'a> {
     components: Vec<Vec<f64>>,
     squared: Vec<f64>,
     bands: Vec<Band>,
+    /// A term that bands are searched without, by its number, and its component.
+    without: Option<(usize, Vec<f64>)>,
 }
 
 impl<'a> Search<'a> {
@@ -138,7 +122,26 @@ impl<'a> Search<'a> {
             components,
             squared,
             bands: Vec::new(),
+            without: None,
         }
+    }
+
+    /// Leaves a term out until bands have been found without it.
+    fn do_without(&mut self, term: usize) -> Option<()> {
+        self.named -= 1;
+        self.squared.remove(term);
+        self.without = Some((term, self.components.remove(term)));
+        let start = std::mem::take(&mut self.squared);
+        self.squared = likeliest(self.data, &self.components, start)?.0;
+        Some(())
+    }
+
+    /// The model with all bands that are worth their cost.
+    fn completed(mut self) -> Option<Completed> {
+        let dictionary = Dictionary::new(&self.bins, self.data);
+        let cost_nats = (dictionary.trials() / NEEDLESS).ln();
+        while self.bands.len() < MOST && self.add_best(&dictionary, cost_nats).is_some() {}
+        self.finish(cost_nats)
     }
 
     fn expected(&self) -> Vec<f64> {
@@ -252,6 +255,10 @@ impl<'a> Search<'a> {
         let own: Vec<Vec<f64>> = self.components.drain(places).collect();
         let mut fixed = vec![0.0; self.data.len()];
         add_mixture(&mut fixed, &own, &tones);
+        if let Some((term, component)) = self.without {
+            self.squared.insert(term, 0.0);
+            self.components.insert(term, component);
+        }
         let start = Some(self.squared.as_slice());
         let mut fit = maximise_beside(self.data, &self.components, &fixed, start)?;
         let pairs = fit.expected.iter_mut().zip(&fixed);

@@ -65,7 +65,8 @@ pub fn complete(axis: &mut AxisState, level: f64) -> Completed {
             let p_value = None;
             return Completed { p_value, withdrawn };
         }
-        axis.resize_tones(&found.completed.tones);
+        let completed = bands::in_place_of_a_term(axis, &found.data, &tones, found.completed);
+        axis.resize_tones(&completed.tones);
         // The fit is that of the noise: where tones are, it says nothing by itself.
         let mut fitted_beside = axis.tones_hz();
         fitted_beside.extend(absorbed_hz);
@@ -73,7 +74,7 @@ pub fn complete(axis: &mut AxisState, level: f64) -> Completed {
             dof: axis.bins.dof_beside(&fitted_beside),
             ..axis.data.clone()
         };
-        axis.complete(found.completed.laws, found.completed.fit, data);
+        axis.complete(completed.laws, completed.fit, data);
         let p_value = Some(found.p_value);
         return Completed { p_value, withdrawn };
     }
