@@ -9,7 +9,9 @@ use inm_tests::hidden::judge::answer::{Answer, Interval};
 use inm_tests::hidden::robust::bounds::{Room, broken};
 use inm_tests::hidden::robust::record::Record;
 use inm_tests::hidden::strength::Strength;
+use inm_tests::hidden::wide::form::{Form, Missing};
 use inm_tests::hidden::wide::limits::LIMITS;
+use inm_tests::hidden::wide::scene::SHORTEST;
 use inm_tests::hidden::wide::tally::wilson;
 
 const LONGEST: usize = 1 << 15;
@@ -67,6 +69,27 @@ fn every_kind_is_drawn_within_its_limits_and_the_same_again() {
             );
             let again = Case::draw(&any(kind), seed);
             assert_eq!(bits(&case.columns), bits(&again.columns), "{name} {seed}");
+        }
+    }
+}
+
+#[test]
+fn what_is_missing_leaves_enough_for_a_diagnosis() {
+    for missing in [Missing::Single, Missing::Stretches, Missing::Third] {
+        for seed in 1..40 {
+            let samples = SHORTEST + [0, 1, 150, 3000, 9000][seed as usize % 5];
+            let form = Form {
+                missing,
+                ..Form::default()
+            };
+            let mut columns = vec![vec![1.0; samples]; 2];
+            form.settle(&mut columns, seed);
+            for column in &columns {
+                let counting = column.iter().filter(|value| value.is_finite()).count();
+                let said = format!("{missing:?}, seed {seed}: {counting} of {samples}");
+                assert!(counting >= SHORTEST, "{said}");
+                assert!(samples < SHORTEST + 3000 || counting < samples, "{said}");
+            }
         }
     }
 }

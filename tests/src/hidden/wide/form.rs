@@ -1,5 +1,6 @@
 //! How a record is written: doubles, codes, with samples missing.
 
+use super::scene::SHORTEST;
 use crate::hidden::case::Plan;
 use crate::hidden::draw::Draw;
 
@@ -98,14 +99,19 @@ impl Form {
         step
     }
 
+    /// Loses samples, never so many that too few count for a diagnosis.
     fn lose(&self, column: &mut [f64], draw: &mut Draw) {
+        let spare = column.len().saturating_sub(SHORTEST);
+        // Two hundredths less than may go: four deviations of how many do.
+        let most = (spare as f64 / column.len() as f64 - 0.02).max(0.0);
         let share = match self.missing {
             Missing::Nothing => return,
-            Missing::Single => 1e-3,
-            Missing::Third => 0.3,
+            Missing::Single => most.min(1e-3),
+            Missing::Third => most.min(0.3),
             Missing::Stretches => {
+                let longest = (column.len() / 50).min(spare / 4);
                 for _ in 0..=draw.index(4) {
-                    let length = 1 + draw.index(column.len() / 50);
+                    let length = draw.index(longest + 1);
                     let from = draw.index(column.len() - length);
                     column[from..from + length].fill(f64::NAN);
                 }
