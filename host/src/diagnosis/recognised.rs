@@ -2,16 +2,19 @@
 //!
 //! The digital filter of an ADS1281 passes all up to 0.41 of the data rate and next to nothing from 0.5 of it on: a wall that
 //! noise of no sensor has by itself, and that every law of the catalogue would be tried on in vain. So it is looked for
-//! before anything else: the upper end of the spectrum is fitted as white noise behind a pole, with the filter and without.
+//! before anything else: the upper end of the spectrum is fitted as white noise behind a pole or a mean over some samples,
+//! with the filter and without.
 
 use inm_protocol::Phase;
 
 use crate::chain::Chain;
 use crate::diagnosis::axis::AxisState;
-use crate::diagnosis::laws::{self, Law};
+use crate::diagnosis::laws;
+use crate::diagnosis::laws::search::{self, Fitted, Starts};
 use crate::diagnosis::record::bins::SpectralBins;
 use crate::fit::likelihood::{Data, Fit};
-use crate::model::rolloff;
+use crate::model::kind::Kind;
+use crate::model::{averaging, rolloff};
 
 /// Share of the data rate from which the spectrum is looked at: half an octave below the wall shows the pole that may be
 /// ahead of it, and little of what moves slowly.
@@ -35,11 +38,8 @@ const BY_CHANCE: f64 = 4.0;
 /// By how much likelier the record has to be with the filter, nats: twenty are one in 5e8, for two filters that are tried.
 const LEAST_NATS: f64 = 20.0;
 
-/// Corner over rate at which the search of a pole ahead of the filter begins.
-const STARTS: [f64; 3] = [0.1, 0.3, 1.0];
-
-/// First move of the pole, as a logarithm.
-const STEP: f64 = 0.3;
+/// What may be ahead of the filter: both let less through at the upper end, in lobes or not, where no wall is.
+const AHEAD: [Kind; 2] = [rolloff::KIND, averaging::KIND];
 
 /// The chain with which the upper end of an axis's spectrum agrees, where none is declared; its poles are found as
 /// [`rolloff`]. What was filled in the place of missing samples is that of an axis `behind` the chain in question.
@@ -87,24 +87,36 @@ fn falls(data: &Data, rate_hz: f64) -> bool {
     end.is_some_and(|end| count > 0.0 && level > LEAST_FALL * count * end)
 }
 
-/// The likeliest fit of the upper end of a spectrum, with a pole or without.
+/// The likeliest fit of the upper end of a spectrum, ahead of which a pole may be, a mean over some samples, or both.
 fn fitted(bins: &SpectralBins, data: &Data) -> Option<Fit> {
-    let rate_hz = bins.rate_hz();
-    let below = 0.0..FROM * rate_hz;
+    let counts = |(f_hz, dof): (&f64, &f64)| *f_hz >= WALL * bins.rate_hz() && *dof >= 1.0;
+    let shows_wall = data.f_hz.iter().zip(&data.dof).any(counts);
+    let below = 0.0..FROM * bins.rate_hz();
     let data = Data {
         dof: bins.dof_beside(std::slice::from_ref(&below)),
         ..data.clone()
     };
-    let pole = |start: f64| {
-        let mut laws = vec![Law {
-            effect: rolloff::KIND,
-            values: vec![start * rate_hz],
-        }];
-        laws::search::polish(bins, &data, &mut laws, 0, STEP)
-    };
-    let fits = STARTS.into_iter().filter_map(pole);
-    let fits = fits.chain(laws::fit(bins, &data, &[]));
-    fits.max_by(|a, b| a.log_likelihood.total_cmp(&b.log_likelihood))
+    // Where its wall does not count, nothing says that what a mean makes of it is not there.
+    let ahead = if shows_wall { &AHEAD[..] } else { &AHEAD[..1] };
+    let starts = Starts::new(bins)?;
+    let (mut laws, mut fit) = (Vec::new(), laws::fit(bins, &data, &[])?);
+    for _ in ahead {
+        let present = Fitted {
+            bins,
+            data: &data,
+            laws: &laws,
+            fit: &fit,
+        };
+        let found = ahead.iter();
+        let found = found.filter_map(|&kind| search::best(present, &starts, kind));
+        let best = found.max_by(|a, b| a.nats.total_cmp(&b.nats));
+        let Some(best) = best.filter(|best| best.nats > 0.0) else {
+            break;
+        };
+        laws.push(best.law);
+        fit = best.fit;
+    }
+    Some(fit)
 }
 
 /// Whether every bin of the wall is what a fit expects there.
@@ -120,156 +132,4 @@ fn agrees(data: &Data, fit: &Fit, rate_hz: f64) -> bool {
 }
 
 #[cfg(test)]
-mod tests {
-    use std::sync::Arc;
-
-    use super::*;
-    use crate::model::whole::Model;
-    use crate::simulate::source::Simulation;
-
-    /// Samples a record: the bins of the wall then have hundreds of degrees of freedom.
-    const SAMPLES: u64 = 1 << 16;
-
-    /// Noise of a chain at a rate.
-    fn record(chain: &str, rate_hz: f64, seed: u64) -> Vec<f64> {
-        let text = format!(
-            r#"{{ "schema": 1, "rate_hz": {rate_hz}, "axes": [ {{ "name": "X", "chain": "{chain}",
-                "coefficients": {{ "K": 1e-3, "B": 5e-3, "N": 0.01 }} }} ] }}"#
-        );
-        let model = Model::from_json(&text).expect("a model");
-        let mut simulation = Simulation::new(&model, SAMPLES, seed).expect("a model");
-        simulation.next_columns(SAMPLES as usize).remove(0)
-    }
-
-    /// What is recognised in noise of this chain at a rate, undeclared.
-    fn seen(chain: &str, rate_hz: f64, seed: u64) -> Option<String> {
-        seen_without(chain, rate_hz, seed, 0)
-    }
-
-    /// The same without so many in a hundred of the samples.
-    fn seen_without(chain: &str, rate_hz: f64, seed: u64, percent: u64) -> Option<String> {
-        let mut values = record(chain, rate_hz, seed);
-        // A sequence that is as good as random, and has each number once in a hundred.
-        let numbers = (0..SAMPLES).map(|n| n * n * n % 101);
-        let lost = values.iter_mut().zip(numbers).filter(|(_, n)| *n < percent);
-        lost.for_each(|(value, _)| *value = f64::NAN);
-        let values = Arc::new(values);
-        let behind = |chain: Option<&Chain>| AxisState::new(Arc::clone(&values), rate_hz, chain);
-        let behind_any = |chain: &Chain| behind(Some(chain));
-        let declared = Chain {
-            converter: None,
-            poles_hz: vec![rate_hz],
-        };
-        let axis = behind(Some(&declared)).expect("a spectrum");
-        assert_eq!(
-            super::chain(&axis, behind_any),
-            None,
-            "seed {seed}: declared"
-        );
-        let axis = behind(None).expect("a spectrum");
-        super::chain(&axis, behind_any).map(|chain| chain.to_string())
-    }
-
-    #[test]
-    fn it_is_recognised_where_samples_are_missing() {
-        for (seed, percent) in [(31, 1), (32, 8), (33, 30)] {
-            let [converter, poles] = ["ads1281:linear", "500hz"];
-            let found = seen_without(converter, 2000.0, seed, percent);
-            // Which of its two filters, a third missing does not say any more. Nor does one in a hundred, of which the few
-            // that are drawn decide: 6 of 16 such records have the other one, of those with 8 % missing none to one.
-            let is_it = |one: &String| one == converter || percent != 8 && one == "ads1281:minimum";
-            assert!(
-                found.as_ref().is_some_and(is_it),
-                "seed {seed}, {percent} %: {found:?}"
-            );
-            let found = seen_without(poles, 2000.0, seed, percent);
-            assert_eq!(found, None, "seed {seed}, {percent} %, poles");
-        }
-    }
-
-    #[test]
-    fn the_converters_filter_is_recognised_with_a_pole_and_without() {
-        for (seed, [converter, pole]) in (1..).zip([
-            ["ads1281:linear", ""],
-            ["ads1281:minimum", ""],
-            ["ads1281:linear", "+400hz"],
-            ["ads1281:minimum", "+150hz"],
-            ["ads1281:linear", "+1507hz"],
-        ]) {
-            let rate_hz = [2000.0, 1000.0, 4000.0][seed as usize % 3];
-            let found = seen(&format!("{converter}{pole}"), rate_hz, seed);
-            assert_eq!(
-                found.as_deref(),
-                Some(converter),
-                "seed {seed}, {rate_hz}/s, {pole}"
-            );
-        }
-    }
-
-    #[test]
-    fn poles_alone_are_no_converter() {
-        for (seed, poles) in (11..).zip(["400hz", "30hz", "30hz+40hz", "5hz+80hz+300hz"]) {
-            assert_eq!(seen(poles, 2000.0, seed), None, "seed {seed}, {poles}");
-        }
-    }
-
-    #[test]
-    fn another_steep_filter_is_no_converter() {
-        const SEED: u64 = 21;
-        // Averages of neighbours fall to nothing at half the rate, but not as a wall.
-        let mut noise = crate::diagnosis::trial::numbers(SEED, 0);
-        let white: Vec<f64> = (0..SAMPLES + 8).map(|_| noise.draw()).collect();
-        for order in [2, 4, 8] {
-            let mut values = white.clone();
-            for _ in 0..order {
-                values = values.windows(2).map(|two| two[0] + two[1]).collect();
-            }
-            let axis = AxisState::new(Arc::new(values), 100.0, None).expect("a spectrum");
-            assert_eq!(
-                super::chain(&axis, |_| None),
-                None,
-                "seed {SEED}, order {order}"
-            );
-        }
-    }
-
-    #[test]
-    fn behind_two_poles_the_converter_is_recognised_by_one_of_them() {
-        // No mix of the five terms falls as steeply as two poles do.
-        for (seed, poles) in (41..).zip(["+100hz+150hz", "+30hz+200hz", "+300hz+300hz"]) {
-            let found = seen(&format!("ads1281:linear{poles}"), 2000.0, seed);
-            assert_eq!(
-                found.as_deref(),
-                Some("ads1281:linear"),
-                "seed {seed}, {poles}"
-            );
-        }
-    }
-
-    #[test]
-    fn where_its_wall_is_excluded_the_likelihood_says_whether_there_is_one() {
-        use crate::diagnosis::trial::{RATE_HZ, excluded, numbers, ringing};
-        let is_seen = |values: Vec<f64>| {
-            let axis = AxisState::new(Arc::new(values), RATE_HZ, None);
-            let mut axis = axis.expect("a spectrum");
-            axis.exclude(excluded(WALL * RATE_HZ, 0.5 * RATE_HZ));
-            axis.refresh().expect("a fit");
-            super::chain(&axis, |_| None).is_some()
-        };
-        for seed in 51..54 {
-            // Louder at 0.44 of the rate, and shut out about half of it alone: a zero there beside a pole.
-            let mut white = numbers(seed, 0);
-            let mut rings = ringing(seed, 0.44 * RATE_HZ, 0.03 * RATE_HZ);
-            let (mut before, mut passed) = (0.0, 0.0);
-            let next = |_| {
-                let value = white.draw() + 0.7 * rings();
-                passed = value + before - 0.6 * passed;
-                before = value;
-                passed
-            };
-            assert!(!is_seen((0..SAMPLES).map(next).collect()), "seed {seed}");
-            let converter = record("ads1281:linear", RATE_HZ, seed);
-            assert!(is_seen(converter), "seed {seed}: the converter");
-        }
-    }
-}
+mod tests;

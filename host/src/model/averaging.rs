@@ -1,6 +1,7 @@
 //! Averaging: each sample is the mean of what came in the time before it.
 
 use std::f64::consts::PI;
+use std::ops::Range;
 
 use super::Seed;
 use super::effect::{Band, Distorter, Distortion, Effect, Parameter, Part, Quantity, Stage};
@@ -164,15 +165,19 @@ impl Effect for Entry {
     }
 
     fn starts(&self, band: &Band) -> Vec<Vec<f64>> {
-        // From little more than a sample to 32, beyond which lobes are narrower than the bins of a spectrum, 16 an octave. A
-        // zero in the wrong bin is worse than none, so that starts are as close as bins.
-        Band {
-            from_hz: band.to_hz / 16.0,
-            to_hz: 1.8 * band.to_hz,
-        }
-        .steps(1.045)
-        .map(|null_hz| vec![1.0 / null_hz])
-        .collect()
+        /// Samples that a mean is over: from little more than one to those whose lobes are as narrow as the bins of a
+        /// spectrum, 16 an octave.
+        const SAMPLES: Range<f64> = 1.1..32.0;
+        /// A zero in the wrong bin is worse than none, so that starts are as close as bins,
+        const AS_BINS: f64 = 0.045;
+        /// and as close that at half the rate, where one more sample is half a lobe more, none is further from a lobe
+        /// than a sixteenth of it.
+        const OF_A_SAMPLE: f64 = 0.25;
+        let next = |samples: &f64| Some(samples + (AS_BINS * samples).min(OF_A_SAMPLE));
+        let all = std::iter::successors(Some(SAMPLES.start), next);
+        let all = all.take_while(|samples| *samples < SAMPLES.end);
+        all.map(|samples| vec![0.5 * samples / band.to_hz])
+            .collect()
     }
 }
 

@@ -14,6 +14,8 @@ use crate::diagnosis::result::finding::Remark;
 use crate::diagnosis::result::place::Place;
 use crate::diagnosis::result::value::Value;
 use crate::diagnosis::values::ValueFindings;
+use crate::model::averaging::Averaging;
+use crate::model::effect::Distortion;
 use crate::model::kind::Kind;
 use crate::model::random::{Gaussian, Seed};
 
@@ -42,6 +44,16 @@ pub fn noise(seed: u64) -> Vec<f64> {
         normal.draw() + level + step
     });
     values.collect()
+}
+
+/// The running means of some values over so many samples.
+pub fn averaged(mut values: Vec<f64>, samples: f64) -> Vec<f64> {
+    let law = Averaging {
+        duration_s: samples / RATE_HZ,
+    };
+    let seed = Seed { seed: 0, stream: 0 };
+    law.distorter(RATE_HZ, seed).apply(&mut values);
+    values
 }
 
 /// An axis with what a search would know of it.

@@ -7,6 +7,7 @@ use realfft::num_complex::Complex64;
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::record::wave::Wave;
 use crate::fft::phasor::Phasor;
+use crate::model::averaging;
 use crate::spectrum::Line;
 
 /// Share of the record over which each end is tapered where a line is measured: a choice. It costs
@@ -141,4 +142,17 @@ impl Demodulated {
         let turned = sums.map(|(number, sum)| sum * Complex64::cis(turn * f64::from(number)));
         turned.sum::<Complex64>().norm_sqr()
     }
+}
+
+/// Whether a line stands out of what a model expects where it is, too, if that falls in lobes: they are narrower than what
+/// the floor of lines is the median over, which is below their tops.
+pub fn stands_out(axis: &AxisState, line: &Line, level: f64) -> bool {
+    if !axis.laws.iter().any(|law| law.effect == averaging::KIND) {
+        return true;
+    }
+    let measured = axis.measured_share() * axis.filled.len() as f64;
+    let noise = 4.0 * axis.density(line.frequency_hz) * axis.rate_hz;
+    let over_noise = line.amplitude.powi(2) * measured / noise;
+    let frequencies = 0.5 * measured;
+    frequencies * (-over_noise).exp() < level
 }

@@ -50,12 +50,16 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
 
 /// The lines of the residual at a family-wise `level`, grouped.
 pub fn lines(axis: &AxisState, level: f64) -> Vec<Group> {
-    let found = axis.lines(level);
+    let found = axis.lines(level).iter();
+    let found: Vec<Line> = found
+        .filter(|line| measure::stands_out(axis, line, level))
+        .copied()
+        .collect();
     let duration_s = axis.filled.len() as f64 / axis.rate_hz;
     let mut groups = Vec::new();
     let mut singles = Vec::new();
     // Neighbours closer than some tens of 1/T belong together.
-    let mut rest = found;
+    let mut rest = found.as_slice();
     while let Some((first, _)) = rest.split_first() {
         let near = |a: &Line, b: &Line| {
             b.frequency_hz - a.frequency_hz < (40.0 / duration_s).max(0.004 * a.frequency_hz)

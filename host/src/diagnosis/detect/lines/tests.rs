@@ -1,5 +1,6 @@
 //! What looks like a line and is none by itself.
 
+mod lobes;
 mod mains;
 
 use std::f64::consts::TAU;

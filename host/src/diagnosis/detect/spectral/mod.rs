@@ -17,7 +17,7 @@ use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::finding::Rival;
 use crate::model::catalogue::CATALOGUE;
 use crate::model::kind::Kind;
-use crate::model::{markov, resonance};
+use crate::model::{averaging, hum, markov, resonance, sinusoid};
 
 /// Share of the level that is left where the strength of the noise moves: bins scatter by more than
 /// their degrees of freedom say. A thousandth is a choice.
@@ -131,6 +131,10 @@ fn named(look: &Look<'_>, mut found: Vec<Found>) -> Vec<Proposal> {
     };
     if kind == crate::model::telegraph::KIND {
         telegraph::supersede(&mut candidate);
+    }
+    if kind == averaging::KIND {
+        // The tops of its lobes pass for lines until it is there.
+        candidate.reopens = vec![sinusoid::KIND, hum::KIND];
     }
     proposals.push(Proposal::Explain(Box::new(candidate)));
     proposals

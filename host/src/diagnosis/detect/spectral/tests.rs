@@ -235,3 +235,21 @@ fn of_two_laws_that_gain_as_much_the_one_of_fewer_numbers_is_worth_more() {
     };
     assert_eq!(with(2) - with(3), 1.0, "seed 10");
 }
+
+#[test]
+fn a_mean_over_any_number_of_samples_is_found_and_lines_are_asked_anew() {
+    for (seed, samples) in (80..).zip([1.7, 4.7, 11.3, 20.9, 28.6]) {
+        let trial = Trial::new(trial::averaged(noise(seed), samples));
+        let candidate = trial::candidate(trial.ask(&DETECTOR));
+        let candidate = candidate.unwrap_or_else(|| panic!("seed {seed}: nothing"));
+        let Change::Law(law) = &candidate.change else {
+            panic!("seed {seed}: no law");
+        };
+        assert_eq!(law.effect, averaging::KIND, "seed {seed}");
+        let found = law.values[0] * trial::RATE_HZ;
+        assert!((found / samples - 1.0).abs() < 0.01, "seed {seed}: {found}");
+        for kind in [sinusoid::KIND, hum::KIND] {
+            assert!(candidate.reopens.contains(&kind), "seed {seed}: {kind}");
+        }
+    }
+}
