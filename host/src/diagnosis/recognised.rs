@@ -41,6 +41,10 @@ const LEAST_NATS: f64 = 20.0;
 /// What may be ahead of the filter: both let less through at the upper end, in lobes or not, where no wall is.
 const AHEAD: [Kind; 2] = [rolloff::KIND, averaging::KIND];
 
+/// By how much likelier one of them has to make the record, nats: what the best of some 150 starts gains by chance, once in
+/// a hundred.
+const AHEAD_NATS: f64 = 10.0;
+
 /// The chain with which the upper end of an axis's spectrum agrees, where none is declared; its poles are found as
 /// [`rolloff`]. What was filled in the place of missing samples is that of an axis `behind` the chain in question.
 pub fn chain(axis: &AxisState, behind: impl Fn(&Chain) -> Option<AxisState>) -> Option<Chain> {
@@ -65,12 +69,19 @@ pub fn chain(axis: &AxisState, behind: impl Fn(&Chain) -> Option<AxisState>) -> 
         if !falls(&data, axis.rate_hz) {
             return None;
         }
-        let fit = fitted(&bins, &data)?;
-        let gain = fit.log_likelihood - fitted(&axis.bins, &data)?.log_likelihood;
-        agrees(&data, &fit, axis.rate_hz).then_some((chain, gain))
+        let (fit, ahead) = fitted(&bins, &data)?;
+        let gain = fit.log_likelihood - fitted(&axis.bins, &data)?.0.log_likelihood;
+        let is_it = gain > LEAST_NATS && agrees(&data, &fit, axis.rate_hz);
+        is_it.then_some((chain, ahead, gain))
     });
-    let (chain, gain) = fits.max_by(|a, b| a.1.total_cmp(&b.1))?;
-    (gain > LEAST_NATS).then_some(chain)
+    simplest(fits)
+}
+
+/// Of filters with how many laws are ahead of them and with their gains, nats: the one that needs fewest laws, and the likeliest
+/// of these. The filter of one phase behind a pole or a mean looks like that of the other by itself.
+fn simplest(fits: impl Iterator<Item = (Chain, usize, f64)>) -> Option<Chain> {
+    let simplest = fits.min_by(|a, b| a.1.cmp(&b.1).then(b.2.total_cmp(&a.2)));
+    simplest.map(|(chain, ..)| chain)
 }
 
 /// Whether the spectrum falls by more than a pole at its end.
@@ -87,8 +98,9 @@ fn falls(data: &Data, rate_hz: f64) -> bool {
     end.is_some_and(|end| count > 0.0 && level > LEAST_FALL * count * end)
 }
 
-/// The likeliest fit of the upper end of a spectrum, ahead of which a pole may be, a mean over some samples, or both.
-fn fitted(bins: &SpectralBins, data: &Data) -> Option<Fit> {
+/// The likeliest fit of the upper end of a spectrum, ahead of which a pole may be, a mean over some samples, or both, and how
+/// many of them are.
+fn fitted(bins: &SpectralBins, data: &Data) -> Option<(Fit, usize)> {
     let counts = |(f_hz, dof): (&f64, &f64)| *f_hz >= WALL * bins.rate_hz() && *dof >= 1.0;
     let shows_wall = data.f_hz.iter().zip(&data.dof).any(counts);
     let below = 0.0..FROM * bins.rate_hz();
@@ -110,13 +122,13 @@ fn fitted(bins: &SpectralBins, data: &Data) -> Option<Fit> {
         let found = ahead.iter();
         let found = found.filter_map(|&kind| search::best(present, &starts, kind));
         let best = found.max_by(|a, b| a.nats.total_cmp(&b.nats));
-        let Some(best) = best.filter(|best| best.nats > 0.0) else {
+        let Some(best) = best.filter(|best| best.nats > AHEAD_NATS) else {
             break;
         };
         laws.push(best.law);
         fit = best.fit;
     }
-    Some(fit)
+    Some((fit, laws.len()))
 }
 
 /// Whether every bin of the wall is what a fit expects there.

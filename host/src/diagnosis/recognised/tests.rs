@@ -121,6 +121,25 @@ fn means_over_some_samples_are_no_converter_and_hide_none() {
 }
 
 #[test]
+fn of_two_filters_it_is_the_one_that_needs_less_ahead() {
+    let fit = |phase, laws, gain| {
+        let chain = Chain {
+            converter: Some(phase),
+            poles_hz: Vec::new(),
+        };
+        (chain, laws, gain)
+    };
+    let chosen = |fits: [(Chain, usize, f64); 2]| {
+        simplest(fits.into_iter()).and_then(|chain| chain.converter)
+    };
+    let (linear, minimum) = (Phase::Linear, Phase::Minimum);
+    let of_both = [fit(linear, 1, 30.0), fit(minimum, 2, 50.0)];
+    assert_eq!(chosen(of_both), Some(linear));
+    let of_one = [fit(linear, 1, 30.0), fit(minimum, 1, 50.0)];
+    assert_eq!(chosen(of_one), Some(minimum));
+}
+
+#[test]
 fn another_steep_filter_is_no_converter() {
     const SEED: u64 = 21;
     // Averages of neighbours fall to nothing at half the rate, but not as a wall.
