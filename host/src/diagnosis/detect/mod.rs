@@ -47,6 +47,8 @@ pub static BEFORE_ROUNDS: &[&Detector] = &[
     &stale::DETECTOR,
     // What a level goes through that switches all the time is no event.
     &telegraph::path::DETECTOR,
+    // Nor is how it settles from the start.
+    &warmup::plain::DETECTOR,
     &shock::DETECTOR,
     &clipping::DETECTOR,
     &coarse_grid::DETECTOR,

@@ -37,13 +37,32 @@ pub(crate) struct Pooled<'a> {
     bins: Held<'a>,
 }
 
-/// Bins for the record as measured: those of the axis, unless parts of it are masked by now.
+/// Bins for the record as measured: those of the axis, unless parts of it are left out by now.
 enum Held<'a> {
     Own(Box<SpectralBins>),
     Axis(&'a SpectralBins),
 }
 
-impl Held<'_> {
+impl<'a> Held<'a> {
+    /// For the record of an axis as it was `measured`, with its spectrum. Where the bins of the axis leave out what a converter
+    /// makes of a jump, all of the record may have one bin more.
+    fn of(axis: &'a AxisState, measured: &[f64]) -> (Self, Vec<f64>) {
+        let own = || SpectralBins::new(measured, axis.rate_hz, axis.chain.as_ref());
+        let shared = || axis.bins.measure(measured).psd;
+        let fits = |psd: &Vec<f64>| psd.len() == axis.bins.all().len();
+        let psd = (!axis.residual.is_masked()).then(shared).filter(fits);
+        if let Some(psd) = psd {
+            return (Self::Axis(&axis.bins), psd);
+        }
+        match own() {
+            Some(bins) => {
+                let psd = bins.first().psd;
+                (Self::Own(Box::new(bins)), psd)
+            }
+            None => (Self::Axis(&axis.bins), shared()),
+        }
+    }
+
     fn get(&self) -> &SpectralBins {
         match self {
             Self::Own(bins) => bins,
@@ -57,12 +76,7 @@ impl<'a> Pooled<'a> {
     /// the simulated densities are not yet among them.
     pub fn new(axis: &'a AxisState, before: &Fit, own: &InRecord, passing: &Passing) -> Self {
         let measured = axis.residual.whole();
-        let whole = axis
-            .residual
-            .is_masked()
-            .then(|| SpectralBins::new(measured, axis.rate_hz, axis.chain.as_ref()))
-            .flatten();
-        let held = whole.map_or(Held::Axis(&axis.bins), |bins| Held::Own(Box::new(bins)));
+        let (held, psd) = Held::of(axis, measured);
         let bins = held.get();
         let mut after = sum(&laws::components(bins, &axis.laws), &axis.fit.squared);
         for (after, bin) in after.iter_mut().zip(bins.all()) {
@@ -73,7 +87,6 @@ impl<'a> Pooled<'a> {
             *sum = (*sum + added).max(0.0);
         }
         let before = sum(bins.units(), &before.squared);
-        let psd = bins.measure(measured).psd;
         let f_hz: Vec<f64> = bins.all().iter().map(|bin| bin.f_hz).collect();
         let edf: Vec<f64> = bins.all().iter().map(|bin| bin.edf).collect();
         let runs = pool::runs(edf.iter().copied(), LEAST_EDF);
@@ -127,4 +140,36 @@ fn sum(components: &[Vec<f64>], squared: &[f64]) -> Vec<f64> {
     let mut total = vec![0.0; bins];
     add_mixture(&mut total, components, squared);
     total
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use super::*;
+    use crate::diagnosis::explanation::Change;
+    use crate::diagnosis::trial::{jump, numbers, take_in};
+    use crate::diagnosis::views::in_record;
+    use crate::model::steps;
+
+    #[test]
+    fn all_of_a_record_has_its_own_bins_where_a_jump_is_left_out() {
+        const RATE_HZ: f64 = 250.0;
+        let chain = "ads1281:linear+400hz".parse().expect("a chain");
+        let differs = |length: &usize| {
+            let mut noise = numbers(1, 0);
+            let values: Vec<f64> = (0..*length).map(|_| noise.draw()).collect();
+            let axis = AxisState::new(Arc::new(values), RATE_HZ, Some(&chain));
+            let mut axis = axis.expect("a spectrum");
+            let before = axis.fit.clone();
+            let change = Change::Waves(vec![jump(length / 3, 1.0)]);
+            take_in(&mut axis, steps::KIND, change);
+            let passing = Passing::new(&axis, &[]);
+            let view = Pooled::new(&axis, &before, &in_record(&axis), &passing);
+            assert!(view.points.iter().all(|one| one.psd > 0.0), "{length}");
+            view.edf.len() != axis.bins.all().len()
+        };
+        let lengths: Vec<usize> = (8192..12_000).step_by(27).collect();
+        assert!(lengths.iter().any(differs), "seed 1: the same everywhere");
+    }
 }
