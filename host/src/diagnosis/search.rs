@@ -47,6 +47,7 @@ pub fn take_events_out(axis: &mut AxisState, context: &Context<'_>) -> Result<()
     let mut search = Search::new(axis, context);
     search.ask(&detect::stale::DETECTOR)?;
     search.ask(&detect::telegraph::path::DETECTOR)?;
+    search.ask(&detect::warmup::plain::DETECTOR)?;
     while search.ask(&detect::shock::DETECTOR)? != Changed::Nothing {}
     // Noise that they had raised hides further ones.
     for _ in 0..ROUNDS {
@@ -165,6 +166,10 @@ impl<'a> Search<'a> {
                 if !any {
                     return Ok(Changed::Nothing);
                 }
+                self.axis.refresh()?;
+            }
+            Proposal::WithdrawLaw(number) => {
+                self.axis.withdraw_law(number);
                 self.axis.refresh()?;
             }
             Proposal::Learn(lesson) => {

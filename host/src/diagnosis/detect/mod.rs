@@ -47,6 +47,8 @@ pub static BEFORE_ROUNDS: &[&Detector] = &[
     &stale::DETECTOR,
     // What a level goes through that switches all the time is no event.
     &telegraph::path::DETECTOR,
+    // Nor is how it settles from the start.
+    &warmup::plain::DETECTOR,
     &shock::DETECTOR,
     &clipping::DETECTOR,
     &coarse_grid::DETECTOR,
@@ -69,6 +71,8 @@ pub static ROUND: &[&Detector] = &[
     &burst::DETECTOR,
     &strength::DETECTOR,
     &spectral::DETECTOR,
+    // Beside others, another may be in the place of the first.
+    &spectral::exchange::DETECTOR,
     // What is left may be hidden by the walk that it was taken for.
     &level::IN_NOISE_ANEW,
     &lines::WANDERING,

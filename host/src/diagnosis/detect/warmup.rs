@@ -3,6 +3,7 @@
 //! Whitened on the record's slow copy, where each settling is compared with the noise at all frequencies at
 //! once.
 
+pub mod plain;
 #[cfg(test)]
 mod tests;
 
