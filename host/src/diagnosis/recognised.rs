@@ -2,8 +2,8 @@
 //!
 //! The digital filter of an ADS1281 passes all up to 0.41 of the data rate and next to nothing from 0.5 of it on: a wall that
 //! noise of no sensor has by itself, and that every law of the catalogue would be tried on in vain. So it is looked for
-//! before anything else: the upper end of the spectrum is fitted as white noise behind a pole or a mean over some samples,
-//! with the filter and without.
+//! before anything else: the upper end of the spectrum is fitted as noise behind a pole, a mean over some samples, both or
+//! neither, with the filter and without.
 
 use inm_protocol::Phase;
 
@@ -69,8 +69,9 @@ pub fn chain(axis: &AxisState, behind: impl Fn(&Chain) -> Option<AxisState>) -> 
         if !falls(&data, axis.rate_hz) {
             return None;
         }
-        let (fit, ahead) = fitted(&bins, &data)?;
-        let gain = fit.log_likelihood - fitted(&axis.bins, &data)?.0.log_likelihood;
+        let (fit, ahead) = fitted(&bins, &data, &Starts::new(&bins)?)?;
+        let (without, _) = fitted(&axis.bins, &data, &*axis.starts()?)?;
+        let gain = fit.log_likelihood - without.log_likelihood;
         let is_it = gain > LEAST_NATS && agrees(&data, &fit, axis.rate_hz);
         is_it.then_some((chain, ahead, gain))
     });
@@ -99,8 +100,8 @@ fn falls(data: &Data, rate_hz: f64) -> bool {
 }
 
 /// The likeliest fit of the upper end of a spectrum, ahead of which a pole may be, a mean over some samples, or both, and how
-/// many of them are.
-fn fitted(bins: &SpectralBins, data: &Data) -> Option<(Fit, usize)> {
+/// many of them are. Searches begin with `starts`.
+fn fitted(bins: &SpectralBins, data: &Data, starts: &Starts) -> Option<(Fit, usize)> {
     let counts = |(f_hz, dof): (&f64, &f64)| *f_hz >= WALL * bins.rate_hz() && *dof >= 1.0;
     let shows_wall = data.f_hz.iter().zip(&data.dof).any(counts);
     let below = 0.0..FROM * bins.rate_hz();
@@ -110,7 +111,6 @@ fn fitted(bins: &SpectralBins, data: &Data) -> Option<(Fit, usize)> {
     };
     // Where its wall does not count, nothing says that what a mean makes of it is not there.
     let ahead = if shows_wall { &AHEAD[..] } else { &AHEAD[..1] };
-    let starts = Starts::new(bins)?;
     let (mut laws, mut fit) = (Vec::new(), laws::fit(bins, &data, &[])?);
     for _ in ahead {
         let present = Fitted {
@@ -120,7 +120,7 @@ fn fitted(bins: &SpectralBins, data: &Data) -> Option<(Fit, usize)> {
             fit: &fit,
         };
         let found = ahead.iter();
-        let found = found.filter_map(|&kind| search::best(present, &starts, kind));
+        let found = found.filter_map(|&kind| search::best(present, starts, kind));
         let best = found.max_by(|a, b| a.nats.total_cmp(&b.nats));
         let Some(best) = best.filter(|best| best.nats > AHEAD_NATS) else {
             break;

@@ -59,7 +59,9 @@ impl Completed {
 /// The model of an axis with bands, and its fit to all of `data` together with the sizes of its `tones`; `None` where no
 /// band is worth its cost.
 pub fn fitted(axis: &AxisState, data: &Data, tones: &[Vec<f64>]) -> Option<Completed> {
-    Search::new(axis, data, tones).completed()
+    let search = Search::new(axis, data, tones);
+    let dictionary = Dictionary::new(&search.bins, data);
+    search.completed(&dictionary)
 }
 
 /// A `completed` model, or a likelier one in which bands take the place of one of the five terms: the pursuit never takes back
@@ -70,12 +72,13 @@ pub fn in_place_of_a_term(
     tones: &[Vec<f64>],
     completed: Completed,
 ) -> Completed {
+    let dictionary = Dictionary::new(&laws::behind(&axis.bins, &axis.laws), data);
     let terms = (0..axis.bins.units().len()).into_par_iter();
     let there = terms.filter(|&term| completed.fit.squared[term] > 0.0);
     let others = there.filter_map(|term| {
         let mut search = Search::new(axis, data, tones);
         search.do_without(term)?;
-        search.completed()
+        search.completed(&dictionary)
     });
     let others: Vec<Completed> = others.collect();
     let all = std::iter::once(completed).chain(others);
@@ -137,10 +140,9 @@ impl<'a> Search<'a> {
     }
 
     /// The model with all bands that are worth their cost.
-    fn completed(mut self) -> Option<Completed> {
-        let dictionary = Dictionary::new(&self.bins, self.data);
+    fn completed(mut self, dictionary: &Dictionary) -> Option<Completed> {
         let cost_nats = (dictionary.trials() / NEEDLESS).ln();
-        while self.bands.len() < MOST && self.add_best(&dictionary, cost_nats).is_some() {}
+        while self.bands.len() < MOST && self.add_best(dictionary, cost_nats).is_some() {}
         self.finish(cost_nats)
     }
 
