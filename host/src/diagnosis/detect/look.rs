@@ -81,6 +81,8 @@ pub enum Proposal {
     ExcludeLine(Excluded),
     /// Take explanations of these kinds back.
     Withdraw(Vec<Kind>),
+    /// Takes the law of this number back.
+    WithdrawLaw(usize),
     /// Remember what explains nothing but decides what may.
     Learn(Lesson),
 }

@@ -1,6 +1,7 @@
 //! Laws that change the shape of the spectrum: every effect of the catalogue that a search by shape can begin
 //! with ([`Effect::starts`](crate::model::effect::Effect::starts)), and telegraph noise among them.
 
+pub mod exchange;
 mod switching;
 #[cfg(test)]
 mod tests;
