@@ -168,6 +168,10 @@ impl<'a> Search<'a> {
                 }
                 self.axis.refresh()?;
             }
+            Proposal::WithdrawLaw(number) => {
+                self.axis.withdraw_law(number);
+                self.axis.refresh()?;
+            }
             Proposal::Learn(lesson) => {
                 self.character.learn(lesson);
                 return Ok(Changed::Nothing);

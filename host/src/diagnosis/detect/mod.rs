@@ -71,6 +71,8 @@ pub static ROUND: &[&Detector] = &[
     &burst::DETECTOR,
     &strength::DETECTOR,
     &spectral::DETECTOR,
+    // Beside others, another may be in the place of the first.
+    &spectral::exchange::DETECTOR,
     // What is left may be hidden by the walk that it was taken for.
     &level::IN_NOISE_ANEW,
     &lines::WANDERING,

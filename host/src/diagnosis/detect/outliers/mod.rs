@@ -12,7 +12,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::{Detector, steps};
-use crate::diagnosis::axis::{AxisState, NoFit, SPREAD};
+use crate::diagnosis::axis::{AxisState, NoFit};
 use crate::diagnosis::detect::burst;
 use crate::diagnosis::detect::look::{Lesson, Look, Proposal};
 use crate::diagnosis::detect::telegraph::short_dwells::is_of_switching;
@@ -201,21 +201,6 @@ fn sought(look: &Look<'_>, whole: &Transform, density: &[f64], powers: &Powers) 
         found.outliers.retain(|one| !steps::is_jump(&jumps, one));
     }
     found
-        .outliers
-        .retain(|one| !is_left_of_a_jump(look.axis, one));
-    found
-}
-
-/// Whether a large sample is what a jump that is known leaves of itself, which is never quite as high, nor quite between two
-/// samples.
-fn is_left_of_a_jump(axis: &AxisState, one: &Outlier) -> bool {
-    /// Share of its height that a jump may leave: a choice, as much as its height is known to.
-    const LEFT: f64 = 0.01;
-    let reach = if axis.is_filtered() { SPREAD } else { NEAR };
-    let mut jumps = axis.residual.jumps();
-    jumps.any(|jump| {
-        jump.index.abs_diff(one.index) <= reach && one.size.abs() < LEFT * jump.height.abs()
-    })
 }
 
 /// Samples on either side of one that was drawn that the filter leaves out, where few were drawn: a choice, as far as a

@@ -251,23 +251,3 @@ fn few_outliers_are_dated_one_by_one() {
     assert_eq!(dated(&all[..16], trial::RATE_HZ).len(), 2 * 16);
     assert_eq!(dated(&all, trial::RATE_HZ).len(), 0);
 }
-
-#[test]
-fn what_a_jump_leaves_of_itself_is_no_outlier() {
-    use crate::model::steps;
-    for seed in 20..23 {
-        let named = |left: f64| {
-            let mut values = noise(seed);
-            let middle = values.len() / 2;
-            let jumps = [trial::jump(middle, 4000.0)];
-            trial::add(&mut values, &Wave::Steps(jumps.to_vec()));
-            values[middle] += left;
-            let mut trial = Trial::new(values);
-            let at_s = middle as f64 / trial::RATE_HZ;
-            trial.know(steps::KIND, [at_s, 4000.0], trial::steps(&jumps));
-            !named_at(trial.ask(&DETECTOR)).is_empty()
-        };
-        assert!(!named(20.0), "seed {seed}: half a hundredth of it");
-        assert!(named(80.0), "seed {seed}: two hundredths");
-    }
-}
