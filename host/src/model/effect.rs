@@ -49,6 +49,12 @@ pub trait Effect: Send + Sync {
         Vec::new()
     }
 
+    /// Nats that these values cost where another effect does the same: what hardly anybody builds is
+    /// the less likely name. `rate_hz` is the number of samples a second.
+    fn surprise_nats(&self, _values: &[f64], _rate_hz: f64) -> f64 {
+        0.0
+    }
+
     /// The effect with these values, which are as many as [`Effect::parameters`] says and in
     /// range.
     fn part(&self, values: &[f64]) -> Part;

@@ -6,13 +6,13 @@
 
 use rayon::prelude::*;
 
-use super::{is_line, worth};
+use super::{cost, is_line};
 use crate::diagnosis::axis::NoFit;
 use crate::diagnosis::detect::Detector;
 use crate::diagnosis::detect::look::{Look, Proposal};
 use crate::diagnosis::explanation::{Candidate, Change};
-use crate::diagnosis::laws;
 use crate::diagnosis::laws::search::{self, Fitted, Found, Starts};
+use crate::diagnosis::laws::{self, Law};
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::finding::Rival;
 use crate::model::catalogue::CATALOGUE;
@@ -24,14 +24,14 @@ const STEP: f64 = 0.05;
 /// Looks for the law that is worth most in another's place. The tests are those of the laws.
 pub static DETECTOR: Detector = Detector { tests: 0, look };
 
-/// Laws that may be in the place of another.
-struct Exchange {
+/// A law in the place of another.
+struct Instead {
     /// Number of the law that is left out.
     number: usize,
-    /// Gain of the best with all others moved to it, parameters paid for, nats.
-    nats: f64,
-    /// The laws, the one that is worth most first.
-    found: Vec<Found>,
+    /// The one in its place, with all others moved to it, and its gain over nothing there.
+    found: Found,
+    /// Log-likelihood less what all laws cost, nats.
+    worth: f64,
 }
 
 fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
@@ -44,38 +44,47 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     let laws = explanations.filter(|one| one.law().is_some()).enumerate();
     // Two levels are known by more than their spectrum.
     let laws = laws.filter(|(_, one)| one.kind() != telegraph::KIND);
-    let exchanges = laws.filter_map(|(number, _)| instead_of(look, &starts, number));
-    let best = exchanges.max_by(|a, b| a.nats.total_cmp(&b.nats));
-    let is_better = |one: &Exchange| (-one.nats).exp() < look.level();
-    Ok(best.filter(is_better).map_or_else(Vec::new, |best| {
-        vec![
-            Proposal::WithdrawLaw(best.number),
-            Proposal::Explain(Box::new(candidate(best.found))),
-        ]
-    }))
+    let mut found: Vec<Instead> = laws
+        .flat_map(|(number, _)| instead_of(look, &starts, number))
+        .collect();
+    found.sort_by(|a, b| b.worth.total_cmp(&a.worth));
+    let now = axis.fit.log_likelihood - costs(axis.rate_hz, &axis.laws);
+    let is_better = |one: &Instead| (now - one.worth).exp() < look.level();
+    if !found.first().is_some_and(is_better) {
+        return Ok(Vec::new());
+    }
+    let best = found.remove(0);
+    let rivals = found.iter().filter(|one| one.number == best.number);
+    let rivals = rivals.map(|one| Rival {
+        effect: one.found.law.effect,
+        log_odds: best.worth - one.worth,
+    });
+    let Found { law, p_value, .. } = best.found;
+    let freedom = law.values.len() as f64;
+    let effect = Estimate::of_law(law.effect);
+    let candidate = Candidate {
+        rivals: rivals.collect(),
+        ..Candidate::new(effect, p_value, freedom, Change::Law(law))
+    };
+    Ok(vec![
+        Proposal::WithdrawLaw(best.number),
+        Proposal::Explain(Box::new(candidate)),
+    ])
 }
 
-/// The law that is worth most, with the others as rivals.
-fn candidate(mut found: Vec<Found>) -> Candidate {
-    let first = found.remove(0);
-    let rivals = found.iter().map(|one| Rival {
-        effect: one.law.effect,
-        log_odds: worth(&first) - worth(one),
-    });
-    let effect = Estimate::of_law(first.law.effect);
-    let freedom = first.law.values.len() as f64;
-    Candidate {
-        rivals: rivals.collect(),
-        ..Candidate::new(effect, first.p_value, freedom, Change::Law(first.law))
-    }
+/// Nats that all these laws cost.
+fn costs(rate_hz: f64, laws: &[Law]) -> f64 {
+    laws.iter().map(|law| cost(rate_hz, law)).sum()
 }
 
 /// What may be in the place of a law.
-fn instead_of(look: &Look<'_>, starts: &Starts, number: usize) -> Option<Exchange> {
+fn instead_of(look: &Look<'_>, starts: &Starts, number: usize) -> Vec<Instead> {
     let axis = look.axis;
     let mut others = axis.laws.clone();
     let own = others.remove(number);
-    let fit = laws::fit(&axis.bins, &axis.data, &others)?;
+    let Some(fit) = laws::fit(&axis.bins, &axis.data, &others) else {
+        return Vec::new();
+    };
     let present = Fitted {
         bins: &axis.bins,
         data: &axis.data,
@@ -84,19 +93,24 @@ fn instead_of(look: &Look<'_>, starts: &Starts, number: usize) -> Option<Exchang
     };
     let kinds = CATALOGUE.par_iter();
     let kinds = kinds.filter(|kind| **kind != own.effect && look.is_open(**kind));
-    let found = kinds.filter_map(|&kind| search::search(present, starts, kind));
-    let mut found: Vec<Found> = found.filter(|one| one.p_value < look.level()).collect();
-    found.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
-    let first = found.first().filter(|one| !is_line(look, one))?;
-    let cost = first.law.values.len() as f64 - own.values.len() as f64;
-    let mut all = others.clone();
-    all.push(first.law.clone());
-    let fit = search::polish(&axis.bins, &axis.data, &mut all, 0, STEP)?;
-    Some(Exchange {
-        number,
-        nats: fit.log_likelihood - axis.fit.log_likelihood - cost,
-        found,
-    })
+    let found = kinds.filter_map(|&kind| {
+        let found = search::search(present, starts, kind)?;
+        if found.p_value >= look.level() || is_line(look, &found) {
+            return None;
+        }
+        let mut all = others.clone();
+        all.push(found.law.clone());
+        let fit = search::polish(&axis.bins, &axis.data, &mut all, 0, STEP)?;
+        Some(Instead {
+            number,
+            worth: fit.log_likelihood - costs(axis.rate_hz, &all),
+            found: Found {
+                law: all.pop()?,
+                ..found
+            },
+        })
+    });
+    found.collect()
 }
 
 #[cfg(test)]

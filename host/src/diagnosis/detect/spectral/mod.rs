@@ -12,8 +12,8 @@ use super::{Detector, lines, telegraph};
 use crate::diagnosis::axis::{AxisState, NoFit};
 use crate::diagnosis::detect::look::{Lesson, Look, Proposal};
 use crate::diagnosis::explanation::{Candidate, Change};
-use crate::diagnosis::laws;
 use crate::diagnosis::laws::search::{self, Found};
+use crate::diagnosis::laws::{self, Law};
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::finding::Rival;
 use crate::model::catalogue::CATALOGUE;
@@ -92,17 +92,24 @@ fn significant(look: &Look<'_>) -> Result<Vec<Found>, NoFit> {
     let mut found: Vec<Found> = found.collect();
     // Only what is significant competes: a search over more shapes gains more by chance.
     found.retain(|one| one.p_value < level);
+    let worth = |one: &Found| worth(axis.rate_hz, one);
     found.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
     Ok(found)
 }
 
-/// Gain in log-likelihood; each parameter has to be paid for.
-fn worth(one: &Found) -> f64 {
-    one.nats - one.law.values.len() as f64
+/// Gain in log-likelihood at this rate; what a law costs has to be paid for.
+fn worth(rate_hz: f64, one: &Found) -> f64 {
+    one.nats - cost(rate_hz, &one.law)
+}
+
+/// Nats that a law costs: one for each parameter, and what makes its values unlikely.
+fn cost(rate_hz: f64, law: &Law) -> f64 {
+    law.values.len() as f64 + law.effect.surprise_nats(&law.values, rate_hz)
 }
 
 /// The law by its likeliest name, with the others as rivals.
 fn named(look: &Look<'_>, mut found: Vec<Found>) -> Vec<Proposal> {
+    let worth = |one: &Found| worth(look.axis.rate_hz, one);
     let mut names: Vec<(Kind, f64)> = found
         .iter()
         .map(|one| (one.law.effect, worth(one)))

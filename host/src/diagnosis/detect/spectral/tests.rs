@@ -231,7 +231,7 @@ fn of_two_laws_that_gain_as_much_the_one_of_fewer_numbers_is_worth_more() {
     let mut one = found.into_iter().next().expect("a plain law");
     let mut with = |values: usize| {
         one.law.values.resize(values, 1.0);
-        worth(&one)
+        worth(trial::RATE_HZ, &one)
     };
     assert_eq!(with(2) - with(3), 1.0, "seed 10");
 }
