@@ -10,12 +10,16 @@ use crate::diagnosis::record::short_gaps::ShortGaps;
 /// Nats by which a law may still move from one fill to the next when it is taken for the record's own: a choice.
 const AGREED: f64 = 0.1;
 
-/// Fills of a record at most: a choice. A third of a record of quantisation noise missing takes half as many.
+/// Fills of a record at most, and those where nothing was filled before: a choice. A third of a record of quantisation noise missing takes half as many.
 pub(super) const AT_FIRST: usize = 20;
 
-/// Fills at most where the record was filled before, and little has changed: a choice. A law that has a floor near zero
+/// Fills where the record was filled before and little has changed: a choice. A law that has a floor near zero
 /// tends there ever more slowly, and each fill of a million samples takes a second.
 pub(super) const AGAIN: usize = 4;
+
+/// Nats by which a law may still move after those: a choice, below what any test takes for significant. A strong tone that is
+/// taken out leaves gaps that were drawn with its power, of which each fill keeps the share that is missing.
+const UNSEEN: f64 = 3.0;
 
 /// The part of what a law is off by that one fill leaves at most, as far as it is trusted to go on so: a choice.
 const SLOWEST: f64 = 0.75;
@@ -40,20 +44,21 @@ impl AxisState {
             .is_some_and(|place| *place <= index + samples)
     }
 
-    /// Fills the short gaps by the law as it is fitted and fits it anew, until the two agree, `most` times at most. Leaves
-    /// an axis that has none as it is.
+    /// Fills the short gaps by the law as it is fitted and fits it anew, until the two agree: as often as is
+    /// `usual`, and further where a test would see what still moves. Leaves an axis that has none as it is.
     ///
     /// # Errors
     /// [`NoFit`] where what is filled cannot be fitted.
-    pub(super) fn fill(&mut self, most: usize) -> Result<(), NoFit> {
+    pub(super) fn fill(&mut self, usual: usize) -> Result<(), NoFit> {
         let Some(gaps) = self.short_gaps.clone() else {
             return Ok(());
         };
         let mut course: Vec<Vec<f64>> = Vec::new();
-        for _ in 0..most {
+        for n in 0..AT_FIRST {
             let expected = self.fit.expected.clone();
             self.fill_once(&gaps, &mut course)?;
-            if self.nats_from(&expected) < AGREED {
+            let nats = self.nats_from(&expected);
+            if nats < AGREED || (n + 1 >= usual && nats < UNSEEN) {
                 break;
             }
         }
