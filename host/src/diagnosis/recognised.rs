@@ -58,21 +58,23 @@ pub fn chain(axis: &AxisState, behind: impl Fn(&Chain) -> Option<AxisState>) -> 
             converter: Some(phase),
             poles_hz: Vec::new(),
         };
-        let (data, bins) = if is_filled {
-            let behind = behind(&chain)?;
-            (behind.data, behind.bins)
-        } else {
-            let mut bins = SpectralBins::new(&axis.residual.values(), axis.rate_hz, Some(&chain))?;
-            bins.leave_out(&axis.excluded_hz());
-            (axis.data.clone(), bins)
-        };
-        if !falls(&data, axis.rate_hz) {
+        let seen = is_filled.then(|| behind(&chain));
+        let axis = seen.as_ref().map_or(Some(axis), Option::as_ref)?;
+        let data = &axis.data;
+        if !falls(data, axis.rate_hz) {
             return None;
         }
-        let (fit, ahead) = fitted(&bins, &data, &Starts::new(&bins)?)?;
-        let (without, _) = fitted(&axis.bins, &data, &*axis.starts()?)?;
+        let bins = |chain| {
+            let mut bins = SpectralBins::new(&axis.residual.values(), axis.rate_hz, chain)?;
+            bins.know_less(axis.filled_share());
+            bins.leave_out(&axis.excluded_hz());
+            Some(bins)
+        };
+        let (bins, unfiltered) = (bins(Some(&chain))?, bins(None)?);
+        let (fit, ahead) = fitted(&bins, data, &Starts::new(&bins)?)?;
+        let (without, _) = fitted(&unfiltered, data, &Starts::new(&unfiltered)?)?;
         let gain = fit.log_likelihood - without.log_likelihood;
-        let is_it = gain > LEAST_NATS && agrees(&data, &fit, axis.rate_hz);
+        let is_it = gain > LEAST_NATS && agrees(data, &fit, axis.rate_hz);
         is_it.then_some((chain, ahead, gain))
     });
     simplest(fits)

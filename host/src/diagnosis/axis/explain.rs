@@ -192,8 +192,7 @@ impl AxisState {
             self.starts = OnceLock::new();
             let bins = SpectralBins::new(&values, self.rate_hz, self.chain.as_ref());
             self.bins = bins.ok_or(NoFit)?;
-            let missing = self.short_gaps().map_or(0.0, |gaps| gaps.share());
-            self.bins.know_less(missing);
+            self.bins.know_less(self.filled_share());
             self.bins.leave_out(&self.excluded_hz());
             self.data = self.bins.first();
             self.left_out = left_out;

@@ -35,6 +35,11 @@ impl AxisState {
         self.short_gaps().map_or(0, |gaps| gaps.places().len())
     }
 
+    /// Their share of the samples that are there or stand there.
+    pub fn filled_share(&self) -> f64 {
+        self.short_gaps().map_or(0.0, ShortGaps::share)
+    }
+
     /// Whether a sample that was filled lies no more than so many samples from this one.
     pub fn is_beside_filled(&self, index: usize, samples: usize) -> bool {
         let places = self.short_gaps().map_or(&[][..], ShortGaps::places);

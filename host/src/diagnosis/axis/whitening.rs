@@ -25,9 +25,10 @@ const DRIFT: usize = 1 << 15;
 /// `2 / 40`, a deviation of 22 %, it keeps the share `dof / (dof + 40)`. The 22 % are a choice.
 const OWN_RATIO: f64 = 40.0;
 
-/// Measured over expected power from which a law lacks something: a choice. What is drawn by a law that lacks a strong line
-/// leaves a mark at each gap; drawn by the measured bins, chance in them would be made lasting.
-const FAR_MORE: f64 = 10.0;
+/// Deviations from which a bin's ratio is not chance: 1 % of records have one so far off among some 200 bins. What is drawn by
+/// a law that lacks something leaves a mark of it at each gap; drawn by the measured bins, chance in them would be made
+/// lasting.
+const NO_CHANCE: f64 = 4.0;
 
 /// Ordinates whose densities lie on a straight line: a choice; how far off that is, see
 /// [`ONE_BY_ONE`].
@@ -47,11 +48,27 @@ const LEAST_SHARE: f64 = 1e-5;
 impl AxisState {
     /// Measured over expected power of the bins, drawn towards 1 where it rests on little.
     fn ratio(&self, f_hz: f64) -> f64 {
+        self.between_bins(f_hz, |log, dof| log * dof / (dof + OWN_RATIO))
+    }
+
+    /// The same where chance does not make it, and 1 elsewhere.
+    fn sure_ratio(&self, f_hz: f64) -> f64 {
+        self.between_bins(f_hz, |log, dof| {
+            if log.abs() > NO_CHANCE * (2.0 / dof).sqrt() {
+                log
+            } else {
+                0.0
+            }
+        })
+    }
+
+    /// Measured over expected power at a frequency, of each bin what `takes` makes of its logarithm and its degrees of
+    /// freedom.
+    fn between_bins(&self, f_hz: f64, takes: impl Fn(f64, f64) -> f64) -> f64 {
         let place = self.data.f_hz.partition_point(|&f| f < f_hz);
         let at = |bin: usize| {
-            let dof = self.bins.dof()[bin];
-            let own = dof / (dof + OWN_RATIO);
-            own * (self.data.psd[bin] / self.fit.expected[bin]).ln()
+            let log = (self.data.psd[bin] / self.fit.expected[bin]).ln();
+            takes(log, self.bins.dof()[bin])
         };
         let last = self.data.len() - 1;
         let log = match place {
@@ -77,10 +94,9 @@ impl AxisState {
     }
 
     /// Densities of the fitted law at the ordinates of a ring of `len` samples, of the tones that have a name too; where
-    /// far more was measured, a line that has no name yet, that.
+    /// what was measured lies surely beside it, that.
     pub(super) fn law_densities(&self, len: usize) -> Vec<f64> {
-        let beyond = |ratio: f64| if ratio > FAR_MORE { ratio } else { 1.0 };
-        let law = |f_hz| self.density(f_hz) * beyond(self.ratio(f_hz));
+        let law = |f_hz| self.density(f_hz) * self.sure_ratio(f_hz);
         let mut densities = tabulate(len, self.rate_hz, law);
         for tone in self.explanations().iter().filter(|one| one.is_tone()) {
             let Part::Term(term) = tone.kind().part(&tone.effect.plain()) else {
