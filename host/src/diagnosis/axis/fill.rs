@@ -61,7 +61,12 @@ impl AxisState {
         let mut course: Vec<Vec<f64>> = Vec::new();
         for n in 0..AT_FIRST {
             let expected = self.fit.expected.clone();
-            self.fill_once(&gaps, &mut course)?;
+            let density = match n {
+                // What was drawn before by another law is gone with this; what then lies beside the law was measured.
+                0 => self.law_densities(gaps.ring_len()),
+                _ => self.seen_densities(gaps.ring_len()),
+            };
+            self.fill_once(&gaps, density, &mut course)?;
             let nats = self.nats_from(&expected);
             if nats < AGREED || (n + 1 >= usual && nats < UNSEEN) {
                 break;
@@ -100,10 +105,14 @@ impl AxisState {
         }
     }
 
-    /// Fills the gaps once and fits anew. `course` has the densities of up to two laws before.
-    fn fill_once(&mut self, gaps: &ShortGaps, course: &mut Vec<Vec<f64>>) -> Result<(), NoFit> {
+    /// Fills the gaps once and fits anew. `course` has the densities of up to two fills before.
+    fn fill_once(
+        &mut self,
+        gaps: &ShortGaps,
+        mut density: Vec<f64>,
+        course: &mut Vec<Vec<f64>>,
+    ) -> Result<(), NoFit> {
         self.forget_whitened();
-        let mut density = self.law_densities(gaps.ring_len());
         go_on(course, &mut density);
         let mut left = std::mem::take(&mut self.filled);
         let values = Arc::make_mut(&mut left).as_mut_slice();

@@ -30,6 +30,10 @@ const OWN_RATIO: f64 = 40.0;
 /// lasting.
 const NO_CHANCE: f64 = 4.0;
 
+/// Power that a declared converter lets through from which what is measured says more than its filter: half, its corner. In the
+/// filter's fall most of what is measured is what fills make of all else.
+const PASSES: f64 = 0.5;
+
 /// Ordinates whose densities lie on a straight line: a choice; how far off that is, see
 /// [`ONE_BY_ONE`].
 const RUN: usize = 64;
@@ -93,11 +97,22 @@ impl AxisState {
         densities
     }
 
-    /// Densities of the fitted law at the ordinates of a ring of `len` samples, of the tones that have a name too; where
-    /// what was measured lies surely beside it, that.
+    /// Densities of the fitted law at the ordinates of a ring of `len` samples, of the tones that have a name too.
     pub(super) fn law_densities(&self, len: usize) -> Vec<f64> {
-        let law = |f_hz| self.density(f_hz) * self.sure_ratio(f_hz);
-        let mut densities = tabulate(len, self.rate_hz, law);
+        self.with_tones(tabulate(len, self.rate_hz, |f_hz| self.density(f_hz)), len)
+    }
+
+    /// The same where what was measured agrees with the law, and what was measured where it surely does not.
+    pub(super) fn seen_densities(&self, len: usize) -> Vec<f64> {
+        let seen = |f_hz| {
+            let passes = self.bins.chain_power(f_hz) >= PASSES;
+            self.density(f_hz) * if passes { self.sure_ratio(f_hz) } else { 1.0 }
+        };
+        self.with_tones(tabulate(len, self.rate_hz, seen), len)
+    }
+
+    /// `densities` and those of the tones that have a name.
+    fn with_tones(&self, mut densities: Vec<f64>, len: usize) -> Vec<f64> {
         for tone in self.explanations().iter().filter(|one| one.is_tone()) {
             let Part::Term(term) = tone.kind().part(&tone.effect.plain()) else {
                 continue;
