@@ -55,10 +55,15 @@ impl AxisState {
         self.between_bins(f_hz, |log, dof| log * dof / (dof + OWN_RATIO))
     }
 
-    /// The same where chance does not make it, and 1 elsewhere.
-    fn sure_ratio(&self, f_hz: f64) -> f64 {
+    /// The same where chance does not make it, and 1 elsewhere. Of each density so much was `drawn` in the place of missing
+    /// samples and scatters as that does.
+    fn sure_ratio(&self, f_hz: f64, drawn: f64) -> f64 {
+        if self.bins.chain_power(f_hz) < PASSES {
+            return 1.0;
+        }
+        let deviations = NO_CHANCE * (1.0 + drawn / self.density(f_hz));
         self.between_bins(f_hz, |log, dof| {
-            if log.abs() > NO_CHANCE * (2.0 / dof).sqrt() {
+            if log.abs() > deviations * (2.0 / dof).sqrt() {
                 log
             } else {
                 0.0
@@ -102,13 +107,19 @@ impl AxisState {
         self.with_tones(tabulate(len, self.rate_hz, |f_hz| self.density(f_hz)), len)
     }
 
-    /// The same where what was measured agrees with the law, and what was measured where it surely does not.
+    /// The same where what was measured agrees with the law, and what was measured where it surely does not. A sample
+    /// between others is known up to the harmonic mean of the densities (A. N. Kolmogorov, Izv. Akad. Nauk SSSR Ser. Mat. 5
+    /// (1941) 3): that is drawn at all frequencies, for the share that is missing.
     pub(super) fn seen_densities(&self, len: usize) -> Vec<f64> {
-        let seen = |f_hz| {
-            let passes = self.bins.chain_power(f_hz) >= PASSES;
-            self.density(f_hz) * if passes { self.sure_ratio(f_hz) } else { 1.0 }
-        };
-        self.with_tones(tabulate(len, self.rate_hz, seen), len)
+        let mut densities = tabulate(len, self.rate_hz, |f_hz| self.density(f_hz));
+        let inverse = densities.iter().skip(1).map(|density| density.recip());
+        let interpolated = (densities.len() - 1) as f64 / inverse.sum::<f64>();
+        let drawn = self.filled_share() * interpolated;
+        let ratios = tabulate(len, self.rate_hz, |f_hz| self.sure_ratio(f_hz, drawn));
+        for (density, ratio) in densities.iter_mut().zip(ratios) {
+            *density *= ratio;
+        }
+        self.with_tones(densities, len)
     }
 
     /// `densities` and those of the tones that have a name.
