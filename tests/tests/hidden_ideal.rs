@@ -15,6 +15,7 @@ use inm_tests::hidden::noise::chain::Chain;
 use inm_tests::hidden::outside;
 use inm_tests::hidden::scene::Scene;
 use inm_tests::hidden::strength::unit;
+use nalgebra::{Cholesky, DMatrix, DVector};
 use realfft::RealFftPlanner;
 
 fn scene(base: Base, samples: usize) -> Scene {
@@ -26,6 +27,7 @@ fn scene(base: Base, samples: usize) -> Scene {
         chain: Chain::None,
         declared: true,
         relative: false,
+        missing: 0.0,
     }
 }
 
@@ -258,4 +260,47 @@ fn strength_one_is_where_the_ideal_detector_succeeds() {
             kind.name
         );
     }
+}
+
+/// Samples missing at random against the covariance of those that are there: a slow wave, in one draw of what is missing. The
+/// draws scatter by some hundredths. Of quantisation noise half of what is left may go uncounted, and none may be made up.
+#[test]
+fn what_missing_samples_take_away_is_what_the_rest_says() {
+    const SAMPLES: usize = 600;
+    const MISSING: f64 = 0.3;
+    let rough = Base { q: 1e-3, ..WHITE };
+    let rougher = Base { q: 1e-2, ..WHITE };
+    for (seed, base, least) in [(1, WHITE, 0.9), (2, rough, 0.8), (3, rougher, 0.45)] {
+        let scene = Scene {
+            missing: MISSING,
+            ..scene(base, SAMPLES)
+        };
+        let mut draw = Draw::new(seed, "missing");
+        let there: Vec<usize> = (0..SAMPLES).filter(|_| !draw.chance(MISSING)).collect();
+        let covariances = covariances(&scene, SAMPLES);
+        let size = there.len();
+        let matrix = DMatrix::from_fn(size, size, |i, j| covariances[there[i].abs_diff(there[j])]);
+        let wave: Vec<f64> = (0..SAMPLES)
+            .map(|i| (TAU * 6.0 * i as f64 / SAMPLES as f64).cos())
+            .collect();
+        let seen = DVector::from_iterator(size, there.iter().map(|&i| wave[i]));
+        let solved = Cholesky::new(matrix).expect("positive").solve(&seen);
+        let exact = seen.dot(&solved);
+        let ratio = energy(&wave, &scene, 0) / exact;
+        assert!((least..1.1).contains(&ratio), "seed {seed}: {ratio} of it");
+    }
+}
+
+/// Autocovariances of a scene's noise.
+fn covariances(scene: &Scene, lags: usize) -> Vec<f64> {
+    const POINTS: usize = 8192;
+    let share = |i: usize| (i as f64 + 0.5) / (2 * POINTS) as f64;
+    let at = |lag: usize| {
+        let each = (0..POINTS).map(|i| {
+            let density = scene.density(0, share(i) * scene.rate_hz);
+            density * (TAU * share(i) * lag as f64).cos()
+        });
+        each.sum::<f64>() * scene.rate_hz / POINTS as f64
+    };
+    (0..lags).map(at).collect()
 }

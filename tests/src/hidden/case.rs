@@ -89,12 +89,17 @@ impl Case {
         let axes = plan.kinds.iter().map(|kind| kind.axes).max().unwrap_or(1);
         let mut draw = Draw::new(seed, &format!("{name} scene"));
         let any = plan.strength == Strength::Any;
+        let form = match any {
+            true => Form::draw(plan, seed),
+            false => Form::default(),
+        };
         let mut redrawn = 0;
         let (scene, hidden) = loop {
-            let scene = match any {
+            let mut scene = match any {
                 true => wide::scene::draw(&plan.kinds, plan.samples, axes, &mut draw),
                 false => Scene::draw(plan.samples, axes, &mut draw),
             };
+            scene.missing = form.missing_at_random(scene.samples);
             let units: Option<Vec<_>> = plan
                 .kinds
                 .iter()
@@ -124,10 +129,7 @@ impl Case {
             .collect();
         let mut case = Self {
             seed,
-            form: match any {
-                true => Form::draw(plan, seed),
-                false => Form::default(),
-            },
+            form,
             redrawn,
             columns: Vec::new(),
             temperature: None,

@@ -26,6 +26,8 @@ pub struct Scene {
     pub declared: bool,
     /// Whether what is hidden is drawn in units of rate and length.
     pub relative: bool,
+    /// Share of the samples that is missing, one here and one there.
+    pub missing: f64,
 }
 
 impl Scene {
@@ -39,6 +41,7 @@ impl Scene {
             chain: Chain::draw(draw),
             declared: true,
             relative: false,
+            missing: 0.0,
         }
     }
 
@@ -80,14 +83,48 @@ impl Scene {
     /// about what its neighbours say of it, `1 / mean(1 / (S rate))` (Kolmogorov's
     /// interpolation error), over the frequencies that the chain passes.
     pub fn interpolation_variance(&self, axis: usize) -> f64 {
+        self.interpolation(axis, self.lost_density(axis)) * self.rate_hz
+    }
+
+    /// The same as a two-sided density, where white noise of this density is added.
+    fn interpolation(&self, axis: usize, added: f64) -> f64 {
         const POINTS: usize = 2048;
         let mean_inverse: f64 = (0..POINTS)
             .map(|i| 0.5 * self.rate_hz * (i as f64 + 0.5) / POINTS as f64)
             .filter(|&f_hz| self.passes(f_hz))
-            .map(|f_hz| 1.0 / (self.density(axis, f_hz) * self.rate_hz))
+            .map(|f_hz| 1.0 / (self.density(axis, f_hz) + added))
             .sum::<f64>()
             / POINTS as f64;
         1.0 / mean_inverse
+    }
+
+    /// Two-sided density of an axis' noise behind the chain as it counts for whoever looks at what is not missing, per hertz.
+    pub fn seen_density(&self, axis: usize, f_hz: f64) -> f64 {
+        self.density(axis, f_hz) + self.lost_density(axis)
+    }
+
+    /// Two-sided density of the white noise that takes as much from whoever looks as the samples which are missing at random.
+    /// A missing sample is one with infinite noise. A medium with the noise `L` in every sample scatters as much as the one with
+    /// infinite noise in the share `m` where `L = m / mean(1 / (S + L))` (the coherent potential of P. Soven, Phys. Rev. 156 (1967)
+    /// 809). White noise is seen as if it were `1 / (1 - m)` times as dense; of quantisation noise, whose sums tell all that is slow,
+    /// gaps take nearly all away: there this leaves half of what is really left, so that what is drawn is found the more easily.
+    pub fn lost_density(&self, axis: usize) -> f64 {
+        if self.missing == 0.0 {
+            return 0.0;
+        }
+        // By bisection: below the solution the right side is above it.
+        let (mut low, mut high) = (0.0, self.interpolation(axis, 0.0));
+        while self.missing * self.interpolation(axis, high) > high {
+            high *= 2.0;
+        }
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            match self.missing * self.interpolation(axis, middle) > middle {
+                true => low = middle,
+                false => high = middle,
+            }
+        }
+        high
     }
 
     /// Whether the chain leaves enough of this frequency for a real record to hold it. An ideal

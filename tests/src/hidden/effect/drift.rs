@@ -46,9 +46,10 @@ pub fn draw(scene: &Scene, draw: &mut Draw) -> Box<dyn Effect> {
         .collect();
     let energy = energy(&course(&sizes, scene), scene, scene.target);
     let share = share_beside_step(scene, |thinned| course(&sizes, thinned));
+    let lost = scene.lost_density(scene.target);
     Box::new(Drift {
         ordinates: (1..=ORDINATES)
-            .map(|j| ordinate(&sizes, scene, j))
+            .map(|j| ordinate(&sizes, scene, lost, j))
             .collect(),
         sizes,
         energy,
@@ -71,7 +72,7 @@ fn level(sizes: &[[f64; 2]], place: f64) -> f64 {
     waves.sum()
 }
 
-fn ordinate(sizes: &[[f64; 2]], scene: &Scene, j: usize) -> Ordinate {
+fn ordinate(sizes: &[[f64; 2]], scene: &Scene, lost: f64, j: usize) -> Ordinate {
     let duration_s = scene.duration_s();
     let f_hz = 0.5 * j as f64 / duration_s;
     let places = (0..PLACES).map(|i| (i as f64 + 0.5) / PLACES as f64);
@@ -79,7 +80,7 @@ fn ordinate(sizes: &[[f64; 2]], scene: &Scene, j: usize) -> Ordinate {
     let product = products.sum::<f64>() / PLACES as f64;
     Ordinate {
         f_hz,
-        noise: scene.density(scene.target, f_hz),
+        noise: scene.density(scene.target, f_hz) + lost,
         course: 2.0 * duration_s * product.powi(2),
     }
 }

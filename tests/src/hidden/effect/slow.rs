@@ -22,9 +22,13 @@ pub fn share_beside_step(scene: &Scene, waveform: impl Fn(&Scene) -> Vec<f64>) -
         samples: scene.samples / thin,
         rate_hz: scene.rate_hz / thin as f64,
         chain: Chain::None,
+        missing: 0.0,
         ..scene.clone()
     };
-    thinned.axes[scene.target].q = 0.0;
+    let base = &mut thinned.axes[scene.target];
+    // Means miss nothing; what their samples miss is white.
+    base.n = (base.n.powi(2) + scene.lost_density(scene.target)).sqrt();
+    base.q = 0.0;
     let slow = |values: Vec<f64>| Whitened::new(&values, &thinned, scene.target);
     let ramp = || slow((0..thinned.samples).map(|i| i as f64).collect());
     let own = || slow(waveform(&thinned)).without(&ramp());

@@ -21,7 +21,7 @@ impl Tone {
     /// Non-centrality of the whole line in the noise of the scene's target.
     pub fn energy(&self, scene: &Scene) -> f64 {
         let passed = scene.chain.power(self.f_hz, scene.rate_hz);
-        let noise = scene.density(scene.target, self.f_hz) * scene.rate_hz;
+        let noise = scene.seen_density(scene.target, self.f_hz) * scene.rate_hz;
         self.amplitude.powi(2) * scene.samples as f64 * passed / (2.0 * noise)
     }
 

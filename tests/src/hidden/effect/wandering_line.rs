@@ -114,7 +114,7 @@ impl Effect for WanderingLine {
         let seen = contrast(&truth, &grid.base(scene, |_| 1.0), &grid);
         let coherent_s = self.coherent_s().min(scene.duration_s());
         let cells = scene.duration_s() / coherent_s;
-        let noise = scene.density(scene.target, self.f_hz);
+        let noise = scene.seen_density(scene.target, self.f_hz);
         let energy = 0.25 * self.amplitudes[0].powi(2) * passed(self.f_hz) * coherent_s / noise;
         let choices = 8.5_f64.ln() + 0.5 * (2.0 * TAU * energy).ln().max(0.0);
         let followed = Contrast {

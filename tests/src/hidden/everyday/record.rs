@@ -101,6 +101,7 @@ impl Record {
             chain: Chain::None,
             declared: true,
             relative: true,
+            missing: 0.0,
         };
         let variance = |axis| {
             let points = 512;

@@ -27,7 +27,7 @@ pub struct Grid {
 
 impl Grid {
     /// 12 bins an octave, single coefficients at the bottom, more about `features`. Leaves out
-    /// what the chain stops.
+    /// what the chain stops; what samples that are missing take away counts as much less.
     pub fn new(scene: &Scene, features: &[Feature]) -> Self {
         let (spacing_hz, top_hz) = (0.5 / scene.duration_s(), 0.5 * scene.rate_hz);
         let mut edges: Vec<f64> = (0..32).map(|j| (f64::from(j) + 0.5) * spacing_hz).collect();
@@ -46,11 +46,14 @@ impl Grid {
             edges.extend(around.filter(|f_hz| (bottom_hz..top_hz).contains(f_hz)));
         }
         edges.sort_by(f64::total_cmp);
+        let lost = scene.lost_density(scene.target);
+        let seen = |f_hz: f64| (1.0 + lost / scene.density(scene.target, f_hz)).powi(-2);
         let (f_hz, weight) = edges
             .windows(2)
             .filter(|edge| edge[1] > edge[0])
             .map(|edge| (0.5 * (edge[0] + edge[1]), (edge[1] - edge[0]) / spacing_hz))
             .filter(|(f_hz, _)| scene.passes(*f_hz))
+            .map(|(f_hz, weight)| (f_hz, weight * seen(f_hz)))
             .unzip();
         Self { f_hz, weight }
     }

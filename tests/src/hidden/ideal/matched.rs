@@ -28,6 +28,7 @@ impl Whitened {
             .process(&mut mirrored, &mut spectrum)
             .expect("the buffers are the plan's");
         let spacing_hz = scene.rate_hz / (2 * n) as f64;
+        let lost = scene.lost_density(axis);
         let coefficients = (1..n).map(|k| {
             let f_hz = k as f64 * spacing_hz;
             if !scene.passes(f_hz) {
@@ -36,7 +37,7 @@ impl Whitened {
             let turn = Complex::from_polar(1.0, -PI * k as f64 / (2 * n) as f64);
             let cosine = (turn * spectrum[k]).re / (2.0 * n as f64).sqrt();
             let passed = scene.chain.power(f_hz, scene.rate_hz);
-            let noise = scene.density(axis, f_hz) * scene.rate_hz;
+            let noise = (scene.density(axis, f_hz) + lost) * scene.rate_hz;
             cosine * (passed / noise).sqrt()
         });
         Self(coefficients.collect())

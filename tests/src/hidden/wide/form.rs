@@ -99,16 +99,25 @@ impl Form {
         step
     }
 
-    /// Loses samples, never so many that too few count for a diagnosis.
-    fn lose(&self, column: &mut [f64], draw: &mut Draw) {
-        let spare = column.len().saturating_sub(SHORTEST);
+    /// Share of so many samples that is missing, each by chance; never so much that too few count for a diagnosis.
+    pub fn missing_at_random(&self, samples: usize) -> f64 {
+        let spare = samples.saturating_sub(SHORTEST);
         // Two hundredths less than may go: four deviations of how many do.
-        let most = (spare as f64 / column.len() as f64 - 0.02).max(0.0);
-        let share = match self.missing {
-            Missing::Nothing => return,
+        let most = (spare as f64 / samples as f64 - 0.02).max(0.0);
+        match self.missing {
+            Missing::Nothing | Missing::Stretches => 0.0,
             Missing::Single => most.min(1e-3),
             Missing::Third => most.min(0.3),
+        }
+    }
+
+    /// Loses samples.
+    fn lose(&self, column: &mut [f64], draw: &mut Draw) {
+        let share = match self.missing {
+            Missing::Nothing => return,
+            Missing::Single | Missing::Third => self.missing_at_random(column.len()),
             Missing::Stretches => {
+                let spare = column.len().saturating_sub(SHORTEST);
                 let longest = (column.len() / 50).min(spare / 4);
                 for _ in 0..=draw.index(4) {
                     let length = draw.index(longest + 1);

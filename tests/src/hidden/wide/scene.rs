@@ -50,6 +50,7 @@ pub fn draw(kinds: &[&Kind], longest: usize, axes: usize, draw: &mut Draw) -> Sc
         chain,
         declared,
         relative: true,
+        missing: 0.0,
     }
 }
 
