@@ -10,14 +10,15 @@ use crate::diagnosis::record::short_gaps::ShortGaps;
 /// Nats by which a law may still move from one fill to the next when it is taken for the record's own: a choice.
 const AGREED: f64 = 0.1;
 
-/// Fills of a record at most, and those where nothing was filled before: a choice. A third of a record of quantisation noise missing takes half as many.
+/// Fills of a record at most, and those where nothing was filled before: a choice. A third of a record of quantisation noise
+/// missing takes half as many.
 pub(super) const AT_FIRST: usize = 20;
 
 /// Fills where the record was filled before and little has changed: a choice. A law that has a floor near zero
 /// tends there ever more slowly, and each fill of a million samples takes a second.
 pub(super) const AGAIN: usize = 4;
 
-/// Nats by which a law may still move after those: a choice, below what any test takes for significant. A strong tone that is
+/// Nats by which a law may still move after these: a choice, below what any test takes for significant. A strong tone that is
 /// taken out leaves gaps that were drawn with its power, of which each fill keeps the share that is missing.
 const UNSEEN: f64 = 3.0;
 
@@ -50,7 +51,7 @@ impl AxisState {
     }
 
     /// Fills the short gaps by the law as it is fitted and fits it anew, until the two agree: as often as is
-    /// `usual`, and further where a test would see what still moves. Leaves an axis that has none as it is.
+    /// `usual`, and up to twice as often where a test would see what still moves. Leaves an axis that has none as it is.
     ///
     /// # Errors
     /// [`NoFit`] where what is filled cannot be fitted.
@@ -68,7 +69,8 @@ impl AxisState {
             };
             self.fill_once(&gaps, density, &mut course)?;
             let nats = self.nats_from(&expected);
-            if nats < AGREED || (n + 1 >= usual && nats < UNSEEN) {
+            let is_enough = n + 1 >= usual && (nats < UNSEEN || n + 1 == 2 * usual);
+            if nats < AGREED || is_enough {
                 break;
             }
         }
