@@ -225,6 +225,62 @@ mod tests {
         }
     }
 
+    /// Every ratio of an axis's power to that of the noise in a band.
+    fn ratios(axis: &AxisState, inside_hz: std::ops::Range<f64>) -> Vec<f64> {
+        let bins = axis.data.f_hz.iter().zip(&axis.data.psd);
+        let inside = bins.filter(|(f_hz, _)| inside_hz.contains(*f_hz));
+        inside.map(|(f_hz, psd)| psd / density(*f_hz)).collect()
+    }
+
+    #[test]
+    fn what_a_strong_tone_had_filled_is_gone_with_it() {
+        use crate::diagnosis::record::wave::Wave;
+        use crate::diagnosis::trial::take_in;
+        use crate::model::sinusoid;
+        for seed in 11..14 {
+            let (cycles, amplitude) = (0.073, 3000.0);
+            let added = (0..).zip(noise(seed)).map(|(n, value)| {
+                let turn = std::f64::consts::TAU * cycles * f64::from(n);
+                value + amplitude * turn.cos()
+            });
+            let values = lost(&added.collect::<Vec<_>>(), 0.524, seed);
+            let axis = AxisState::new(Arc::new(values), RATE_HZ, None);
+            let mut axis = axis.expect("a spectrum");
+            let line = Wave::Line {
+                cycles,
+                cosine: amplitude,
+                sine: 0.0,
+                lost: None,
+            };
+            take_in(&mut axis, sinusoid::KIND, Change::Waves(vec![line]));
+            // What is drawn of this noise scatters by a quarter, and its bins as much again.
+            let off = ratios(&axis, 5.0..45.0);
+            assert!(
+                off.iter().all(|ratio| (0.3..3.0).contains(ratio)),
+                "seed {seed}: {off:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn gaps_are_filled_by_what_no_law_explains() {
+        for seed in 21..24 {
+            // The mean of twelve white samples: lobes that the five terms do not have.
+            let mut normal = Gaussian::new(Seed { seed, stream: 0 }, 1.0);
+            let white: Vec<f64> = (0..60_012).map(|_| normal.draw()).collect();
+            let means: Vec<f64> = white.windows(12).map(|some| some.iter().sum()).collect();
+            let axis = AxisState::new(Arc::new(lost(&means, 0.524, seed)), RATE_HZ, None);
+            let axis = axis.expect("a spectrum");
+            // Where the first lobe ends, one bin about 100/12 Hz has a hundredth of the power of the start at most.
+            let bins = axis.data.f_hz.iter().zip(&axis.data.psd);
+            let least = bins
+                .filter(|(f_hz, _)| (7.0..10.0).contains(*f_hz))
+                .fold(f64::INFINITY, |least, (_, psd)| least.min(*psd));
+            let start = axis.data.psd[axis.data.f_hz.partition_point(|f_hz| *f_hz < 1.0)];
+            assert!(least < 0.01 * start, "seed {seed}: {} of it", least / start);
+        }
+    }
+
     #[test]
     fn no_test_looks_at_what_was_drawn_and_all_look_beside_it() {
         let values = lost(&noise(5), 3.09, 5);

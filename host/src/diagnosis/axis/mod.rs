@@ -5,6 +5,7 @@ mod density;
 mod excluded;
 mod explain;
 mod fill;
+mod filling;
 mod made;
 mod moments;
 pub mod profile;

@@ -25,15 +25,6 @@ const DRIFT: usize = 1 << 15;
 /// `2 / 40`, a deviation of 22 %, it keeps the share `dof / (dof + 40)`. The 22 % are a choice.
 const OWN_RATIO: f64 = 40.0;
 
-/// Deviations from which a bin's ratio is not chance: 1 % of records have one so far off among some 200 bins. What is drawn by
-/// a law that lacks something leaves a mark of it at each gap; drawn by the measured bins, chance in them would be made
-/// lasting.
-const NO_CHANCE: f64 = 4.0;
-
-/// Power that a declared converter lets through from which what is measured says more than its filter: half, its corner. In the
-/// filter's fall most of what is measured is what fills make of all else.
-const PASSES: f64 = 0.5;
-
 /// Ordinates whose densities lie on a straight line: a choice; how far off that is, see
 /// [`ONE_BY_ONE`].
 const RUN: usize = 64;
@@ -55,25 +46,9 @@ impl AxisState {
         self.between_bins(f_hz, |log, dof| log * dof / (dof + OWN_RATIO))
     }
 
-    /// The same where chance does not make it, and 1 elsewhere. Of each density so much was `drawn` in the place of missing
-    /// samples and scatters as that does.
-    fn sure_ratio(&self, f_hz: f64, drawn: f64) -> f64 {
-        if self.bins.chain_power(f_hz) < PASSES {
-            return 1.0;
-        }
-        let scatters = (1.0 + drawn / self.density(f_hz)).powi(2);
-        self.between_bins(f_hz, |log, dof| {
-            if deviations(log, dof / scatters).abs() > NO_CHANCE {
-                log
-            } else {
-                0.0
-            }
-        })
-    }
-
     /// Measured over expected power at a frequency, of each bin what `takes` makes of its logarithm and its degrees of
     /// freedom.
-    fn between_bins(&self, f_hz: f64, takes: impl Fn(f64, f64) -> f64) -> f64 {
+    pub(super) fn between_bins(&self, f_hz: f64, takes: impl Fn(f64, f64) -> f64) -> f64 {
         let place = self.data.f_hz.partition_point(|&f| f < f_hz);
         let at = |bin: usize| {
             let log = (self.data.psd[bin] / self.fit.expected[bin]).ln();
@@ -99,39 +74,6 @@ impl AxisState {
         let density = |f_hz: f64| self.density(f_hz) * self.ratio(f_hz);
         let mut densities = tabulate(whole.len(), whole.rate_hz(), density);
         self.leave_out(whole, &mut densities);
-        densities
-    }
-
-    /// Densities of the fitted law at the ordinates of a ring of `len` samples, of the tones that have a name too.
-    pub(super) fn law_densities(&self, len: usize) -> Vec<f64> {
-        self.with_tones(tabulate(len, self.rate_hz, |f_hz| self.density(f_hz)), len)
-    }
-
-    /// The same where what was measured agrees with the law, and what was measured where it surely does not.
-    pub(super) fn seen_densities(&self, len: usize) -> Vec<f64> {
-        let mut densities = tabulate(len, self.rate_hz, |f_hz| self.density(f_hz));
-        let drawn = drawn_density(&densities[1..], self.filled_share());
-        let ratios = tabulate(len, self.rate_hz, |f_hz| self.sure_ratio(f_hz, drawn));
-        for (density, ratio) in densities.iter_mut().zip(ratios) {
-            *density *= ratio;
-        }
-        self.with_tones(densities, len)
-    }
-
-    /// `densities` and those of the tones that have a name.
-    fn with_tones(&self, mut densities: Vec<f64>, len: usize) -> Vec<f64> {
-        for tone in self.explanations().iter().filter(|one| one.is_tone()) {
-            let Part::Term(term) = tone.kind().part(&tone.effect.plain()) else {
-                continue;
-            };
-            // Narrow: each ordinate by itself.
-            for (k, density) in densities.iter_mut().enumerate().skip(1) {
-                let f_hz = k as f64 * self.rate_hz / len as f64;
-                if tone.bands_hz().iter().any(|band| band.contains(&f_hz)) {
-                    *density += self.bins.term_density(&*term, f_hz) * self.filters(f_hz);
-                }
-            }
-        }
         densities
     }
 
@@ -205,27 +147,8 @@ impl AxisState {
     }
 }
 
-/// Standard deviations that a ratio of this logarithm lies off where it is a mean of `dof` squares: its cube root is all but
-/// normal (E. B. Wilson and M. M. Hilferty, Proc. Nat. Acad. Sci. 17 (1931) 684), where the logarithm of few squares is not.
-fn deviations(log: f64, dof: f64) -> f64 {
-    let variance = 2.0 / (9.0 * dof);
-    ((log / 3.0).exp() - (1.0 - variance)) / variance.sqrt()
-}
-
-/// Density of what is drawn where the `share` of samples with these `densities` misses, the same at all frequencies. A sample
-/// between others is known up to the harmonic mean of their densities (A. N. Kolmogorov, Izv. Akad. Nauk SSSR Ser. Mat. 5 (1941) 3),
-/// and these know as little more of each other: `L = share / mean(1 / (S + L))`.
-fn drawn_density(densities: &[f64], share: f64) -> f64 {
-    /// Turns: each leaves no more than the share of what the last was off by, a hundredth of a half after seven.
-    const TURNS: usize = 7;
-    (0..TURNS).fold(0.0, |drawn, _| {
-        let inverse = densities.iter().map(|density| (density + drawn).recip());
-        share * densities.len() as f64 / inverse.sum::<f64>()
-    })
-}
-
 /// Densities at the ordinates of `len` samples on a ring, from a table.
-fn tabulate(len: usize, rate_hz: f64, density: impl Fn(f64) -> f64) -> Vec<f64> {
+pub(super) fn tabulate(len: usize, rate_hz: f64, density: impl Fn(f64) -> f64) -> Vec<f64> {
     let count = len / 2 + 1;
     let frequency = |k: usize| k as f64 * rate_hz / len as f64;
     let (low, high) = (frequency(1).ln(), frequency(count - 1).ln());

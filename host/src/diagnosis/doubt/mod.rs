@@ -12,6 +12,7 @@ pub mod left_over;
 pub mod lopsided;
 pub mod tops;
 pub mod unbounded;
+mod undated;
 
 use crate::diagnosis::axis::{AxisState, NoFit};
 use crate::diagnosis::detect::look::Character;
@@ -28,6 +29,7 @@ pub struct Doubt {
 /// All doubts, in the order in which they are heard.
 pub static DOUBTS: &[&Doubt] = &[
     &cancelled::DOUBT,
+    &undated::DOUBT,
     &tops::DOUBT,
     &lopsided::DOUBT,
     &law::DOUBT,

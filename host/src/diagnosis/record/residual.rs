@@ -155,8 +155,18 @@ impl Residual {
     /// What is left, short gaps filled; NaN where more is missing or excluded. The record itself where nothing
     /// was taken out.
     pub fn values(&self) -> Arc<Vec<f64>> {
+        self.where_it_counts(&self.taken.waves)
+    }
+
+    /// The same with all that was taken out in it.
+    pub fn with_waves(&self) -> Arc<Vec<f64>> {
+        self.where_it_counts(&[])
+    }
+
+    /// The record without some waves, NaN where it is excluded.
+    fn where_it_counts(&self, waves: &[Wave]) -> Arc<Vec<f64>> {
         let mut left = Arc::clone(&self.whole);
-        for wave in &self.taken.waves {
+        for wave in waves {
             wave.take_out(Arc::make_mut(&mut left).as_mut_slice());
         }
         for mask in self.left_out() {
