@@ -135,6 +135,23 @@ mod tests {
     }
 
     #[test]
+    fn what_is_as_narrow_as_a_line_is_asked_for_its_own_size() {
+        // The law in whose place it would be has a size too, behind those of the five terms.
+        for seed in 50..53 {
+            let mut record = noise(seed);
+            trial::add(&mut record, &trial::line(20.0, -3.0));
+            let mut trial = Trial::new(record);
+            let law = Law {
+                effect: markov::KIND,
+                values: vec![1.0, 0.01],
+            };
+            trial.know(markov::KIND, [1.0], Change::Law(law));
+            let proposed = trial.ask(&DETECTOR);
+            assert!(!proposed.is_empty(), "seed {seed}: it stays");
+        }
+    }
+
+    #[test]
     fn a_law_that_another_explains_better_gives_its_place() {
         for seed in 40..43 {
             let proposals = proposed(seed, markov::KIND, &[1.0, 0.01]);

@@ -12,8 +12,8 @@ use super::{Detector, lines, telegraph};
 use crate::diagnosis::axis::{AxisState, NoFit};
 use crate::diagnosis::detect::look::{Lesson, Look, Proposal};
 use crate::diagnosis::explanation::{Candidate, Change};
+use crate::diagnosis::laws::Law;
 use crate::diagnosis::laws::search::{self, Found};
-use crate::diagnosis::laws::{self, Law};
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::finding::Rival;
 use crate::model::catalogue::CATALOGUE;
@@ -163,10 +163,13 @@ fn is_line(look: &Look<'_>, one: &Found) -> bool {
     if one.law.effect != resonance::KIND || width_hz > SEEN_BY_BINS * f_hz {
         return false;
     }
-    let component = laws::component_of(&axis.bins, &axis.laws, axis.laws.len());
     let line = lines::measure_near(axis, f_hz, one.p_value).line;
     width_hz * look.duration_s() < RESOLVED
-        || 0.5 * line.amplitude.powi(2) > SHARE * one.fit.squared[component]
+        || one
+            .fit
+            .squared
+            .last()
+            .is_some_and(|power| 0.5 * line.amplitude.powi(2) > SHARE * power)
 }
 
 /// Between which frequencies law number `which` makes at least `share` of the density; for a
