@@ -216,12 +216,6 @@ impl Snapshot {
         self.waves.iter().map(|(_, wave)| wave)
     }
 
-    /// Puts a tone in place of another.
-    pub fn replace_tone(&mut self, before: &Estimate, after: &Estimate) {
-        let old = self.tones.iter_mut().filter(|one| *one == before);
-        old.for_each(|one| one.clone_from(after));
-    }
-
     /// Takes the waveforms and the tones of a kind out of it.
     pub fn forget(&mut self, kind: Kind) {
         self.waves.retain(|(other, _)| *other != kind);

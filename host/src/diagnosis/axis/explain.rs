@@ -134,22 +134,6 @@ impl AxisState {
         tones.map(|(place, _)| place).collect()
     }
 
-    /// Gives the tones that no fit looks at the power that they have beside all else, each over that with which it was
-    /// named.
-    pub fn resize_tones(&mut self, powers: &[f64]) {
-        for (place, power) in self.tones().into_iter().zip(powers) {
-            let before = self.explanations[place].effect.clone();
-            let mut after = before.clone();
-            after.resize(power.sqrt());
-            for one in &mut self.explanations {
-                for snapshot in [&mut one.with, &mut one.without] {
-                    snapshot.replace_tone(&before, &after);
-                }
-            }
-            self.explanations[place].effect = after;
-        }
-    }
-
     /// Adds a law whose size `squared` something else than the bins has told, behind all others; the bins are `expected` to be
     /// that of size 1. Nothing is fitted anew, and the fit knows nothing of its scatter.
     pub fn add_law(&mut self, law: Law, squared: f64, expected: Vec<f64>) {

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use super::value::Value;
-use crate::model::effect::Quantity;
 use crate::model::kind::Kind;
 
 /// An effect of the catalogue with what is known of its parameters.
@@ -37,19 +36,6 @@ impl Estimate {
     pub fn plain(&self) -> Vec<f64> {
         let plain = |value: &Option<Value>| value.map_or(0.0, |value| value.value);
         self.values.iter().map(plain).collect()
-    }
-
-    /// Makes its sizes larger by a factor.
-    pub fn resize(&mut self, factor: f64) {
-        let parameters = self.kind.parameters(&self.plain());
-        let sizes = parameters.iter().zip(&mut self.values);
-        let sizes = sizes.filter(|(parameter, _)| parameter.quantity == Quantity::Signal);
-        for value in sizes.filter_map(|(_, value)| value.as_mut()) {
-            value.value *= factor;
-            for end in [&mut value.lo, &mut value.hi].into_iter().flatten() {
-                *end *= factor;
-            }
-        }
     }
 
     /// The parameters that are known, by the catalogue's names.

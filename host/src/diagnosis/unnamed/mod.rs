@@ -66,8 +66,8 @@ pub fn complete(axis: &mut AxisState, level: f64) -> Completed {
             return Completed { p_value, withdrawn };
         }
         let completed = bands::in_place_of_a_term(axis, &found.data, &tones, found.completed);
-        axis.resize_tones(&completed.tones);
-        // The fit is that of the noise: where tones are, it says nothing by itself.
+        // The fit is that of the noise: where tones are, it says nothing by itself. Their sizes stay as they were measured, which is
+        // better than a law of how they wander can tell.
         let mut fitted_beside = axis.tones_hz();
         fitted_beside.extend(absorbed_hz);
         let data = Data {
