@@ -1,7 +1,7 @@
 //! Steps of which nobody can say when they were.
 //!
-//! A step is sudden. Where its moment may lie anywhere in a good part of what is between it and the next one, or the end of the
-//! record, the level rose and fell slowly, as noise does.
+//! A step is sudden. Where its moment may lie anywhere in a good part of what is between it and the next one back, or the end of
+//! the record, the level rose and fell slowly, as noise does.
 
 use super::{Doubt, Hearing};
 use crate::diagnosis::axis::{AxisState, NoFit};
@@ -39,9 +39,12 @@ fn is_undated(axis: &AxisState) -> bool {
     let Some(largest) = jumps.iter().max_by(by_height) else {
         return false;
     };
-    let others = jumps.iter().map(|jump| jump.index);
-    let others = others.filter(|index| *index != largest.index);
-    let next = others.chain([0, axis.filled.len()]);
+    // Steps the same way may be one that was found in parts.
+    let back = jumps
+        .iter()
+        .filter(|jump| jump.height * largest.height < 0.0);
+    let back = back.map(|jump| jump.index);
+    let next = back.chain([0, axis.filled.len()]);
     let next = next.map(|index| index.abs_diff(largest.index)).min();
     next.is_some_and(|next| 2.0 * TWO_SIDED_95 * largest.index_sd > LONGEST * next as f64)
 }
@@ -53,14 +56,16 @@ mod tests {
     use crate::diagnosis::trial::{axis, heard, jump, kinds, short, take_in};
     use crate::model::kind::Kind;
 
-    /// Kinds that are left of a level that is 2 higher between two steps, the first of which is dated so well, samples.
-    fn left(seed: u64, index_sd: f64) -> Vec<Kind> {
+    /// Kinds that are left of a level that is 2 higher between two steps, the first of which is dated so well, samples; the second
+    /// is of this height.
+    fn left(seed: u64, index_sd: f64, second: f64) -> Vec<Kind> {
         let len = short(seed);
         let (up, down) = (len / 3, len / 2);
         let mut axis = axis(seed, len, |n, noise| {
-            noise + if (up..down).contains(&n) { 2.0 } else { 0.0 }
+            let after = if n >= down { second } else { 0.0 };
+            noise + after + if n >= up { 2.0 } else { 0.0 }
         });
-        let waves = [(up, 2.0, index_sd), (down, -1.9, 1.0)].map(|(index, height, index_sd)| {
+        let waves = [(up, 2.0, index_sd), (down, second, 1.0)].map(|(index, height, index_sd)| {
             let Wave::Steps(mut jumps) = jump(index, height) else {
                 panic!("no step");
             };
@@ -80,12 +85,11 @@ mod tests {
     fn a_step_without_a_moment_goes() {
         for seed in 1..4 {
             let between = short(seed) as f64 / 6.0;
-            assert_eq!(
-                left(seed, 0.01 * between),
-                [steps::KIND],
-                "seed {seed}: dated"
-            );
-            assert_eq!(left(seed, 0.1 * between), [], "seed {seed}: undated");
+            let dated = left(seed, 0.01 * between, -1.9);
+            assert_eq!(dated, [steps::KIND], "seed {seed}: dated");
+            assert_eq!(left(seed, 0.1 * between, -1.9), [], "seed {seed}: undated");
+            let up_twice = left(seed, 0.1 * between, 1.9);
+            assert_eq!(up_twice, [steps::KIND], "seed {seed}: up twice");
         }
     }
 }
