@@ -27,6 +27,7 @@ fn record(base: Base, chain: Chain, seed: u64) -> Vec<f64> {
         chain,
         declared: true,
         relative: false,
+        missing: 0.0,
     };
     Axis::new(&scene, 0, &[], seed, "noise").samples().0
 }

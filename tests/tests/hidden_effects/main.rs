@@ -51,6 +51,7 @@ impl Alone {
             chain: Chain::None,
             declared: true,
             relative: false,
+            missing: 0.0,
         };
         let effect = (kind.draw)(&scene, &mut Draw::new(seed, kind.name)).scaled(factor);
         let mut alone = Self {
