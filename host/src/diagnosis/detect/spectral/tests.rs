@@ -237,6 +237,20 @@ fn of_two_laws_that_gain_as_much_the_one_of_fewer_numbers_is_worth_more() {
 }
 
 #[test]
+fn a_roll_off_that_hardly_anybody_builds_costs_more() {
+    let cost_at = |share: f64| {
+        let law = Law {
+            effect: crate::model::rolloff::KIND,
+            values: vec![share * trial::RATE_HZ],
+        };
+        cost(trial::RATE_HZ, &law)
+    };
+    assert_eq!(cost_at(0.3), 1.0);
+    assert_eq!(cost_at(0.021), 1.0);
+    assert!(cost_at(0.019) >= 3.0, "below a fiftieth of the rate");
+}
+
+#[test]
 fn a_mean_over_any_number_of_samples_is_found_and_lines_are_asked_anew() {
     for (seed, samples) in (80..).zip([1.7, 4.7, 11.3, 20.9, 28.6]) {
         let trial = Trial::new(trial::averaged(noise(seed), samples));
