@@ -104,11 +104,28 @@ mod tests {
             (100.0, 0.5310, -4.0),
         ];
         for (dof, ratio, off) in quantiles {
+            // The cube root's own error, so far out: 0.2 at ten squares, less at more.
             let found = deviations(f64::ln(ratio), dof);
             assert!((found - off).abs() < 0.25, "{dof}: {found} at {ratio}");
         }
         // However little two squares are, it may be chance.
         assert!(deviations(f64::NEG_INFINITY, 2.0) > -4.0);
+    }
+
+    #[test]
+    fn what_a_declared_filter_shuts_out_is_not_what_was_measured() {
+        let seed = 1;
+        let chain = "ads1281:linear".parse().expect("a chain");
+        let mut numbers = crate::diagnosis::trial::numbers(seed, 0);
+        let values: Vec<f64> = (0..20_011).map(|_| numbers.draw()).collect();
+        let axis = AxisState::new(std::sync::Arc::new(values), 1000.0, Some(&chain));
+        let mut axis = axis.expect("a spectrum");
+        for psd in &mut axis.data.psd {
+            *psd *= 100.0;
+        }
+        // The filter's corner is at 0.41 of the rate.
+        assert!(axis.sure_ratio(200.0, 0.0) > 50.0, "seed {seed}");
+        assert_eq!(axis.sure_ratio(450.0, 0.0), 1.0, "seed {seed}");
     }
 
     #[test]

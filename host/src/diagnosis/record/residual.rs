@@ -152,8 +152,7 @@ impl Residual {
         self.measured.is_empty()
     }
 
-    /// What is left, short gaps filled; NaN where more is missing or excluded. The record itself where nothing
-    /// was taken out.
+    /// What is left, short gaps filled; NaN where more is missing or excluded. The record itself if nothing was taken out.
     pub fn values(&self) -> Arc<Vec<f64>> {
         self.where_it_counts(&self.taken.waves)
     }
