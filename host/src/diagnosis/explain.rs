@@ -7,7 +7,7 @@ use crate::chain::Chain;
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::detect::look::Context;
 use crate::diagnosis::detect::telegraph;
-use crate::diagnosis::detect::thermal::reading;
+use crate::diagnosis::detect::thermal::reading::Reading;
 use crate::diagnosis::doubt;
 use crate::diagnosis::family::level_of_one_test;
 use crate::diagnosis::held_out::Halves;
@@ -111,7 +111,7 @@ pub fn explain(
         || ValueFindings::new(declared, level, &measured, own_mean),
         || begin_with(signal.chain.as_ref()),
     );
-    let covariate = options.covariate.as_deref().map(reading::without_noise);
+    let covariate = options.covariate.as_deref().map(Reading::of);
     let found = |kind| progress(&signal.name, Step::Found(kind));
     let from = |first: AxisState, chain: Option<&Chain>| {
         let base = Bare::of(&first, level, options);
@@ -119,7 +119,7 @@ pub fn explain(
         let explained = without_losers(&signal.name, first, begin, |axis, refused| {
             let context = Context {
                 level,
-                covariate: covariate.as_deref(),
+                covariate: covariate.as_ref(),
                 values: &values,
                 refused,
                 found: &found,

@@ -156,10 +156,7 @@ impl Explanation {
 
     /// The frequency below which it takes the noise out with it, hertz, where it does: nothing is said of that noise.
     pub fn absorbs_hz(&self) -> Option<f64> {
-        self.waves().iter().find_map(|wave| match wave {
-            Wave::Drift { absorbs_hz, .. } => Some(*absorbs_hz),
-            _ => None,
-        })
+        self.waves().iter().find_map(Wave::absorbs_hz)
     }
 
     /// The strength of the noise over time that it says, where it says any.

@@ -49,13 +49,12 @@ impl AxisState {
             .collect()
     }
 
-    /// The band, hertz, whose noise was taken out with a course: what is left there says nothing.
+    /// The band, hertz, whose noise was taken out with a course, or drowned in that of what is followed: what is left there says nothing.
     pub fn absorbed_hz(&self) -> Option<Range<f64>> {
-        let mut absorbed = self
-            .explanations()
-            .iter()
-            .filter_map(Explanation::absorbs_hz);
-        absorbed.next().map(|end_hz| 0.0..end_hz)
+        let explanations = self.explanations().iter();
+        let absorbed = explanations.filter_map(Explanation::absorbs_hz);
+        let end_hz = absorbed.fold(0.0, f64::max);
+        (end_hz > 0.0).then_some(0.0..end_hz)
     }
 
     /// Bands of tones that have a name, hertz.

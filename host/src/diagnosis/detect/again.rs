@@ -9,7 +9,6 @@ use crate::diagnosis::detect::look::{Look, Proposal};
 use crate::diagnosis::detect::slow_change::MeasuredAgain;
 use crate::diagnosis::detect::{thermal, warmup};
 use crate::diagnosis::explanation::Explanation;
-use crate::diagnosis::record::wave::Wave;
 use crate::model::{self, kind::Kind};
 
 /// Gain in log-likelihood from which a change is measured anew, nats: a choice. Its size and its time gain one by what
@@ -29,15 +28,11 @@ fn again(
 ) -> Option<Proposal> {
     let place = look.place_of(kind)?;
     let known = &look.axis.explanations()[place];
-    // One that began with a settling of its own is measured with it.
-    let [wave] = known.waves() else {
+    let measured = measured(look, &put_back(look.axis, known), known)?;
+    let Proposal::Explain(mut candidate) = measured.proposal else {
         return None;
     };
-    let (proposal, gain, known_gain) = measured(look, &put_back(look.axis, wave), known)?;
-    let Proposal::Explain(mut candidate) = proposal else {
-        return None;
-    };
-    let is_better = gain - known_gain > LEAST_GAIN && candidate.effect.kind == kind;
+    let is_better = measured.gained_nats > LEAST_GAIN || measured.absorbs_more;
     is_better.then(|| {
         candidate.amends = Some(place);
         candidate.p_value = known.p_value;
@@ -45,10 +40,11 @@ fn again(
     })
 }
 
-/// The residual with a waveform in it.
-fn put_back(axis: &AxisState, wave: &Wave) -> Vec<f64> {
+/// The residual with what an explanation has taken out of it.
+fn put_back(axis: &AxisState, known: &Explanation) -> Vec<f64> {
     let mut less = vec![0.0; axis.filled.len()];
-    wave.take_out(&mut less);
+    let waves = known.waves().iter();
+    waves.for_each(|wave| wave.take_out(&mut less));
     let pairs = axis.filled.iter().zip(less);
     pairs.map(|(left, less)| left - less).collect()
 }

@@ -40,13 +40,13 @@ fn strongest(look: &Look<'_>, noise: Noise) -> Result<Vec<Proposal>, NoFit> {
     let settling = warmup::find(look, noise);
     let jump = steps::find(look, noise);
     let size = |z: Option<f64>| z.map_or(0.0, f64::abs);
-    let of_thermal = size(thermal.as_ref().map(|(change, _)| change.z));
+    let of_thermal = size(thermal.as_ref().map(|found| found.change.z));
     let of_settling = size(settling.as_ref().map(|change| change.z));
     let of_jump = size(jump.map(|jump| jump.z));
     let course = (noise == Noise::Anew).then(|| drift::find(look)).flatten();
 
     let slow = [
-        thermal.as_ref().map(|(change, _)| change),
+        thermal.as_ref().map(|found| &found.change),
         settling.as_ref(),
     ];
     let gains = slow.into_iter().flatten().map(|change| change.gain_nats);
@@ -86,6 +86,7 @@ fn is_held(look: &Look<'_>, proposal: &Proposal) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diagnosis::detect::thermal::reading::Reading;
     use crate::diagnosis::detect::trial::{self, Trial, noise};
     use crate::diagnosis::record::wave::Wave;
     use crate::model::kind::Kind;
@@ -102,7 +103,7 @@ mod tests {
         trial::add(&mut values, &trial::settling(amplitude, 20.0));
         trial::add(&mut values, &Wave::Steps(vec![trial::jump(middle, height)]));
         let mut trial = Trial::new(values);
-        trial.covariate = Some(covariate);
+        trial.covariate = Some(Reading::exact(covariate));
         let found = trial::candidate(trial.ask(&IN_NOISE_ANEW));
         found
             .unwrap_or_else(|| panic!("seed {seed}: nothing"))

@@ -1,6 +1,7 @@
 //! What detectors see, and what they may propose.
 
 use crate::diagnosis::axis::{AxisState, Excluded};
+use crate::diagnosis::detect::thermal::reading::Reading;
 use crate::diagnosis::explanation::{Candidate, Explanation};
 use crate::diagnosis::values::ValueFindings;
 use crate::model::kind::Kind;
@@ -10,8 +11,8 @@ use crate::spectrum::Line;
 pub struct Context<'a> {
     /// Level of one test.
     pub level: f64,
-    /// A covariate, one value a sample.
-    pub covariate: Option<&'a [f64]>,
+    /// A covariate.
+    pub covariate: Option<&'a Reading>,
     /// What the values themselves say.
     pub values: &'a ValueFindings,
     /// Kinds that are not proposed any more: they gained nothing on held-out data.

@@ -36,9 +36,15 @@ impl SlowChange {
     }
 }
 
-/// What is to be done about a slow change that was measured again, and what it gains there and what it gains as it was
-/// known, nats.
-pub type MeasuredAgain = (Proposal, f64, f64);
+/// A slow change that was measured again.
+pub struct MeasuredAgain {
+    /// What is to be done about it.
+    pub proposal: Proposal,
+    /// What it gains beyond what it gains as it was known, nats.
+    pub gained_nats: f64,
+    /// Whether it takes more of the noise out with it than was known.
+    pub absorbs_more: bool,
+}
 
 #[cfg(test)]
 mod tests {

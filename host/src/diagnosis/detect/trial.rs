@@ -7,6 +7,7 @@ use std::sync::Arc;
 use super::Detector;
 use super::look::{Character, Context, Lesson, Look, Proposal};
 use crate::diagnosis::axis::{AxisState, Excluded};
+use crate::diagnosis::detect::thermal::reading::Reading;
 use crate::diagnosis::explanation::{Candidate, Change};
 use crate::diagnosis::record::wave::{Jump, Outlier, Wave};
 use crate::diagnosis::result::estimate::Estimate;
@@ -67,7 +68,7 @@ pub struct Trial {
     /// Level of one test.
     pub level: f64,
     /// A covariate.
-    pub covariate: Option<Vec<f64>>,
+    pub covariate: Option<Reading>,
     /// Kinds that are not proposed any more.
     pub refused: Vec<Kind>,
 }
@@ -91,7 +92,7 @@ impl Trial {
     pub fn look<T>(&self, at: impl FnOnce(&Look<'_>) -> T) -> T {
         let context = Context {
             level: self.level,
-            covariate: self.covariate.as_deref(),
+            covariate: self.covariate.as_ref(),
             values: &self.values,
             refused: &self.refused,
             found: &|_| {},

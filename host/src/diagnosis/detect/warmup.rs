@@ -13,7 +13,7 @@ use crate::diagnosis::axis::profile::{Noise, Profile};
 use crate::diagnosis::axis::{AxisState, SPREAD};
 use crate::diagnosis::detect::look::{Look, Proposal};
 use crate::diagnosis::detect::slow_change::{MeasuredAgain, SlowChange};
-use crate::diagnosis::detect::{telegraph, thermal};
+use crate::diagnosis::detect::telegraph;
 use crate::diagnosis::explanation::{Candidate, Change, Explanation};
 use crate::diagnosis::record::wave::Wave;
 use crate::diagnosis::result::estimate::Estimate;
@@ -47,9 +47,6 @@ pub fn proposal(look: &Look<'_>, change: SlowChange) -> Option<Proposal> {
         return None;
     };
     let time_s = samples / look.axis.rate_hz;
-    if let Some(lag) = thermal::with_settling_lag(look, time_s, &change.wave) {
-        return Some(lag);
-    }
     let amplitude = Value::normal(amplitude, change.size_sd);
     let time_s = Value::log_normal(time_s, change.time_log_sd);
     Some(Proposal::Explain(Box::new(Candidate {
@@ -77,8 +74,11 @@ pub fn measured_again(
     let settling = Settlings::new(look.axis, values, factor);
     let known_gain = settling.at(samples / factor as f64).gain(*amplitude);
     let change = settling.change(factor)?;
-    let gain = change.gain_nats;
-    Some((proposal(look, change)?, gain, known_gain))
+    Some(MeasuredAgain {
+        gained_nats: change.gain_nats - known_gain,
+        proposal: proposal(look, change)?,
+        absorbs_more: false,
+    })
 }
 
 /// Whether a settling is as quick as the level switches: a dwell at the start.

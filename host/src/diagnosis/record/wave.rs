@@ -85,6 +85,8 @@ pub enum Wave {
         gain: f64,
         /// The covariate, about its mean.
         column: Arc<Vec<f32>>,
+        /// Frequency below which the covariate's own noise is louder than that of the signal, hertz.
+        absorbs_hz: f64,
     },
     /// A slow course.
     Drift {
@@ -150,6 +152,14 @@ impl Wave {
         }
     }
 
+    /// Frequency below which nothing is said of the noise once it is taken out, hertz, where there is one.
+    pub const fn absorbs_hz(&self) -> Option<f64> {
+        match self {
+            Self::Drift { absorbs_hz, .. } | Self::Follows { absorbs_hz, .. } => Some(*absorbs_hz),
+            _ => None,
+        }
+    }
+
     /// What some waves take out of the sample at `place`, where one of them replaces it.
     pub fn size_at(waves: &mut [Self], place: usize) -> Option<&mut f64> {
         waves.iter_mut().find_map(|wave| match wave {
@@ -207,7 +217,7 @@ impl Wave {
                     down.add_to(0, values, *rate_hz);
                 }
             }
-            Self::Follows { gain, column } => {
+            Self::Follows { gain, column, .. } => {
                 for (value, column) in values.iter_mut().zip(column.iter()) {
                     *value -= gain * f64::from(*column);
                 }

@@ -2,7 +2,9 @@
 
 use super::*;
 use crate::diagnosis::detect::trial::{self, Trial, noise};
-use crate::diagnosis::detect::warmup;
+use crate::diagnosis::record::wave::Wave;
+use crate::model::follows::{Follows, Leader};
+use crate::model::random::{Gaussian, Seed};
 
 /// Noise that follows a covariate with a gain.
 fn following(seed: u64, gain: f64) -> Trial {
@@ -12,7 +14,7 @@ fn following(seed: u64, gain: f64) -> Trial {
         *value += gain * covariate;
     }
     let mut trial = Trial::new(values);
-    trial.covariate = Some(covariate);
+    trial.covariate = Some(Reading::exact(covariate));
     trial
 }
 
@@ -50,25 +52,96 @@ fn a_second_one_is_not_looked_for() {
     assert!(!found(&trial), "seed 3");
 }
 
-#[test]
-fn a_settling_as_slow_as_the_lag_belongs_to_what_follows_the_covariate() {
-    let mut trial = following(1, 0.0);
-    trial.know(KIND, [2.0, 30.0], Change::Waves(Vec::new()));
-    for (time_s, belongs) in [(10.0, false), (20.0, true), (45.0, true), (90.0, false)] {
-        let change = SlowChange {
-            wave: trial::settling(4.0, time_s),
-            z: 20.0,
-            gain_nats: 200.0,
-            size_sd: 0.1,
-            time_log_sd: 0.1,
-            p_value: 1e-9,
-            nats: 100.0,
-        };
-        let proposal = trial.look(|look| warmup::proposal(look, change));
-        let found = trial::candidate(proposal.into_iter().collect()).expect("a settling");
-        assert_eq!(found.amends, belongs.then_some(0), "{time_s} s");
-        assert_eq!(found.effect.kind == KIND, belongs, "{time_s} s");
+/// A covariate as the record has it, and noise that follows it behind a lag of so many seconds; before the record the covariate was
+/// higher by `start` for long. It is read with noise of a deviation.
+fn lagging(seed: u64, [gain, lag_s, start]: [f64; 3], reading: f64) -> Trial {
+    let mut values = noise(seed);
+    let mut covariate = trial::covariate(values.len());
+    let follows = Follows {
+        leader: Leader::Temperature,
+        gain,
+        lag_s,
+    };
+    let mut follower = follows.follower(trial::RATE_HZ, 0.0);
+    // One sample of what was there before it.
+    follower.add_to(&[covariate[0] + start], &mut [0.0]);
+    follower.add_to(&covariate, &mut values);
+    if reading > 0.0 {
+        let mut normal = Gaussian::new(Seed { seed, stream: 7 }, reading);
+        covariate
+            .iter_mut()
+            .for_each(|value| *value += normal.draw());
     }
+    let mut trial = Trial::new(values);
+    trial.covariate = Some(if reading > 0.0 {
+        Reading::of(&covariate)
+    } else {
+        Reading::exact(covariate)
+    });
+    trial
+}
+
+/// What is found beside walk, taken in.
+fn taken_in(trial: &mut Trial) -> Candidate {
+    let found = trial.look(|look| find(look, Noise::Anew));
+    let found = found.and_then(proposal).into_iter().collect();
+    let found = trial::candidate(found).expect("what follows");
+    trial.accept(found.clone());
+    found
+}
+
+#[test]
+fn where_the_column_was_before_the_record_does_not_change_the_lag() {
+    for (seed, start) in (30..).zip([0.0, 0.5, -0.5]) {
+        let (gain, lag_s) = (100.0, 8.0);
+        let mut trial = lagging(seed, [gain, lag_s, start], 0.0);
+        taken_in(&mut trial);
+        while let Some(better) = trial.look(crate::diagnosis::detect::again::proposal) {
+            trial.accept(trial::candidate(vec![better]).expect("what follows"));
+        }
+        let effect = &trial.axis.explanations()[0].effect;
+        for (value, is) in effect.values.iter().zip([gain, lag_s]) {
+            let value = value.expect("a number");
+            let half = value.hi.expect("its end") - value.value;
+            // Three intervals of 95 %, six deviations. At rest as the record begins the lag would be off by a tenth.
+            assert!(
+                (value.value - is).abs() < 3.0 * half,
+                "seed {seed}: {value:?}, {is}"
+            );
+            assert!(half < 0.01 * is, "seed {seed}: {value:?}");
+        }
+        let Some(Wave::WarmUp { amplitude, .. }) = trial.axis.explanations()[0].waves().get(1)
+        else {
+            panic!("seed {seed}: it does not settle");
+        };
+        // A hundred samples of noise of deviation 1 know it to a tenth.
+        assert!(
+            (amplitude - gain * start).abs() < 0.6,
+            "seed {seed}: {amplitude}"
+        );
+    }
+}
+
+#[test]
+fn noise_of_the_reading_that_is_louder_than_the_signals_is_left_out() {
+    let seed = 34;
+    let absorbs = |reading: f64| {
+        let mut trial = lagging(seed, [1000.0, 0.0, 0.0], reading);
+        taken_in(&mut trial);
+        while let Some(better) = trial.look(crate::diagnosis::detect::again::proposal) {
+            trial.accept(trial::candidate(vec![better]).expect("what follows"));
+        }
+        trial.axis.absorbed_hz()
+    };
+    assert_eq!(absorbs(0.0), None, "seed {seed}");
+    // Ten times as loud as the signal's own: out to where the column is smoothed, some fifty times its three waves a record.
+    let band = absorbs(0.01).expect("a band");
+    let wave_hz = 3.0 * trial::RATE_HZ / noise(seed).len() as f64;
+    assert!(
+        band.end > wave_hz && band.end < 50.0 * wave_hz,
+        "seed {seed}: {band:?}"
+    );
+    assert_eq!(absorbs(1e-4), None, "seed {seed}: a tenth");
 }
 
 #[test]

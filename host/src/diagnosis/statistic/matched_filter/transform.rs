@@ -223,6 +223,13 @@ impl Transform {
         }
     }
 
+    /// Adds so many times another transform.
+    pub fn add_scaled(&mut self, factor: f64, other: &Self) {
+        for (ordinate, other) in self.ordinates.iter_mut().zip(&other.ordinates) {
+            *ordinate += factor * other;
+        }
+    }
+
     /// The same behind a filter of this amplitude at each ordinate, where there is one.
     #[must_use]
     pub fn behind(mut self, amplitude: Option<&[f64]>) -> Self {
