@@ -18,7 +18,9 @@ use realfft::num_complex::Complex64;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 use crate::diagnosis::axis::AxisState;
-use crate::diagnosis::statistic::matched_filter::{Impulse, Step, Transform, Transformer};
+use crate::diagnosis::statistic::matched_filter::{
+    Impulse, Settling, Step, Transform, Transformer,
+};
 
 /// Ordinates, from the lowest, whose density is fitted anew: at the last of them a walk has a
 /// millionth of the density that it has at the first, flicker a thousandth.
@@ -56,7 +58,7 @@ pub struct Profile<'a> {
     /// That of walk and of flicker of size 1.
     shapes: [Vec<f64>; 2],
     /// What is free at the seam.
-    seam: [Transform; 2],
+    seam: Vec<Transform>,
     /// Squares of walk and flicker without a waveform.
     squares: [f64; 2],
     /// Log-likelihood of the record without a waveform, nats.
@@ -113,21 +115,30 @@ impl<'a> Profile<'a> {
             rest: rest.collect(),
             low,
             shapes,
-            seam: [
+            seam: vec![
                 ring.waveform(&Impulse, record.rate_hz()),
                 ring.waveform(&Step, record.rate_hz()),
             ],
             squares: begun,
             null: 0.0,
         };
-        let null = profile.best(&[&profile.seam[0], &profile.seam[1]]);
+        let remembered = axis.memories(record.rate_hz());
+        let remembered = remembered.into_iter().map(|samples| Settling {
+            samples,
+            len: record.len(),
+        });
+        let remembered = remembered.map(|course| ring.waveform(&course, record.rate_hz()));
+        profile.seam.extend(remembered);
+        let seam: Vec<&Transform> = profile.seam.iter().collect();
+        let null = profile.best(&seam);
         (profile.squares, profile.null) = (null.squares, null.nats);
         profile
     }
 
     /// A waveform of any size, whose transform is `wave`.
     pub fn fit(&self, wave: &Transform) -> Joint {
-        let best = self.best(&[wave, &self.seam[0], &self.seam[1]]);
+        let waves: Vec<&Transform> = std::iter::once(wave).chain(&self.seam).collect();
+        let best = self.best(&waves);
         let nats = (best.nats - self.null).max(0.0);
         let size = best.sizes[0];
         Joint {

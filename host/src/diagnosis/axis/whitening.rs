@@ -7,6 +7,7 @@ use crate::diagnosis::laws::Law;
 use crate::diagnosis::record::bridge::block_means;
 use crate::diagnosis::statistic::matched_filter::{Transform, Transformer};
 use crate::model::effect::Part;
+use crate::model::markov::{self, Markov};
 
 /// Points of the table of densities: over 20 octaves two of them differ by 0.007 in `ln f`, and the
 /// line between them is off by 6e-6 for each unit of curvature of `ln S` over `ln f`.
@@ -99,6 +100,14 @@ impl AxisState {
         }
     }
 
+    /// For how long the noise that laws describe remembers where it was, in samples of a copy at `rate_hz`.
+    pub fn memories(&self, rate_hz: f64) -> Vec<f64> {
+        let laws = self.laws.iter().filter(|law| law.effect == markov::KIND);
+        let samples = laws.map(|law| Markov::of(&law.values).time_s * rate_hz);
+        // What lasts for less than a sample is white.
+        samples.filter(|samples| *samples > 1.0).collect()
+    }
+
     /// Samples that one sample of the slow copy stands for.
     pub fn slow_factor(&self) -> usize {
         self.residual.len().div_ceil(SLOW).max(1)
@@ -116,7 +125,7 @@ impl AxisState {
         let mut whole = Transformer::new(means.len()).transform(&means, rate_hz);
         let mut density = self.slow_densities(&whole, factor);
         self.leave_out(&whole, &mut density);
-        whole.close(&density);
+        whole.close(&density, &self.memories(rate_hz));
         (whole, density)
     }
 

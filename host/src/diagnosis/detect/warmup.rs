@@ -113,7 +113,7 @@ pub fn warm_up(axis: &AxisState, level: f64, noise: Noise) -> Option<SlowChange>
             .max_by(|a, b| a.z.abs().total_cmp(&b.z.abs()))?;
         let density = profile.density(&joint);
         (z, gain_nats) = (joint.z, joint.nats);
-        settling.record.close(&density);
+        settling.record.close(&density, &settling.memories);
         settling.density = density;
     }
     let p_value = settling.p_value(z);
@@ -130,6 +130,8 @@ pub fn warm_up(axis: &AxisState, level: f64, noise: Noise) -> Option<SlowChange>
 struct Settlings {
     record: Transform,
     density: Vec<f64>,
+    /// Memories of the noise, means.
+    memories: Vec<f64>,
     transformer: Transformer,
     /// The shortest time constant.
     shortest: f64,
@@ -150,6 +152,7 @@ impl Settlings {
             ]
             .into_iter()
             .fold(0.0, f64::max),
+            memories: axis.memories(record.rate_hz()),
             record,
             density,
         }
@@ -161,7 +164,7 @@ impl Settlings {
             len: self.record.len(),
         };
         let mut wave = self.transformer.waveform(&settling, self.record.rate_hz());
-        wave.close(&self.density);
+        wave.close(&self.density, &self.memories);
         wave
     }
 

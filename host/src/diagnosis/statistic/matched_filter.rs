@@ -11,6 +11,7 @@
 //! `<x, g_t> / <g, g>`.
 
 mod projection;
+mod seam;
 mod together;
 mod transform;
 mod waveform;

@@ -33,7 +33,7 @@ pub fn beside_walk(
     let profile = Profile::new(axis, &whole, density);
     let joint = profile.fit(&wave);
     let density = profile.density(&joint);
-    whole.close(&density);
+    whole.close(&density, &axis.memories(whole.rate_hz()));
     let (jump, filter) = largest(axis, &whole, &density, usable)?;
     Some(Jump {
         z: joint.z,

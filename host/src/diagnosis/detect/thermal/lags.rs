@@ -38,6 +38,8 @@ pub struct Following {
 pub struct Lags<'a> {
     record: Transform,
     density: Vec<f64>,
+    /// Memories of the noise, means.
+    memories: Vec<f64>,
     transformer: Transformer,
     reading: &'a Reading,
     /// Samples of the column that a sample of the slow record is a mean over.
@@ -59,6 +61,7 @@ impl<'a> Lags<'a> {
         let lags = lags.take_while(|lag| *lag < longest);
         Self {
             transformer: Transformer::new(record.len()),
+            memories: axis.memories(record.rate_hz()),
             record,
             density,
             trials: std::iter::once(0.0).chain(lags).collect(),
@@ -77,7 +80,7 @@ impl<'a> Lags<'a> {
     fn closed(&self, course: &[f64]) -> Transform {
         let means = block_means(course, self.factor);
         let mut wave = self.transformer.transform(&means, self.record.rate_hz());
-        wave.close(&self.density);
+        wave.close(&self.density, &self.memories);
         wave
     }
 
@@ -106,7 +109,7 @@ impl<'a> Lags<'a> {
             .into_iter()
             .max_by(|a, b| a.z.abs().total_cmp(&b.z.abs()))?;
         self.density = profile.density(&joint);
-        self.record.close(&self.density);
+        self.record.close(&self.density, &self.memories);
         Some((joint.z, joint.nats))
     }
 

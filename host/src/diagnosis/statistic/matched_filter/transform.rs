@@ -14,8 +14,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 use realfft::num_complex::Complex64;
 
-use super::waveform::{Step, Waveform};
-use crate::diagnosis::statistic::sums::sums;
+use super::waveform::Waveform;
 use crate::fft::ring::{Ring, Series};
 
 /// Samples at each end that the line is laid through, at most: a choice. White noise of the ends is
@@ -23,7 +22,7 @@ use crate::fft::ring::{Ring, Series};
 const END: usize = 256;
 
 /// Ordinates that are worth a thread of their own: a choice.
-const SHARED: usize = 1 << 14;
+pub(super) const SHARED: usize = 1 << 14;
 
 /// The Fourier transform of a record, ordinate by ordinate.
 pub struct Transform {
@@ -186,34 +185,6 @@ impl Transform {
     /// Ordinates from zero frequency to half the rate, `X_k = sum x_n e^{-2 pi i k n / N}`.
     pub fn ordinates(&self) -> &[Complex64] {
         &self.ordinates
-    }
-
-    /// Sets the seam free: the first sample takes the value, and the level across the seam the
-    /// step, that all others predict for them.
-    pub fn close(&mut self, density: &[f64]) {
-        let ring = Arc::clone(&self.ring);
-        let step = |k: usize| Step.at(ring.turn(k));
-        // Normal equations of both, over half of the ring.
-        let [right, right_of_step, one, of_step, square] = sums(1..self.ordinates.len(), |k| {
-            let (ordinate, weight, step) = (self.ordinates[k], density[k].recip(), step(k));
-            [
-                ordinate.re,
-                (ordinate * step.conj()).re,
-                1.0,
-                step.re,
-                step.norm_sqr(),
-            ]
-            .map(|term| term * weight)
-        });
-        let determinant = one * square - of_step * of_step;
-        let sample = (right * square - right_of_step * of_step) / determinant;
-        let height = (right_of_step * one - right * of_step) / determinant;
-        if !(sample.is_finite() && height.is_finite()) {
-            return;
-        }
-        let ordinates = self.ordinates.par_iter_mut().with_min_len(SHARED);
-        let ordinates = ordinates.enumerate().skip(1);
-        ordinates.for_each(|(k, ordinate)| *ordinate -= sample + height * step(k));
     }
 
     /// Adds another record of the same ring.
