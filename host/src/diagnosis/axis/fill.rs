@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::diagnosis::axis::{AxisState, NoFit};
 use crate::diagnosis::explanation::Change;
 use crate::diagnosis::laws::search;
+use crate::diagnosis::record::beyond;
 use crate::diagnosis::record::short_gaps::ShortGaps;
 
 /// Nats by which a law may still move from one fill to the next when it is taken for the record's own: a choice.
@@ -118,7 +119,8 @@ impl AxisState {
         go_on(course, &mut density);
         let mut left = std::mem::take(&mut self.filled);
         let values = Arc::make_mut(&mut left).as_mut_slice();
-        gaps.fill(values, self.rate_hz, &density);
+        let limits = beyond::limits(self.residual.waves(), values);
+        gaps.fill(values, &limits, self.rate_hz, &density);
         self.residual.refill(gaps.places(), &left);
         drop(left);
         let values = self.residual.values();

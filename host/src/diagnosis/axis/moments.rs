@@ -4,9 +4,11 @@ use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::record::beyond;
 use crate::diagnosis::record::bridge::bridge;
 use crate::diagnosis::record::drawn::Drawn;
 use crate::diagnosis::record::long_gaps;
+use crate::diagnosis::record::short_gaps::ShortGaps;
 
 /// Samples on either side of a bridge or a mask that tests of single moments leave out, at least
 /// and at most: choices. Between them what [`MEMORY`] asks.
@@ -43,9 +45,13 @@ impl AxisState {
             gap.start.saturating_sub(guard)..(gap.end + guard).min(values.len())
         };
         let mut all: Vec<Range<usize>> = gaps.iter().map(widened).collect();
-        // What fills these goes on as their neighbours do.
-        let short = self.short_gaps().map_or(&[][..], |gaps| gaps.ranges());
-        all.extend_from_slice(short);
+        // What fills these goes on as their neighbours do. Beside a rail the samples that stayed below it are the smaller ones:
+        // only with those beyond it are they as loud as the others.
+        let short = self.short_gaps().map_or(&[][..], ShortGaps::places);
+        let beyond = beyond::limits(self.residual.waves(), &values);
+        let is_beyond = |n: &usize| beyond.binary_search_by_key(n, |one| one.index).is_ok();
+        let others = short.iter().filter(|n| !is_beyond(n));
+        all.extend(others.map(|&n| n..n + 1));
         all.sort_by_key(|gap| gap.start);
         self.unusable.clear();
         for wide in all {

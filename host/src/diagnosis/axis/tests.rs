@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use super::*;
 use crate::diagnosis::explanation::{Change, Snapshot};
-use crate::diagnosis::record::wave::Wave;
+use crate::diagnosis::record::wave::{Replaced, Side, Wave};
 use crate::diagnosis::trial::{
     NOTHING, axis, excluded, jump, kinds, law, line, made_up, numbers, ringing, short, spike,
     take_in,

@@ -4,7 +4,7 @@ use super::Detector;
 use crate::diagnosis::axis::NoFit;
 use crate::diagnosis::detect::look::{Look, Proposal};
 use crate::diagnosis::explanation::{Candidate, Change};
-use crate::diagnosis::record::wave::{Replaced, Wave};
+use crate::diagnosis::record::wave::{Replaced, Side, Wave};
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
 use crate::model::clipping::KIND;
@@ -23,7 +23,11 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     // Known to the rounding of the mean that was taken out and put back.
     let slack = 4.0 * f64::EPSILON * values.largest;
     let level = Value::normal(clipping.level, slack);
-    let replaced = Replaced::bridged(&look.axis.residual.values(), places);
+    let side = match clipping.side > 0.0 {
+        true => Side::Above,
+        false => Side::Below,
+    };
+    let replaced = Replaced::bridged(&look.axis.residual.values(), places, side);
     let candidate = Candidate::new(
         Estimate::new(KIND, [level, Value::exact(clipping.side)]),
         clipping.p_value,

@@ -4,7 +4,7 @@ use super::Detector;
 use crate::diagnosis::axis::NoFit;
 use crate::diagnosis::detect::look::{Look, Proposal};
 use crate::diagnosis::explanation::{Candidate, Change};
-use crate::diagnosis::record::wave::{Replaced, Wave};
+use crate::diagnosis::record::wave::{Replaced, Side, Wave};
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
 use crate::model::stale::KIND;
@@ -17,7 +17,7 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     let candidate = candidate
         .filter(|_| !look.axis.has(KIND))
         .map(|(stale, places)| {
-            let replaced = Replaced::bridged(&look.axis.residual.values(), places);
+            let replaced = Replaced::bridged(&look.axis.residual.values(), places, Side::Any);
             let share = Value::normal(stale.share, stale.share_sd);
             let run_samples = stale.run_samples.map(|(run, sd)| Value::normal(run, sd));
             Proposal::Explain(Box::new(Candidate::new(

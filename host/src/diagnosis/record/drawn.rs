@@ -7,7 +7,7 @@
 use std::ops::Range;
 
 use crate::diagnosis::statistic::kriging::Unknown;
-use crate::diagnosis::statistic::matched_filter::{Transformer, smooth_len_from};
+use crate::diagnosis::statistic::matched_filter::{Transform, Transformer, smooth_len_from};
 use crate::fft::ring::Series;
 use crate::model::Seed;
 use crate::model::random::Gaussian;
@@ -65,6 +65,13 @@ impl Drawn {
         for (n, value) in off[self.len..].iter_mut().enumerate() {
             *value = from + step * (n + 1) as f64;
         }
+    }
+
+    /// The ring of `values`, none of which is missing, closed.
+    pub fn closed(&self, values: &[f64], rate_hz: f64) -> Transform {
+        let mut whole = self.ring.padded(values);
+        self.close(&mut whole);
+        self.ring.transform_ring(whole, rate_hz)
     }
 
     /// By how much a closed ring has to be moved at these `places` to be the likeliest there.

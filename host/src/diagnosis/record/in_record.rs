@@ -67,7 +67,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::diagnosis::record::wave::{Outlier, Replaced};
+    use crate::diagnosis::record::wave::{Outlier, Replaced, Side};
     use crate::model::Seed;
     use crate::model::random::Gaussian;
 
@@ -97,7 +97,10 @@ mod tests {
             sine: 0.0,
             lost: None,
         };
-        let replaced = Wave::Replaced(Replaced(Arc::new(sizes.collect())));
+        let replaced = Wave::Replaced(Replaced {
+            all: Arc::new(sizes.collect()),
+            side: Side::Any,
+        });
         let mut course = vec![0.0; read.len()];
         line.take_out(&mut course);
         let whole: Vec<f64> = read.iter().zip(&course).map(|(a, b)| a - b).collect();

@@ -1,6 +1,7 @@
 //! A record on its way to being explained: samples, waveforms, residual, spectral bins. Knows no effect by
 //! name.
 
+pub mod beyond;
 pub mod bins;
 pub mod bridge;
 pub mod drawn;

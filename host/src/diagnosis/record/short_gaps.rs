@@ -17,6 +17,7 @@
 
 use std::ops::Range;
 
+use crate::diagnosis::record::beyond::{self, Limit};
 use crate::diagnosis::record::drawn::Drawn;
 use crate::diagnosis::record::runs::runs_of;
 
@@ -98,13 +99,18 @@ impl ShortGaps {
     }
 
     /// Fills them in `values`, which are filled somehow and miss nothing: with noise of the two-sided densities
-    /// `density` at the ordinates of the ring, as it may be between the samples that are there.
-    pub fn fill(&self, values: &mut [f64], rate_hz: f64, density: &[f64]) {
+    /// `density` at the ordinates of the ring, as it may be between the samples that are there and beyond `limits`, ascending.
+    pub fn fill(&self, values: &mut [f64], limits: &[Limit], rate_hz: f64, density: &[f64]) {
         let mut off = self.drawn.off(values, rate_hz, density);
         self.drawn.close(&mut off);
         let moves = self.drawn.moves(off, &self.places, rate_hz, density);
         for (&place, by) in self.places().iter().zip(moves) {
             values[place] += by;
+        }
+        if !limits.is_empty() {
+            beyond::draw(values, limits, rate_hz, density, |values| {
+                self.drawn.closed(values, rate_hz)
+            });
         }
     }
 }
@@ -149,7 +155,7 @@ mod tests {
         let filled = |values: &[f64]| {
             let mut values = values.to_vec();
             gaps.bridge(&mut values);
-            gaps.fill(&mut values, RATE_HZ, &density);
+            gaps.fill(&mut values, &[], RATE_HZ, &density);
             values
         };
         // What is drawn is the same in both: their difference is the conditional mean of the gaps, given a sample.

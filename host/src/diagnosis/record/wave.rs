@@ -111,15 +111,31 @@ pub enum Wave {
     Replaced(Replaced),
 }
 
+/// On which side of what was recorded a sample lies that was no measurement.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Side {
+    /// Anywhere.
+    Any,
+    /// It is larger.
+    Above,
+    /// It is smaller.
+    Below,
+}
+
 /// What stands in the place of some samples, ascending. Two are the same where they stand in the place of the same samples: what
 /// is drawn changes with every law.
 #[derive(Debug, Clone)]
-pub struct Replaced(pub Arc<Vec<Outlier>>);
+pub struct Replaced {
+    /// Each of them: how much what was recorded is too large.
+    pub all: Arc<Vec<Outlier>>,
+    /// On which side of what was recorded they lie.
+    pub side: Side,
+}
 
 impl Replaced {
     /// The samples at these places of `values`, ascending, with straight lines between means of those that are left in their
     /// places, as a law begins with that is then drawn from. One that is missing or excluded stays.
-    pub fn bridged(values: &[f64], places: &[usize]) -> Self {
+    pub fn bridged(values: &[f64], places: &[usize], side: Side) -> Self {
         let mut line = values.to_vec();
         for &place in places {
             line[place] = f64::NAN;
@@ -132,13 +148,16 @@ impl Replaced {
                 .unwrap_or(0.0),
             size_sd: 0.0,
         });
-        Self(Arc::new(all.collect()))
+        Self {
+            all: Arc::new(all.collect()),
+            side,
+        }
     }
 }
 
 impl PartialEq for Replaced {
     fn eq(&self, other: &Self) -> bool {
-        let places = |one: &Self| one.0.iter().map(|one| one.index).collect::<Vec<usize>>();
+        let places = |one: &Self| one.all.iter().map(|one| one.index).collect::<Vec<usize>>();
         places(self) == places(other)
     }
 }
@@ -147,7 +166,7 @@ impl Wave {
     /// The samples that it replaces, where it does.
     pub fn replaced(&self) -> Option<&[Outlier]> {
         match self {
-            Self::Replaced(Replaced(all)) => Some(all),
+            Self::Replaced(replaced) => Some(&replaced.all),
             _ => None,
         }
     }
@@ -163,7 +182,7 @@ impl Wave {
     /// What some waves take out of the sample at `place`, where one of them replaces it.
     pub fn size_at(waves: &mut [Self], place: usize) -> Option<&mut f64> {
         waves.iter_mut().find_map(|wave| match wave {
-            Self::Replaced(Replaced(all)) => {
+            Self::Replaced(Replaced { all, .. }) => {
                 let at = all.binary_search_by_key(&place, |one| one.index).ok()?;
                 Some(&mut Arc::make_mut(all)[at].size)
             }
@@ -222,7 +241,7 @@ impl Wave {
                     *value -= gain * f64::from(*column);
                 }
             }
-            Self::Outliers(outliers) | Self::Replaced(Replaced(outliers)) => {
+            Self::Outliers(outliers) | Self::Replaced(Replaced { all: outliers, .. }) => {
                 for outlier in outliers.iter() {
                     if let Some(value) = values.get_mut(outlier.index) {
                         *value -= outlier.size;

@@ -47,3 +47,35 @@ fn a_converters_filter_remembers_a_cut_for_longer() {
         assert!(axis.usable(STRETCH.end + 3000), "seed {SEED}");
     }
 }
+
+#[test]
+fn what_lies_beyond_a_rail_is_drawn_there_and_counts() {
+    let limit = 1.0;
+    let mut white = numbers(SEED, 3);
+    let truth: Vec<f64> = (0..(1 << 15) + 1).map(|_| white.draw()).collect();
+    let measured: Vec<f64> = truth.iter().map(|value| value.min(limit)).collect();
+    let at: Vec<usize> = (0..truth.len()).filter(|n| truth[*n] > limit).collect();
+    let known = |side: Side| {
+        let axis = AxisState::new(Arc::new(measured.clone()), 100.0, None);
+        let mut axis = axis.expect("a spectrum");
+        let replaced = Replaced::bridged(&axis.residual.values(), &at, side);
+        let waves = Change::Waves(vec![Wave::Replaced(replaced)]);
+        take_in(&mut axis, crate::model::clipping::KIND, waves);
+        axis
+    };
+    let axis = known(Side::Above);
+    let short = at.iter().filter(|n| axis.filled[**n] < limit);
+    assert_eq!(short.count(), 0, "seed {SEED}: drawn below the rail");
+    let inside = 2000..truth.len() - 2000;
+    let counts = |axis: &AxisState| at.iter().all(|n| !inside.contains(n) || axis.usable(*n));
+    assert!(counts(&axis), "seed {SEED}");
+    let square = |values: &[f64]| values.iter().map(|one| one * one).sum::<f64>();
+    let ratio = square(&axis.filled) / square(&truth);
+    // A sixth of the squares are drawn, of deviation 2 each: five deviations.
+    let sd = 2.0 * (0.16 / truth.len() as f64).sqrt();
+    assert!((ratio - 1.0).abs() < 5.0 * sd, "seed {SEED}: {ratio}");
+    // Samples of which nothing is known do not count, and may be anything.
+    let axis = known(Side::Any);
+    assert!(!counts(&axis), "seed {SEED}");
+    assert!(at.iter().any(|n| axis.filled[*n] < limit), "seed {SEED}");
+}

@@ -6,6 +6,7 @@ use realfft::num_complex::Complex64;
 
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::record::wave::Wave;
+use crate::diagnosis::steady::line::IMPERFECT;
 use crate::fft::phasor::Phasor;
 use crate::model::averaging;
 use crate::spectrum::Line;
@@ -142,6 +143,30 @@ impl Demodulated {
         let turned = sums.map(|(number, sum)| sum * Complex64::cis(turn * f64::from(number)));
         turned.sum::<Complex64>().norm_sqr()
     }
+}
+
+/// Whether a frequency is so near a known one that a line there may be left of that.
+pub fn is_beside(axis: &AxisState, known_hz: f64, f_hz: f64) -> bool {
+    let duration_s = axis.filled.len() as f64 / axis.rate_hz;
+    (known_hz - f_hz).abs() < (40.0 / duration_s).max(0.004 * known_hz)
+}
+
+/// Whether a line is no more than what may be left of a steady one beside it.
+pub fn is_left_of_known(axis: &AxisState, line: &Line) -> bool {
+    let mut waves = axis.residual.waves().iter();
+    waves.any(|wave| match wave {
+        Wave::Line {
+            cycles,
+            cosine,
+            sine,
+            ..
+        } => {
+            let most = IMPERFECT * (cosine * cosine + sine * sine);
+            is_beside(axis, cycles * axis.rate_hz, line.frequency_hz)
+                && line.amplitude.powi(2) < most
+        }
+        _ => false,
+    })
 }
 
 /// Whether a line stands out of what a model expects where it is, too, if that falls in lobes: they are narrower than what

@@ -183,10 +183,9 @@ fn single(look: &Look<'_>, known_hz: &mut Vec<f64>, one: Measured) -> Option<Pro
         return None;
     }
     // What is left next to a line that was taken out is no second one.
-    let reach_hz = |known_hz: f64| (40.0 / look.duration_s()).max(0.004 * known_hz);
     if known_hz
         .iter()
-        .any(|&known_hz| (known_hz - f_hz).abs() < reach_hz(known_hz))
+        .any(|&known_hz| measure::is_beside(axis, known_hz, f_hz))
     {
         return None;
     }
@@ -265,7 +264,8 @@ fn look_for_wandering(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     for group in lines(look.axis, look.level()) {
         let Group::Single(one) = group else { continue };
         let f_hz = one.line.frequency_hz;
-        if wanders(look, &one) && !known.iter().any(|band| band.contains(&f_hz)) {
+        let is_known = known.iter().any(|band| band.contains(&f_hz));
+        if wanders(look, &one) && !is_known && !measure::is_left_of_known(look.axis, &one.line) {
             let excluded = excluded(look, &one);
             known.push(excluded.band_hz.clone());
             proposals.push(Proposal::ExcludeLine(excluded));

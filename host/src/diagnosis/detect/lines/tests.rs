@@ -107,6 +107,25 @@ fn a_line_that_wanders_is_left_and_then_excluded() {
 }
 
 #[test]
+fn what_is_left_of_a_steady_line_is_not_excluded() {
+    let mut fading = with_line(0, true);
+    assert!(!fading.ask(&WANDERING).is_empty(), "seed 0");
+    // What fades has a height of a quarter on average. Of a line of height 1 that was taken out beside it that is more than a
+    // hundredth of the energy, of one of height 10 it is less.
+    for (height, is_left) in [(1.0, false), (10.0, true)] {
+        // Put in as well as taken out, so that nothing else changes.
+        let both = [height, -height].map(|height| trial::line(3.705, height));
+        let out = Change::Waves(both.to_vec());
+        fading.know(sinusoid::KIND, [3.705, height], out);
+        assert_eq!(
+            fading.ask(&WANDERING).is_empty(),
+            is_left,
+            "seed 0, {height}"
+        );
+    }
+}
+
+#[test]
 fn of_the_two_peaks_of_a_line_that_turns_once_one_is_excluded() {
     let mut values = noise(7);
     let half = values.len() / 2;
