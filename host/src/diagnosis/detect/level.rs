@@ -86,8 +86,8 @@ fn is_held(look: &Look<'_>, proposal: &Proposal) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::detect::thermal::reading::Reading;
     use crate::diagnosis::detect::trial::{self, Trial, noise};
+    use crate::diagnosis::record::reading::Reading;
     use crate::diagnosis::record::wave::Wave;
     use crate::model::kind::Kind;
 

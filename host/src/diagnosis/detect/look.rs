@@ -1,8 +1,8 @@
 //! What detectors see, and what they may propose.
 
 use crate::diagnosis::axis::{AxisState, Excluded};
-use crate::diagnosis::detect::thermal::reading::Reading;
 use crate::diagnosis::explanation::{Candidate, Explanation};
+use crate::diagnosis::record::reading::Reading;
 use crate::diagnosis::values::ValueFindings;
 use crate::model::kind::Kind;
 use crate::spectrum::Line;

@@ -1,7 +1,6 @@
 //! Thermal: the level follows the temperature, or another column of the same file, behind a lag.
 
 mod lags;
-pub mod reading;
 #[cfg(test)]
 mod tests;
 
@@ -10,12 +9,12 @@ use crate::diagnosis::axis::profile::Noise;
 use crate::diagnosis::detect::look::{Look, Proposal};
 use crate::diagnosis::detect::slow_change::{MeasuredAgain, SlowChange};
 use crate::diagnosis::explanation::{Candidate, Change, Explanation};
+use crate::diagnosis::record::reading::Reading;
 use crate::diagnosis::record::wave::Wave;
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
 use crate::model::thermal::KIND;
 use lags::{Following, Lags};
-use reading::Reading;
 
 /// What follows the covariate, if it is not known yet.
 pub fn find(look: &Look<'_>, noise: Noise) -> Option<Following> {

@@ -48,6 +48,10 @@ const TURNS: usize = 8;
 /// Samples within which one moves another within a turn: a choice. What reaches further is made good with the next.
 const REACH: usize = 32;
 
+/// What samples further apart than that may pull at each other within a turn, over what each is held by, at most: half of it, so that
+/// what a turn leaves of it grows no further. Quantisation noise reaches over all of a record.
+const PULL: f64 = 0.5;
+
 /// Variance of a sample given all others over that of noise as loud as in the middle of the band, at least: a choice. Behind a
 /// converter's filter the others leave a sample no room, and one by one none can move.
 const ROOM: f64 = 0.01;
@@ -66,7 +70,10 @@ pub fn draw(
     let mut one = ring.zeros();
     one[0] = 1.0;
     let row = inverse(&ring.transform_ring(one, rate_hz));
-    if row[0].recip() < ROOM * density[density.len() / 2] * rate_hz {
+    let far = row[REACH + 1..=row.len() / 2].iter().map(|one| one.abs());
+    let share = limits.len() as f64 / values.len() as f64;
+    let pull = 2.0 * share * far.sum::<f64>() / row[0];
+    if row[0].recip() < ROOM * density[density.len() / 2] * rate_hz || pull > PULL {
         return;
     }
     let sd = row[0].sqrt().recip();
@@ -166,6 +173,17 @@ mod tests {
         filtered[LENGTH / 4] = 1.0;
         let before = values.clone();
         draw(&mut values, &limits, 1.0, &filtered, |values| {
+            ring.transform(values, 1.0)
+        });
+        assert_eq!(values, before);
+        // Nor where each pulls at all others, as in quantisation noise.
+        let turn = |k: usize| std::f64::consts::PI * k as f64 / LENGTH as f64;
+        let rising: Vec<f64> = (0..=LENGTH / 2)
+            .map(|k| 1e-6 + turn(k).sin().powi(2))
+            .collect();
+        let mut values: Vec<f64> = truth.iter().map(|value| value.min(0.5 * LIMIT)).collect();
+        let before = values.clone();
+        draw(&mut values, &limits, 1.0, &rising, |values| {
             ring.transform(values, 1.0)
         });
         assert_eq!(values, before);

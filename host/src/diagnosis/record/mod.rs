@@ -9,6 +9,7 @@ pub mod envelope;
 pub mod in_record;
 pub mod long_gaps;
 pub mod powers;
+pub mod reading;
 pub mod residual;
 pub mod runs;
 pub mod samples;

@@ -22,7 +22,7 @@ use crate::model::follows::{Follows, Leader};
 use crate::model::random::Generator;
 use crate::model::warmup::Settling;
 
-use super::reading::Reading;
+use crate::diagnosis::record::reading::Reading;
 
 /// What follows the covariate.
 pub struct Following {
