@@ -37,13 +37,15 @@ pub fn proposal(found: Following) -> Option<Proposal> {
     };
     let gain = Value::normal(gain, change.size_sd);
     let lag_s = Value::log_normal(lag_s, change.time_log_sd);
+    let waves: Vec<Wave> = std::iter::once(change.wave).chain(settling).collect();
     Some(Proposal::Explain(Box::new(Candidate {
         held_out_nats: Some(change.nats),
         ..Candidate::new(
             Estimate::new(KIND, [gain, lag_s]),
             change.p_value,
-            2.0 + f64::from(u8::from(settling.is_some())),
-            Change::Waves(std::iter::once(change.wave).chain(settling).collect()),
+            // A size of each, and the lag.
+            1.0 + waves.len() as f64,
+            Change::Waves(waves),
         )
     })))
 }

@@ -7,10 +7,9 @@
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
+use crate::diagnosis::record::drawn::Drawn;
 use crate::diagnosis::record::wave::{Side, Wave};
-use crate::diagnosis::statistic::matched_filter::{Transform, Transformer};
-use crate::model::Seed;
-use crate::model::random::Gaussian;
+use crate::diagnosis::statistic::matched_filter::Transform;
 
 /// A sample that lies beyond a limit.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -57,19 +56,10 @@ const PULL: f64 = 0.5;
 const ROOM: f64 = 0.01;
 
 /// Draws the samples of `values` that lie beyond `limits`, ascending, with noise of the two-sided densities `density` at the ordinates of
-/// a `ring` that the values are closed into by `closed`.
-pub fn draw(
-    values: &mut [f64],
-    limits: &[Limit],
-    rate_hz: f64,
-    density: &[f64],
-    closed: impl Fn(&[f64]) -> Transform,
-) {
-    let ring = Transformer::new(2 * (density.len() - 1));
+/// the ring on which all that is missing is `drawn`.
+pub fn draw(values: &mut [f64], limits: &[Limit], rate_hz: f64, density: &[f64], drawn: &Drawn) {
     let inverse = |record: &Transform| record.filtered(|k| (density[k] * rate_hz).recip().into());
-    let mut one = ring.zeros();
-    one[0] = 1.0;
-    let row = inverse(&ring.transform_ring(one, rate_hz));
+    let row = inverse(&drawn.impulse(rate_hz));
     let far = row[REACH + 1..=row.len() / 2].iter().map(|one| one.abs());
     let share = limits.len() as f64 / values.len() as f64;
     let pull = 2.0 * share * far.sum::<f64>() / row[0];
@@ -77,23 +67,23 @@ pub fn draw(
         return;
     }
     let sd = row[0].sqrt().recip();
-    let mut normal = Gaussian::new(Seed { seed: 0, stream: 5 }, 1.0);
+    let mut normal = drawn.numbers();
     for _ in 0..TURNS {
-        let whole = inverse(&closed(values));
+        let whole = inverse(&drawn.closed(values, rate_hz));
         let mut pulls: Vec<f64> = limits.iter().map(|one| whole[one.index]).collect();
         for (place, limit) in limits.iter().enumerate() {
             let value = values[limit.index];
             let mean = value - pulls[place] / row[0];
             let least = limit.sign * (limit.value - mean) / sd;
-            let drawn = mean + limit.sign * sd * beyond(least, normal.draw());
-            values[limit.index] = drawn;
+            let now = mean + limit.sign * sd * beyond(least, normal.draw());
+            values[limit.index] = now;
             let reached = limits[place..].iter().zip(&mut pulls[place..]);
             for (other, pull) in reached {
                 let apart = other.index - limit.index;
                 if apart > REACH {
                     break;
                 }
-                *pull += (drawn - value) * row[apart];
+                *pull += (now - value) * row[apart];
             }
         }
     }
@@ -114,6 +104,8 @@ fn beyond(least: f64, normal: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::Seed;
+    use crate::model::random::Gaussian;
 
     #[test]
     fn normal_numbers_beyond_a_limit_have_the_mean_of_their_tail() {
@@ -156,11 +148,10 @@ mod tests {
             })
             .collect();
         let mut values: Vec<f64> = truth.iter().map(|value| value.min(LIMIT)).collect();
-        let density = vec![1.0; LENGTH / 2 + 1];
-        let ring = Transformer::new(LENGTH);
-        draw(&mut values, &limits, 1.0, &density, |values| {
-            ring.transform(values, 1.0)
-        });
+        let drawn = Drawn::of(&values);
+        let count = drawn.ring_len() / 2 + 1;
+        let density = vec![1.0; count];
+        draw(&mut values, &limits, 1.0, &density, &drawn);
         let square =
             |values: &[f64]| values.iter().map(|one| one * one).sum::<f64>() / LENGTH as f64;
         let (found, is) = (square(&values), square(&truth));
@@ -169,23 +160,16 @@ mod tests {
         assert!((found - is).abs() < 5.0 * sd, "{found} of {is}, seed 2");
         // Where the others say all there is to know, none is moved.
         let mut filtered = density;
-        filtered[LENGTH / 3..].fill(1e-6);
-        filtered[LENGTH / 4] = 1.0;
+        filtered[2 * count / 3..].fill(1e-6);
         let before = values.clone();
-        draw(&mut values, &limits, 1.0, &filtered, |values| {
-            ring.transform(values, 1.0)
-        });
+        draw(&mut values, &limits, 1.0, &filtered, &drawn);
         assert_eq!(values, before);
         // Nor where each pulls at all others, as in quantisation noise.
-        let turn = |k: usize| std::f64::consts::PI * k as f64 / LENGTH as f64;
-        let rising: Vec<f64> = (0..=LENGTH / 2)
-            .map(|k| 1e-6 + turn(k).sin().powi(2))
-            .collect();
+        let turn = |k: usize| 0.5 * std::f64::consts::PI * k as f64 / count as f64;
+        let rising: Vec<f64> = (0..count).map(|k| 1e-6 + turn(k).sin().powi(2)).collect();
         let mut values: Vec<f64> = truth.iter().map(|value| value.min(0.5 * LIMIT)).collect();
         let before = values.clone();
-        draw(&mut values, &limits, 1.0, &rising, |values| {
-            ring.transform(values, 1.0)
-        });
+        draw(&mut values, &limits, 1.0, &rising, &drawn);
         assert_eq!(values, before);
     }
 }

@@ -67,6 +67,24 @@ impl Drawn {
         }
     }
 
+    /// One at its first sample, and zero elsewhere.
+    pub fn impulse(&self, rate_hz: f64) -> Transform {
+        let mut one = self.ring.zeros();
+        one[0] = 1.0;
+        self.ring.transform_ring(one, rate_hz)
+    }
+
+    /// Normal numbers for what is drawn beyond a limit: the same for the same record, and others than its noise.
+    pub fn numbers(&self) -> Gaussian {
+        Gaussian::new(
+            Seed {
+                stream: 1,
+                ..self.seed
+            },
+            1.0,
+        )
+    }
+
     /// The ring of `values`, none of which is missing, closed.
     pub fn closed(&self, values: &[f64], rate_hz: f64) -> Transform {
         let mut whole = self.ring.padded(values);

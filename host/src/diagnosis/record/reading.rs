@@ -70,10 +70,10 @@ impl Reading {
         }
     }
 
-    /// Density of what is left of the noise in the column, at `turn` radians a sample of `rate_hz`; per hertz.
+    /// Two-sided density of what is left of the noise in the column, at `turn` radians a sample of `rate_hz`; per hertz.
     pub fn density(&self, turn: f64, rate_hz: f64) -> f64 {
         let passed = 1.0 / (1.0 + (turn * self.stiff).powi(4));
-        2.0 * self.variance / rate_hz * passed * passed
+        self.variance / rate_hz * passed * passed
     }
 }
 

@@ -108,9 +108,7 @@ impl ShortGaps {
             values[place] += by;
         }
         if !limits.is_empty() {
-            beyond::draw(values, limits, rate_hz, density, |values| {
-                self.drawn.closed(values, rate_hz)
-            });
+            beyond::draw(values, limits, rate_hz, density, &self.drawn);
         }
     }
 }

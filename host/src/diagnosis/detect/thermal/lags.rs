@@ -13,6 +13,7 @@ use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::axis::profile::Profile;
 use crate::diagnosis::detect::slow_change::SlowChange;
 use crate::diagnosis::record::bridge::block_means;
+use crate::diagnosis::record::reading::Reading;
 use crate::diagnosis::record::wave::Wave;
 use crate::diagnosis::statistic::matched_filter::{
     Half, Projection, Transform, Transformer, held_out_gain,
@@ -21,8 +22,6 @@ use crate::diagnosis::statistic::p_value;
 use crate::model::follows::{Follows, Leader};
 use crate::model::random::Generator;
 use crate::model::warmup::Settling;
-
-use crate::diagnosis::record::reading::Reading;
 
 /// What follows the covariate.
 pub struct Following {
@@ -51,6 +50,7 @@ pub struct Lags<'a> {
 }
 
 impl<'a> Lags<'a> {
+    /// Of the `values` of an axis, and the `reading` that they may follow.
     pub fn new(axis: &AxisState, values: &[f64], reading: &'a Reading) -> Self {
         /// Shortest lag that is tried, samples of the slow record: a shorter one is as good as none until it is refined.
         const SHORTEST: f64 = 4.0;
@@ -222,16 +222,18 @@ impl<'a> Lags<'a> {
         }
     }
 
-    /// The highest frequency at which what is left of the reading's noise would be louder behind lag and gain than the noise is,
-    /// hertz: the sensor does not follow it, and it stays in what is left.
+    /// The highest frequency at which what is left of the reading's noise is heard behind lag and gain, hertz: the sensor does not
+    /// follow it, and it stays in what is left.
     fn absorbs_hz(&self, place: &Place) -> f64 {
+        /// Its density over that of the noise from which it is: a choice. Half as much makes the noise half again as loud.
+        const HEARD: f64 = 0.5;
         let square = place.gain.size().powi(2);
-        let is_louder = |k: &usize| {
+        let is_heard = |k: &usize| {
             let turn = TAU * self.record.frequency(*k) / self.rate_hz;
             let lagged = 1.0 + (turn * place.lag).powi(2);
-            square * self.reading.density(turn, self.rate_hz) / lagged > self.density[*k]
+            square * self.reading.density(turn, self.rate_hz) / lagged > HEARD * self.density[*k]
         };
-        let last = (1..self.density.len()).rev().find(is_louder);
+        let last = (1..self.density.len()).rev().find(is_heard);
         last.map_or(0.0, |k| self.record.frequency(k))
     }
 

@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use rayon::prelude::*;
-use realfft::num_complex::Complex64;
 
 use super::projection::{Half, Projection};
 use super::transform::{SHARED, Transform};
@@ -18,10 +17,11 @@ impl Transform {
         self.close_level(density);
         let mut kept: Vec<Self> = Vec::new();
         for &samples in memories {
-            let mut course = self.like(&Settling {
+            let course = Settling {
                 samples,
                 len: self.len,
-            });
+            };
+            let mut course = self.transformer().waveform(&course, self.rate_hz);
             course.close_level(density);
             kept.iter().for_each(|one| course.take_out(one, density));
             self.take_out(&course, density);
@@ -34,20 +34,6 @@ impl Transform {
         let size = Projection::new(self, density, course, Half::Both).size();
         if size.is_finite() {
             self.add_scaled(-size, course);
-        }
-    }
-
-    /// A waveform from the first sample on, on the same ring.
-    fn like(&self, waveform: &impl Waveform) -> Self {
-        let at = |k: usize| match k {
-            0 => Complex64::ZERO,
-            _ => waveform.at(self.ring.turn(k)),
-        };
-        Self {
-            rate_hz: self.rate_hz,
-            len: self.len,
-            ordinates: (0..self.ordinates.len()).map(at).collect(),
-            ring: Arc::clone(&self.ring),
         }
     }
 
