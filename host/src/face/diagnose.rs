@@ -1,6 +1,7 @@
 //! The diagnosis of a record: a source in, a plain result out. Reports only format it.
 
 use crate::analyse::{SCHEMA, summary};
+use crate::diagnosis::detect::held::Held;
 use crate::diagnosis::detect::timebase::{clock, counted};
 use crate::diagnosis::options::Options;
 use crate::diagnosis::record::samples::Samples;
@@ -96,7 +97,7 @@ pub fn diagnose(
     let (mut samples, mut account) = Samples::read(source, |_| {})?;
     account.clocks = source.clocks();
     let family_level = options.family_level;
-    let options = Options {
+    let mut options = Options {
         family_level,
         covariate: options.temperature,
         suspects: options.suspects,
@@ -112,11 +113,19 @@ pub fn diagnose(
     }
     at_clock(&mut samples, &clock);
     let signal = samples.signal.clone();
+    let held = Held::of(&samples, level_of_one_test(&options));
+    if let Some(held) = &held {
+        samples = held.values(&samples);
+        options.covariate = options.covariate.map(|column| held.beside(&column));
+    }
     let mut diagnosed = axes::diagnose(samples, &options, progress)?;
     for (number, finding) in clock {
         diagnosed.axes[number].findings.push(finding);
     }
     for axis in &mut diagnosed.axes {
+        if let Some(held) = &held {
+            held.tell(axis, signal.rate_hz);
+        }
         let found = |kind| axis.findings.iter().any(|one| one.effect == kind);
         axis.suspicions.retain(|one| !found(one.effect));
     }

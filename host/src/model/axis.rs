@@ -39,9 +39,19 @@ impl ModelAxis {
     pub fn clock(&self) -> f64 {
         let ratio = |effect: &ModelEffect| match effect.part() {
             Part::Clock(ratio) => ratio,
-            Part::Term(_) | Part::Distortion(_) | Part::Follows(_) => 1.0,
+            Part::Term(_) | Part::Distortion(_) | Part::Hold(_) | Part::Follows(_) => 1.0,
         };
         self.effects.iter().map(ratio).product()
+    }
+
+    /// Values a second by the nominal clock, of a record of `rate_hz` samples a second: as many, unless it is held.
+    pub fn values_hz(&self, rate_hz: f64) -> f64 {
+        let hold = |effect: &ModelEffect| match effect.part() {
+            Part::Hold(values_hz) => Some(values_hz),
+            Part::Term(_) | Part::Distortion(_) | Part::Clock(_) | Part::Follows(_) => None,
+        };
+        let slowest = self.effects.iter().filter_map(hold).reduce(f64::min);
+        slowest.unwrap_or(rate_hz)
     }
 
     /// Whether data can be made of it at a nominal `rate_hz`.
@@ -66,9 +76,15 @@ impl ModelAxis {
             .iter()
             .filter_map(|effect| match effect.part() {
                 Part::Term(term) => Some((effect, term.lines())),
-                Part::Distortion(_) | Part::Clock(_) | Part::Follows(_) => None,
+                Part::Distortion(_) | Part::Clock(_) | Part::Hold(_) | Part::Follows(_) => None,
             });
-        let rate_hz = self.clock() * rate_hz;
+        let values_hz = self.values_hz(rate_hz);
+        if values_hz > rate_hz {
+            return Err(format!(
+                "effect held: there are {values_hz} values a second; expected no more than the rate of {rate_hz}/s"
+            ));
+        }
+        let rate_hz = self.clock() * values_hz;
         for (effect, lines) in lines {
             if let Some(line) = lines.iter().find(|line| line.f_hz >= 0.5 * rate_hz) {
                 return Err(format!(

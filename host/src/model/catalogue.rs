@@ -2,9 +2,9 @@
 
 use super::kind::Kind;
 use super::{
-    averaging, burst, clipping, common_mode, cyclic, drift, dropped, hum, markov, motion, outliers,
-    powerlaw, resonance, rolloff, rounding, shock, sinusoid, stale, steps, telegraph, thermal,
-    timebase, unnamed, wandering_line, warmup,
+    averaging, burst, clipping, common_mode, cyclic, drift, dropped, held, hum, markov, motion,
+    outliers, powerlaw, resonance, rolloff, rounding, shock, sinusoid, stale, steps, telegraph,
+    thermal, timebase, unnamed, wandering_line, warmup,
 };
 
 /// All effects of the catalogue.
@@ -26,6 +26,7 @@ pub static CATALOGUE: &[Kind] = &[
     thermal::KIND,
     outliers::KIND,
     stale::KIND,
+    held::KIND,
     dropped::KIND,
     clipping::KIND,
     rounding::KIND,

@@ -87,6 +87,9 @@ pub enum Part {
     /// The samples are taken this many times as fast as the nominal rate says; all the rest of
     /// the axis keeps true time.
     Clock(f64),
+    /// There are so many values a second, hertz, and each is written until there is the next; all the rest of the axis is
+    /// theirs.
+    Hold(f64),
     /// Something that follows a series which is not in the model.
     Follows(Follows),
 }

@@ -7,6 +7,10 @@
 //!
 //! Where the time base is off, all of that happens at the true rate; frequencies and densities are
 //! given as they look by the nominal one.
+//!
+//! Where values are held, all of that is of the values by themselves, at their own rate `r`, and their spectrum, which
+//! repeats at its multiples, is seen through `(sin(pi f / r) / (pi f / r))^2`, with what folds back at the rate at which they
+//! are written: at moments that know nothing of them.
 
 use std::f64::consts::{PI, TAU};
 
@@ -29,7 +33,10 @@ impl ModelAxis {
 
 /// The law of one axis.
 pub struct Law {
+    /// Values a second, nominal.
     rate_hz: f64,
+    /// Samples a second, nominal, where each value is written until there is the next.
+    written_hz: Option<f64>,
     /// True rate over the nominal one.
     clock: f64,
     terms: Vec<Box<dyn Term>>,
@@ -45,14 +52,16 @@ impl Law {
     /// The law of `axis` at a nominal `rate_hz` samples a second.
     pub fn new(axis: &ModelAxis, rate_hz: f64) -> Self {
         let clock = axis.clock();
+        let written_hz = Some(rate_hz).filter(|&rate_hz| axis.values_hz(rate_hz) < rate_hz);
+        let rate_hz = axis.values_hz(rate_hz);
         let mut terms = axis.coefficients.terms();
         let mut distortions = Vec::new();
         for effect in &axis.effects {
             match effect.part() {
                 Part::Term(term) => terms.push(term),
                 Part::Distortion(distortion) => distortions.push(distortion),
-                // The clock is known already; a leader's law is not in the model.
-                Part::Clock(_) | Part::Follows(_) => {}
+                // Clock and hold are known already; a leader's law is not in the model.
+                Part::Clock(_) | Part::Hold(_) | Part::Follows(_) => {}
             }
         }
         let table = |chain: &Chain| {
@@ -64,6 +73,7 @@ impl Law {
         };
         let mut law = Self {
             rate_hz,
+            written_hz,
             clock,
             terms,
             distortions: Vec::new(),
@@ -81,8 +91,8 @@ impl Law {
 
     /// Autocovariances of the noise that a further distortion would add to what the law is so far.
     fn added_by(&self, distortion: &dyn Distortion) -> Vec<f64> {
-        let density = |f_hz: f64| self.density(f_hz / self.clock) / self.clock;
-        let mut lines = self.lines();
+        let density = |f_hz: f64| self.own_density(f_hz / self.clock) / self.clock;
+        let mut lines = self.own_lines();
         for line in &mut lines {
             line.f_hz *= self.clock;
         }
@@ -94,8 +104,8 @@ impl Law {
     }
 
     /// Samples a second, nominal.
-    pub const fn rate_hz(&self) -> f64 {
-        self.rate_hz
+    pub fn rate_hz(&self) -> f64 {
+        self.written_hz.unwrap_or(self.rate_hz)
     }
 
     fn true_rate_hz(&self) -> f64 {
@@ -143,6 +153,10 @@ impl Law {
     /// Two-sided spectral density that the distortions add at `f_hz`, between zero and half the
     /// rate; nothing acts on it any more.
     pub fn density_added(&self, f_hz: f64) -> f64 {
+        self.written(f_hz, |f_hz| self.own_density_added(f_hz))
+    }
+
+    fn own_density_added(&self, f_hz: f64) -> f64 {
         let (true_hz, rate_hz) = (self.clock * f_hz, self.true_rate_hz());
         let added = self
             .distortions
@@ -157,16 +171,49 @@ impl Law {
     /// Two-sided spectral density of the samples at `f_hz`, between zero and half the rate,
     /// without the [lines](Law::lines).
     pub fn density(&self, f_hz: f64) -> f64 {
-        let sum: f64 = self
-            .terms
-            .iter()
-            .map(|term| self.density_ahead(&**term, f_hz))
-            .sum();
-        sum * self.power(f_hz) + self.density_added(f_hz)
+        self.written(f_hz, |f_hz| self.own_density(f_hz))
     }
 
-    /// Power of the samples at single frequencies.
+    fn own_density(&self, f_hz: f64) -> f64 {
+        let terms = self.terms.iter().map(|one| &**one);
+        self.density_of_terms(terms, f_hz) + self.own_density_added(f_hz)
+    }
+
+    fn density_of_terms<'a>(&self, terms: impl Iterator<Item = &'a dyn Term>, f_hz: f64) -> f64 {
+        let sum: f64 = terms.map(|term| self.density_ahead(term, f_hz)).sum();
+        sum * self.power(f_hz)
+    }
+
+    /// The density of samples at `f_hz` where that of the values is `own`.
+    fn written(&self, f_hz: f64, own: impl Fn(f64) -> f64) -> f64 {
+        /// What folds back is followed so many times on either side: beyond lies less than a hundredth of the power.
+        const FOLDS: i32 = 16;
+        /// Distance, in their rate, from which a multiple of it counts as one: a walk is seen there, and what it is held for
+        /// shuts it out.
+        const LEAST: f64 = 1e-9;
+        let Some(written_hz) = self.written_hz else {
+            return own(f_hz);
+        };
+        let seen = |fold: i32| {
+            let turns = (f_hz + f64::from(fold) * written_hz) / self.rate_hz;
+            let off = (turns - turns.round()).abs().max(LEAST);
+            own(off * self.rate_hz) * held_power(turns)
+        };
+        (-FOLDS..=FOLDS).map(seen).sum()
+    }
+
+    /// Power of the samples at single frequencies, but for the images of held values.
     pub fn lines(&self) -> Vec<Line> {
+        let mut lines = self.own_lines();
+        if self.written_hz.is_some() {
+            for line in &mut lines {
+                line.power *= held_power(line.f_hz / self.rate_hz);
+            }
+        }
+        lines
+    }
+
+    fn own_lines(&self) -> Vec<Line> {
         let passed = |line: Line| {
             let f_hz = line.f_hz / self.clock;
             Line {
@@ -186,6 +233,9 @@ impl Law {
     /// Exact where nothing filters; else the integral of the density ([`kernel::variance`]), which would step over a
     /// narrow peak: of that the filters let through what they let through in its middle.
     pub fn allan_variance(&self, m: u64) -> f64 {
+        if let Some(written_hz) = self.written_hz {
+            return self.held_variance(m, written_hz);
+        }
         let direct = |term: &dyn Term| term.allan_variance(m, self.true_rate_hz());
         if self.power.is_empty() && self.distortions.is_empty() {
             return self.terms.iter().map(|term| direct(&**term)).sum();
@@ -207,14 +257,37 @@ impl Law {
             }
         }
         let density = |f_hz: f64| {
-            let sum: f64 = broad
-                .iter()
-                .map(|&term| self.density_ahead(term, f_hz))
-                .sum();
-            sum * self.power(f_hz) + self.density_added(f_hz)
+            self.density_of_terms(broad.iter().copied(), f_hz) + self.own_density_added(f_hz)
         };
         variance + kernel::variance(Kernel::Allan, m, self.rate_hz, density)
     }
+
+    /// Expected Allan variance at `m` samples at `written_hz` of held values. A slow course is one of the values and of the
+    /// samples.
+    fn held_variance(&self, m: u64, written_hz: f64) -> f64 {
+        let lines = self.lines().into_iter();
+        let lines = lines.map(|line| line.power * Kernel::Allan.at(m, PI * line.f_hz / written_hz));
+        let values = (m as f64 * self.rate_hz / written_hz).round().max(1.0) as u64;
+        let (drifts, random): (Vec<&dyn Term>, Vec<&dyn Term>) = self
+            .terms
+            .iter()
+            .map(|one| &**one)
+            .partition(|one| one.is_drift());
+        let drifts = drifts.iter();
+        let drifts = drifts.map(|one| one.allan_variance(values, self.true_rate_hz()));
+        let own = |f_hz: f64| {
+            self.density_of_terms(random.iter().copied(), f_hz) + self.own_density_added(f_hz)
+        };
+        let density = |f_hz: f64| self.written(f_hz, own);
+        let noise = kernel::variance(Kernel::Allan, m, written_hz, density);
+        lines.sum::<f64>() + drifts.sum::<f64>() + noise
+    }
+}
+
+/// Power that is left of a frequency of so many turns a value, held until the next.
+fn held_power(turns: f64) -> f64 {
+    let x = PI * turns;
+    if x == 0.0 { 1.0 } else { (x.sin() / x).powi(2) }
 }
 
 /// Two-sided spectral density of noise with these autocovariances, from lag zero on.

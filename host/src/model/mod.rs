@@ -23,6 +23,7 @@ pub mod effect;
 pub mod file;
 pub mod flicker;
 pub mod follows;
+pub mod held;
 pub mod hum;
 pub mod kernel;
 pub mod kind;
@@ -92,6 +93,11 @@ pub trait Term: Send + Sync {
         Vec::new()
     }
 
+    /// Peaks of its density that may be narrower than what the density is asked for.
+    fn peaks(&self) -> Vec<Peak> {
+        Vec::new()
+    }
+
     /// Its peaks, where it has nothing but peaks so narrow that a filter acts on all of each as on its middle: the
     /// frequency of each, hertz, and its Allan variance at `m` data periods.
     fn narrow_peaks(&self, _m: u64, _rate_hz: f64) -> Option<Vec<(f64, f64)>> {
@@ -157,6 +163,15 @@ pub struct Line {
     pub f_hz: f64,
     /// Mean square of the signal, unit of the signal squared: half the amplitude's square.
     pub power: f64,
+}
+
+/// A peak of a density.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Peak {
+    /// Its frequency, hertz.
+    pub f_hz: f64,
+    /// About half of its width at half the height, hertz.
+    pub half_width_hz: f64,
 }
 
 /// The five coefficients of eq. 8, in the order of falling slope of the Allan curve.

@@ -20,6 +20,11 @@ pub fn axis(coefficients: &str, effects: &str) -> ModelAxis {
 
 /// Data of `axis` at a nominal `rate_hz`, made in blocks of `block` samples.
 pub fn record(axis: &ModelAxis, rate_hz: f64, count: usize, seed: u64, block: usize) -> Vec<f64> {
+    if axis.values_hz(rate_hz) < rate_hz {
+        let mut made = AxisSimulation::new(axis, 0, &[1.0], rate_hz, seed);
+        let blocks = std::iter::repeat_with(|| made.next(block));
+        return blocks.flatten().take(count).collect();
+    }
     let rate_hz = axis.clock() * rate_hz;
     let mut streams = (0..).map(|stream| Seed { seed, stream });
     let mut seed = || streams.next().expect("no end");
@@ -33,7 +38,7 @@ pub fn record(axis: &ModelAxis, rate_hz: f64, count: usize, seed: u64, block: us
         match effect.part() {
             Part::Term(term) => generators.push(term.generator(rate_hz, seed())),
             Part::Distortion(one) => distorters.push(one.distorter(rate_hz, seed())),
-            Part::Clock(_) | Part::Follows(_) => {}
+            Part::Clock(_) | Part::Hold(_) | Part::Follows(_) => {}
         }
     }
     let mut samples = Vec::new();
@@ -125,6 +130,7 @@ const EFFECTS: &[(&str, &str)] = &[
     ("thermal", r#""gain": 0.001, "lag_s": 10"#),
     ("outliers", r#""rate_hz": 50, "size": 10"#),
     ("stale", r#""share": 0.1"#),
+    ("held", r#""sensor_hz": 300"#),
     (
         "dropped",
         r#""time_s_1": 0.5, "samples_1": 700, "time_s_2": 1.1, "samples_2": 3"#,

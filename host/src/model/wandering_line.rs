@@ -11,7 +11,7 @@ use super::kind::Kind;
 use super::marks::Mark;
 use super::random::{self, Gaussian, Generator};
 use super::wander::{Phase, Wander};
-use super::{Seed, Term};
+use super::{Peak, Seed, Term};
 use tone::Tone;
 
 /// `sum_k A_k cos(k phi + phase_k)`, where `phi` is the integral of one frequency that [wanders](Wander).
@@ -47,6 +47,14 @@ impl Term for WanderingLine {
         self.tones()
             .map(|tone| tone.allan_variance(m, rate_hz))
             .sum()
+    }
+
+    fn peaks(&self) -> Vec<Peak> {
+        let peak = |tone: Tone| Peak {
+            f_hz: tone.f_hz,
+            half_width_hz: tone.wander.half_width_hz(),
+        };
+        self.tones().map(peak).collect()
     }
 
     fn narrow_peaks(&self, m: u64, rate_hz: f64) -> Option<Vec<(f64, f64)>> {

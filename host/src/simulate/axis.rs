@@ -27,16 +27,59 @@ pub struct AxisSimulation {
     followers: Vec<Follower>,
     temperature: Arc<[f64]>,
     mean: f64,
-    /// Samples made so far.
+    /// Values made so far.
     made: usize,
     ready: Vec<f64>,
+    /// How values become samples, where each is written until there is the next.
+    hold: Option<Hold>,
+}
+
+/// The writing of values that come more rarely than samples.
+struct Hold {
+    /// Values a sample, below 1.
+    values: f64,
+    /// Samples written, and values taken for them.
+    written: u64,
+    taken: u64,
+    latest: f64,
+}
+
+impl Hold {
+    /// How many more values the next `count` samples take.
+    fn needs(&self, count: usize) -> usize {
+        let last = self.written + count as u64;
+        let of = last
+            .checked_sub(1)
+            .map_or(0, |sample| self.number(sample) + 1);
+        of.saturating_sub(self.taken) as usize
+    }
+
+    /// Number of the value that a sample shows.
+    fn number(&self, sample: u64) -> u64 {
+        (sample as f64 * self.values) as u64
+    }
+
+    /// The next `count` samples, of these values.
+    fn write(&mut self, values: Vec<f64>, count: usize) -> Vec<f64> {
+        let mut values = values.into_iter();
+        let sample = |_| {
+            while self.taken <= self.number(self.written) {
+                self.taken += 1;
+                self.latest = values.next().unwrap_or(self.latest);
+            }
+            self.written += 1;
+            self.latest
+        };
+        (0..count).map(sample).collect()
+    }
 }
 
 impl AxisSimulation {
     /// Axis `index` of a model at a nominal `rate_hz`, without what follows a leader. `mixing`
     /// weighs the random numbers of the axes up to this one.
     pub fn new(axis: &ModelAxis, index: u64, mixing: &[f64], rate_hz: f64, seed: u64) -> Self {
-        let rate_hz = axis.clock() * rate_hz;
+        let values = axis.values_hz(rate_hz) / rate_hz;
+        let rate_hz = axis.clock() * axis.values_hz(rate_hz);
         let mut parts = Parts::new(axis, rate_hz);
         for (term_index, coefficient) in (0..).zip(Coefficient::ALL) {
             let value = *axis.coefficients.get(coefficient);
@@ -67,8 +110,8 @@ impl AxisSimulation {
             match effect.part() {
                 Part::Term(term) => parts.add(&*term, stream),
                 Part::Distortion(one) => distorters.push(one.distorter(rate_hz, stream)),
-                // The clock is in the rate. What follows something needs a leader.
-                Part::Clock(_) | Part::Follows(_) => {}
+                // Clock and hold are in the rate. What follows something needs a leader.
+                Part::Clock(_) | Part::Hold(_) | Part::Follows(_) => {}
             }
         }
         Self {
@@ -79,6 +122,12 @@ impl AxisSimulation {
             mean: axis.mean,
             made: 0,
             ready: Vec::new(),
+            hold: (values < 1.0).then_some(Hold {
+                values,
+                written: 0,
+                taken: 0,
+                latest: 0.0,
+            }),
         }
     }
 
@@ -88,17 +137,37 @@ impl AxisSimulation {
         let mean = temperature.iter().sum::<f64>() / temperature.len().max(1) as f64;
         let follower = |part: Part| match part {
             Part::Follows(follows) if follows.leader == Leader::Temperature => {
-                Some(follows.follower(rate_hz, mean))
+                Some(follows.follower(axis.values_hz(rate_hz), mean))
             }
             _ => None,
         };
         let parts = axis.effects.iter().map(|effect| effect.part());
         self.followers = parts.filter_map(follower).collect();
-        self.temperature = Arc::clone(temperature);
+        self.temperature = match &self.hold {
+            None => Arc::clone(temperature),
+            // As it is when each value comes.
+            Some(hold) => {
+                let sample = |value: usize| (value as f64 / hold.values).ceil() as usize;
+                let at = (0..).map_while(|value| temperature.get(sample(value)).copied());
+                at.collect()
+            }
+        };
     }
 
     /// The next `count` samples.
     pub fn next(&mut self, count: usize) -> Vec<f64> {
+        let Some(needs) = self.hold.as_ref().map(|hold| hold.needs(count)) else {
+            return self.next_values(count);
+        };
+        let values = self.next_values(needs);
+        match &mut self.hold {
+            Some(hold) => hold.write(values, count),
+            None => values,
+        }
+    }
+
+    /// The next `count` values of the sensor.
+    fn next_values(&mut self, count: usize) -> Vec<f64> {
         while self.ready.len() < count {
             let mut block = vec![self.mean; BLOCK];
             for generator in &mut self.generators {

@@ -6,7 +6,7 @@ use super::{
     cosine::Run,
     covariance::{self, Covariance},
     expected::{Operator, Path, SegmentWindows, level_kernels},
-    quadrature::Nodes,
+    quadrature::{Nodes, Place},
     segments::LEN,
     sources::Sources,
 };
@@ -97,11 +97,11 @@ impl Sources<'_> {
                 .map(|bin| bin.f_hz)
                 .collect();
             let path = Path::new(self.rate_hz, level);
-            let (nodes_hz, kernels) = match group {
+            let (places, kernels) = match group {
                 Group::Level { bins, .. } => self.level_kernels(&path, bins),
                 Group::Record { runs, bins, .. } => record_kernels(&path, runs, bins),
             };
-            operator.add(&nodes_hz, &kernels, &centres);
+            operator.add(&places, &kernels, &centres);
             operator.add_aliases(first, &centres, &path);
         }
         let covariance = covariance::of(&covariance::Input {
@@ -162,20 +162,20 @@ impl Sources<'_> {
         &self,
         path: &Path,
         ks: &[RangeInclusive<usize>],
-    ) -> (Vec<f64>, Vec<Vec<f64>>) {
+    ) -> (Vec<Place>, Vec<Vec<f64>>) {
         let nodes = Nodes::new(LEN / 2);
         let windows = SegmentWindows::new(&self.cascade.plan().window, &nodes.offsets);
         level_kernels(&windows, &nodes, path, ks)
     }
 }
 
-/// Kernels of bins over the ordinates of runs: frequencies and `[bin][node]`.
+/// Kernels of bins over the ordinates of runs: places and `[bin][node]`.
 fn record_kernels(
     path: &Path,
     runs: &[Run],
     bins: &[Vec<(usize, usize)>],
-) -> (Vec<f64>, Vec<Vec<f64>>) {
-    let mut nodes_hz = Vec::new();
+) -> (Vec<Place>, Vec<Vec<f64>>) {
+    let mut all = Vec::new();
     let mut kernels = vec![Vec::new(); bins.len()];
     for (number, run) in runs.iter().enumerate() {
         let bin_hz = run.bin() * path.level_rate_hz();
@@ -203,7 +203,11 @@ fn record_kernels(
                 }
             }
         }
-        nodes_hz.extend(shares.iter().map(|(place, _)| place * bin_hz));
+        all.extend(nodes.places(bin_hz));
+        all.extend(far.iter().map(|(centre, _)| Place {
+            f_hz: centre * bin_hz,
+            of: None,
+        }));
     }
-    (nodes_hz, kernels)
+    (all, kernels)
 }

@@ -9,10 +9,11 @@
 
 use super::{
     decimate::{Decimator, FACTOR},
-    quadrature::Nodes,
+    quadrature::{Nodes, Panel, Place},
     segments::LEN,
     window::Window,
 };
+use crate::model::Peak;
 use rustfft::num_complex::Complex64;
 use std::f64::consts::PI;
 
@@ -24,6 +25,8 @@ const NEGLIGIBLE: f64 = 1e-9;
 #[derive(Debug, Clone, Default)]
 pub struct Operator {
     nodes_hz: Vec<f64>,
+    /// The panel of each node, and which of its nodes it is.
+    panels: Vec<Option<(Panel, usize)>>,
     /// For each bin, node and weight.
     rows: Vec<Vec<(u32, f64)>>,
 }
@@ -59,18 +62,36 @@ impl Operator {
             .collect()
     }
 
-    /// Adds the bins of one source: `kernels[bin][node]` at frequencies `nodes_hz`, with the
-    /// bins' centres to judge by what is negligible.
-    pub(super) fn add(&mut self, nodes_hz: &[f64], kernels: &[Vec<f64>], centres_hz: &[f64]) {
-        let mut place = vec![None; nodes_hz.len()];
+    /// Puts a `density` that has this peak into the `densities` at [`Self::nodes_hz`], where nodes stand too far from each
+    /// other to see it.
+    pub fn resolve(&self, densities: &mut [f64], peak: &Peak, density: impl Fn(f64) -> f64) {
+        let mut last: Option<(Panel, [f64; 6])> = None;
+        for (value, of) in densities.iter_mut().zip(&self.panels) {
+            let Some((panel, node)) = of.filter(|(panel, _)| panel.hides(peak)) else {
+                continue;
+            };
+            let spread = match last {
+                Some((known, spread)) if known == panel => spread,
+                _ => panel.spread(peak, &density),
+            };
+            last = Some((panel, spread));
+            *value = spread[node];
+        }
+    }
+
+    /// Adds the bins of one source: `kernels[bin][node]` at these places, with the bins' centres to judge by what is
+    /// negligible.
+    pub(super) fn add(&mut self, places: &[Place], kernels: &[Vec<f64>], centres_hz: &[f64]) {
+        let mut place = vec![None; places.len()];
         for (kernel, centre_hz) in kernels.iter().zip(centres_hz) {
             let mut row = Vec::new();
-            for (node, (&weight, &f_hz)) in kernel.iter().zip(nodes_hz).enumerate() {
+            for (node, (&weight, &Place { f_hz, of })) in kernel.iter().zip(places).enumerate() {
                 let ratio = f_hz / centre_hz;
                 let steep = (ratio * ratio).max(1.0 / (ratio * ratio));
                 if weight * steep > NEGLIGIBLE {
                     let at = *place[node].get_or_insert_with(|| {
                         self.nodes_hz.push(f_hz);
+                        self.panels.push(of);
                         self.nodes_hz.len() as u32 - 1
                     });
                     row.push((at, weight));
@@ -91,6 +112,7 @@ impl Operator {
                 if weight * ratio * ratio > NEGLIGIBLE {
                     row.push((self.nodes_hz.len() as u32, weight));
                     self.nodes_hz.push(image_hz);
+                    self.panels.push(None);
                 }
             }
         }
@@ -224,17 +246,13 @@ pub(super) fn level_kernels(
     nodes: &Nodes,
     path: &Path,
     bins: &[std::ops::RangeInclusive<usize>],
-) -> (Vec<f64>, Vec<Vec<f64>>) {
+) -> (Vec<Place>, Vec<Vec<f64>>) {
     let bin_hz = path.level_rate_hz() / LEN as f64;
-    let nodes_hz: Vec<f64> = nodes
-        .nodes
-        .iter()
-        .map(|node| nodes.place(node) * bin_hz)
-        .collect();
-    let gains: Vec<f64> = nodes_hz
+    let places: Vec<Place> = nodes.places(bin_hz).collect();
+    let gains: Vec<f64> = places
         .iter()
         .zip(&nodes.nodes)
-        .map(|(&f_hz, node)| path.response(f_hz).powi(2) * node.weight)
+        .map(|(place, node)| path.response(place.f_hz).powi(2) * node.weight)
         .collect();
     let kernels = bins
         .iter()
@@ -254,5 +272,5 @@ pub(super) fn level_kernels(
                 .collect()
         })
         .collect();
-    (nodes_hz, kernels)
+    (places, kernels)
 }

@@ -9,11 +9,12 @@ use super::{
     cascade::Cascade,
     cosine::Run,
     estimate::{Bin, Estimate},
-    expected::{Path, SegmentWindows, level_kernels},
+    expected::{Operator, Path, SegmentWindows, level_kernels},
     quadrature::Nodes,
     segments::LEN,
     window::Window,
 };
+use crate::model::Peak;
 use std::f64::consts::PI;
 
 /// Response of the record `0..len` to a unit innovation at `at`.
@@ -96,6 +97,10 @@ fn segments_exactly(
 }
 
 fn segments_expected(level: usize, ks: &[usize], density: Density) -> Vec<f64> {
+    segments_operator(level, ks).expected(density)
+}
+
+fn segments_operator(level: usize, ks: &[usize]) -> Operator {
     let path = Path::new(1.0, level);
     let bin = path.level_rate_hz() / LEN as f64;
     let nodes = Nodes::new(LEN / 2);
@@ -103,10 +108,10 @@ fn segments_expected(level: usize, ks: &[usize], density: Density) -> Vec<f64> {
     let ranges: Vec<_> = ks.iter().map(|&k| k..=k).collect();
     let centres: Vec<f64> = ks.iter().map(|&k| k as f64 * bin).collect();
     let (places, kernels) = level_kernels(&windows, &nodes, &path, &ranges);
-    let mut operator = super::expected::Operator::default();
+    let mut operator = Operator::default();
     operator.add(&places, &kernels, &centres);
     operator.add_aliases(0, &centres, &path);
-    operator.expected(density)
+    operator
 }
 
 fn assert_close(what: &str, ks: &[usize], exact: &[f64], expected: &[f64]) {
@@ -178,6 +183,51 @@ fn flicker_agrees_with_a_fine_sum() {
             (expected / fine - 1.0).abs() < 1e-4,
             "bin {k}: {expected} {fine}"
         );
+    }
+}
+
+/// A peak of nearly no width is a cosine of any phase, whose segments hold what the mean of two with a quarter of a turn
+/// between them do.
+#[test]
+fn a_peak_narrower_than_a_bin_is_seen_as_a_line() {
+    let ks = [95, 98, 100, 101, 102, 105, 140];
+    let operator = segments_operator(0, &ks);
+    let plan = super::segments::Plan::new();
+    for bins in [100.0, 100.03, 100.4, 100.5, 100.97] {
+        let f_hz = bins / LEN as f64;
+        let mut exact = vec![0.0; ks.len()];
+        for phase in [0.0, 0.5 * PI] {
+            let turn = |n: usize| 2.0 * PI * f_hz * n as f64 + phase;
+            let values: Vec<f64> = (0..LEN).map(|n| turn(n).cos()).collect();
+            let mut cascade = Cascade::new(&plan);
+            cascade.push_values(0, &values).unwrap();
+            let power = cascade.levels()[0].power();
+            let scale = 0.5 / (power.segments as f64 * plan.window.sum_of_squares());
+            for (total, &k) in exact.iter_mut().zip(&ks) {
+                *total += scale * power.at(k);
+            }
+        }
+        // Lorentzian, of a half of the cosine's power on either side of zero.
+        let half_width_hz = 1e-6 / LEN as f64;
+        let density = |f: f64| {
+            let off = (f - f_hz) / half_width_hz;
+            0.25 / (PI * half_width_hz * (1.0 + off * off))
+        };
+        let peak = Peak {
+            f_hz,
+            half_width_hz,
+        };
+        let mut densities: Vec<f64> = operator.nodes_hz().iter().map(|&f| density(f)).collect();
+        operator.resolve(&mut densities, &peak, density);
+        let most = exact.iter().copied().fold(0.0, f64::max);
+        for ((k, exact), seen) in ks.iter().zip(exact).zip(operator.apply(&densities)) {
+            // Skirts of the Lorentzian: a millionth of the power lies beyond a bin.
+            let error = (seen - exact).abs() / exact.max(1e-3 * most);
+            assert!(
+                error < 1e-3,
+                "{bins} bins, bin {k}: {seen}, exactly {exact}"
+            );
+        }
     }
 }
 

@@ -142,7 +142,7 @@ impl Outside {
         self.generator = match self.hidden.effect.part() {
             Part::Term(term) => Some(term.generator(rate_hz, seed)),
             // What is done to samples is no acceleration.
-            Part::Distortion(_) | Part::Clock(_) | Part::Follows(_) => None,
+            Part::Distortion(_) | Part::Clock(_) | Part::Hold(_) | Part::Follows(_) => None,
         };
     }
 

@@ -5,8 +5,8 @@ use std::ops::Range;
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::laws;
 use crate::fit::likelihood::components::SEEN;
-use crate::model::Coefficient;
 use crate::model::effect::Part;
+use crate::model::{Coefficient, unnamed};
 
 impl AxisState {
     /// Two-sided density of the fitted model at `f_hz`, chain and filters included.
@@ -35,13 +35,20 @@ impl AxisState {
             Part::Term(term) => {
                 Some(self.bins.term_density(&*term, f_hz) * self.bins.chain_power(f_hz))
             }
-            Part::Distortion(_) | Part::Clock(_) | Part::Follows(_) => None,
+            Part::Distortion(_) | Part::Clock(_) | Part::Hold(_) | Part::Follows(_) => None,
         }
     }
 
     /// Share of all of the density that law number `which` adds.
     pub fn law_share(&self, which: usize, f_hz: f64) -> f64 {
         self.law_density(which, f_hz) * self.filters(f_hz) / self.density(f_hz)
+    }
+
+    /// Share of all of the density that has no name.
+    pub fn unnamed_share(&self, f_hz: f64) -> f64 {
+        let unnamed = |which: &usize| self.laws[*which].effect == unnamed::KIND;
+        let numbers = (0..self.laws.len()).filter(unnamed);
+        numbers.map(|which| self.law_share(which, f_hz)).sum()
     }
 
     /// Share of all of the density that a component of the five terms has.

@@ -21,7 +21,7 @@ pub fn all_effects(findings: &[Finding], noise: &ModelAxis) -> Vec<ModelEffect> 
     let unnamed = unnamed.filter(|one| one.kind() == unnamed::KIND).cloned();
     let stage = |one: &ModelEffect| match one.part() {
         Part::Distortion(distortion) => Some(distortion.stage()),
-        Part::Term(_) | Part::Clock(_) | Part::Follows(_) => None,
+        Part::Term(_) | Part::Clock(_) | Part::Hold(_) | Part::Follows(_) => None,
     };
     let mut all: Vec<ModelEffect> = findings.iter().filter_map(effect).chain(unnamed).collect();
     all.sort_by_key(stage);

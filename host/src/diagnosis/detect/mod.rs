@@ -11,6 +11,7 @@ pub mod common_mode;
 pub mod cyclic;
 pub mod drift;
 pub mod dropped;
+pub mod held;
 pub mod level;
 pub mod lines;
 pub mod look;
@@ -78,5 +79,5 @@ pub static ROUND: &[&Detector] = &[
     &lines::WANDERING,
 ];
 
-/// Tests of the whole record: what its axes share, and its clock.
-pub const OF_THE_RECORD: u32 = common_mode::TESTS + timebase::TESTS;
+/// Tests of the whole record: what its axes share, its clock, and whether its samples are values of their own.
+pub const OF_THE_RECORD: u32 = common_mode::TESTS + timebase::TESTS + held::TESTS;

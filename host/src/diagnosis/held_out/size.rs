@@ -108,7 +108,7 @@ impl<'a> Sizes<'a> {
         let law = self.noise.law(rate_hz);
         let term = match one.kind().part(&one.effect.plain()) {
             Part::Term(term) => term,
-            Part::Distortion(_) | Part::Clock(_) | Part::Follows(_) => return None,
+            Part::Distortion(_) | Part::Clock(_) | Part::Hold(_) | Part::Follows(_) => return None,
         };
         largest(&allan_curve::allan(&course, rate_hz), |point| {
             let without = law.allan_variance(point.m) + self.waves.at(point.m);

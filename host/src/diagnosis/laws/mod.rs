@@ -78,7 +78,7 @@ pub fn filters(laws: &[Law]) -> Vec<Box<dyn Distortion>> {
     let parts = laws.iter().map(|law| law.effect.part(&law.values));
     let filters = parts.filter_map(|part| match part {
         Part::Distortion(filter) => Some(filter),
-        Part::Term(_) | Part::Clock(_) | Part::Follows(_) => None,
+        Part::Term(_) | Part::Clock(_) | Part::Hold(_) | Part::Follows(_) => None,
     });
     filters.collect()
 }
@@ -92,7 +92,7 @@ pub fn power_of(filters: &[Box<dyn Distortion>], f_hz: f64, rate_hz: f64) -> f64
 fn component(bins: &Filtered<'_>, law: &Law) -> Option<Vec<f64>> {
     match law.effect.part(&law.values) {
         Part::Term(term) => Some(bins.expect(&*term)),
-        Part::Distortion(_) | Part::Clock(_) | Part::Follows(_) => None,
+        Part::Distortion(_) | Part::Clock(_) | Part::Hold(_) | Part::Follows(_) => None,
     }
 }
 

@@ -214,14 +214,20 @@ impl SpectralBins {
         }
     }
 
-    /// The same at all nodes.
+    /// The same at all nodes, its peaks spread over those beside them.
     fn term_densities(&self, term: &dyn Term) -> Vec<f64> {
-        if self.band_limited {
+        let density = |f_hz| self.term_density(term, f_hz);
+        let mut densities = if self.band_limited {
             let each = self.nodes.f_hz().iter();
-            each.map(|&f_hz| self.term_density(term, f_hz)).collect()
+            each.map(|&f_hz| density(f_hz)).collect()
         } else {
             term.spectra(&self.nodes)
+        };
+        for peak in term.peaks() {
+            let operator = &self.estimate.operator;
+            operator.resolve(&mut densities, &peak, density);
         }
+        densities
     }
 
     /// Power of the signal chain at `f_hz`.

@@ -29,6 +29,17 @@ pub struct AxisSamples {
     missing: Vec<Range<usize>>,
 }
 
+/// What a sample is to the one measured before it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Seen {
+    /// Not measured.
+    Missing,
+    /// The same on all axes.
+    Same,
+    /// Another on some axis, or the first.
+    New,
+}
+
 /// Samples of one axis whose turn has not come.
 pub struct Waiting {
     values: Waits,
@@ -118,6 +129,57 @@ impl Samples {
         self.axes.first().map_or(0, |axis| axis.values.len())
     }
 
+    /// What each sample is to the one measured before it; one that any axis lacks is missing.
+    pub fn seen(&self) -> impl Iterator<Item = Seen> {
+        let mut is_missing = vec![false; self.len()];
+        for gap in self.axes.iter().flat_map(|axis| &axis.missing) {
+            is_missing[gap.clone()].fill(true);
+        }
+        let mut last: Option<usize> = None;
+        (0..self.len()).map(move |n| {
+            let has_value = |axis: &AxisSamples| axis.values.is_finite(n);
+            if is_missing[n] || !self.axes.iter().all(has_value) {
+                return Seen::Missing;
+            }
+            let is_same = |before| self.axes.iter().all(|one| one.values.are_same(before, n));
+            let seen = if last.is_some_and(is_same) {
+                Seen::Same
+            } else {
+                Seen::New
+            };
+            last = Some(n);
+            seen
+        })
+    }
+
+    /// These samples alone, one after the other; `None` for one that is missing.
+    pub fn picked(&self, samples: &[Option<usize>]) -> Self {
+        let axis = |axis: &AxisSamples| {
+            let of = |place: &Option<usize>| place.unwrap_or(0);
+            let values = match &axis.values {
+                Values::Codes(codes) => {
+                    Values::Codes(samples.iter().map(|one| codes[of(one)]).collect())
+                }
+                Values::Floats(floats) => {
+                    Values::Floats(samples.iter().map(|one| floats[of(one)]).collect())
+                }
+            };
+            let mut picked = AxisSamples {
+                values,
+                missing: Vec::new(),
+            };
+            for (place, _) in samples.iter().enumerate().filter(|(_, one)| one.is_none()) {
+                picked.mark(place..place + 1);
+            }
+            picked
+        };
+        Self {
+            signal: self.signal.clone(),
+            axes: self.axes.iter().map(axis).collect(),
+            unknown_gaps: Vec::new(),
+        }
+    }
+
     fn skip(&mut self, missing: usize) {
         if missing == 0 {
             return;
@@ -166,6 +228,20 @@ impl Samples {
 }
 
 impl Values {
+    fn is_finite(&self, n: usize) -> bool {
+        match self {
+            Self::Codes(_) => true,
+            Self::Floats(floats) => floats[n].is_finite(),
+        }
+    }
+
+    fn are_same(&self, one: usize, other: usize) -> bool {
+        match self {
+            Self::Codes(codes) => codes[one] == codes[other],
+            Self::Floats(floats) => floats[one].to_bits() == floats[other].to_bits(),
+        }
+    }
+
     fn into_floats(self) -> Vec<f64> {
         match self {
             Self::Codes(codes) => codes.into_iter().map(f64::from).collect(),

@@ -104,7 +104,7 @@ impl Passing {
         };
         let term = |finding: &Finding| match finding.effect.part(&finding.estimate.plain()) {
             Part::Term(term) => Some(term),
-            Part::Distortion(_) | Part::Clock(_) | Part::Follows(_) => None,
+            Part::Distortion(_) | Part::Clock(_) | Part::Hold(_) | Part::Follows(_) => None,
         };
         Self {
             bursts: findings.iter().filter(is_burst).map(burst).collect(),

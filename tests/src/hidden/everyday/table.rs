@@ -2,7 +2,8 @@
 //!
 //! Written before any detector for them: what an engineer who saw the record would sign. `shock`, `unnamed`,
 //! `wandering_line`, `drift`, `stuck`, `averaging` are names that a catalogue may have. `motion` was added when the catalogue
-//! had it, wherever `burst` stood: a stretch of other noise, of a spectrum of its own.
+//! had it, wherever `burst` stood: a stretch of other noise, of a spectrum of its own; and `held` beside `stale`, which is the
+//! same by chance instead of by a clock.
 
 use super::record::{Disturbance, Room};
 use super::{logger, machine, motion, warmth};
@@ -98,7 +99,7 @@ pub static EVERYDAY: &[Everyday] = &[
     },
     Everyday {
         name: "held",
-        names: &["stale"],
+        names: &["held", "stale"],
         beside: &[],
         rate_hz: 10.0,
         draw: logger::held,

@@ -23,6 +23,7 @@ use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
 use crate::diagnosis::statistic::matched_filter::Transform;
 use crate::diagnosis::steady::band_events::is_of_excluded;
+use crate::model::averaging;
 use crate::model::kind::Kind;
 use crate::model::outliers::KIND;
 use crate::model::shock::{self, Shock};
@@ -195,12 +196,22 @@ fn sought(look: &Look<'_>, whole: &Transform, density: &[f64], powers: &Powers) 
         let is_filtered = filtered(look.axis);
         let usable = |n| is_filtered(n) || many && look.axis.is_beside_filled(n, 0);
         found = edges::with_edges(found, &with_outliers(look), usable, look.level());
+        let begins = begins(look.axis);
+        found.outliers.retain(|one| one.index >= begins);
     } else if !found.outliers.is_empty() {
         // A jump is larger as a jump than as a single sample.
         let jumps = steps::statistic(look.axis, whole, density);
         found.outliers.retain(|one| !steps::is_jump(&jumps, one));
     }
     found
+}
+
+/// The first sample that is a mean like all others: where each is one over so many samples, a mean begins with one sample,
+/// and scatters by as much more.
+fn begins(axis: &AxisState) -> usize {
+    let means = axis.laws.iter().filter(|law| law.effect == averaging::KIND);
+    let longest_s = means.map(|law| law.values[0]).fold(0.0, f64::max);
+    (longest_s * axis.rate_hz).ceil() as usize
 }
 
 /// Samples on either side of one that was drawn that the filter leaves out, where few were drawn: a choice, as far as a

@@ -6,6 +6,7 @@ use std::f64::consts::TAU;
 
 use super::*;
 use crate::diagnosis::detect::trial::{self, Trial, noise, outlier};
+use crate::diagnosis::laws::Law;
 use crate::diagnosis::record::envelope::Envelope;
 use crate::model::telegraph;
 
@@ -243,6 +244,33 @@ fn a_shock_of_one_sample_is_one_of_the_outliers() {
         let goes = named.supersedes.contains(&shock::KIND);
         assert_eq!(goes, is_one, "seed 20, {samples} samples");
     }
+}
+
+#[test]
+fn a_mean_that_begins_is_no_outlier() {
+    let seed = 21;
+    let raw = noise(seed);
+    let mean = |n: usize| {
+        let window = &raw[(n + 1_usize).saturating_sub(12)..=n];
+        window.iter().sum::<f64>() / window.len() as f64
+    };
+    let mut measured: Vec<f64> = (0..raw.len()).map(mean).collect();
+    // Nine deviations of a sample by itself: seldom, but so is a record that begins with one.
+    measured[0] = 9.0;
+    let mut trial = Trial::new(measured);
+    assert!(
+        trial::candidate(trial.ask(&DETECTOR)).is_some(),
+        "seed {seed}: nothing is known of a filter"
+    );
+    let law = Law {
+        effect: averaging::KIND,
+        values: vec![12.0 / trial::RATE_HZ],
+    };
+    trial.know(averaging::KIND, [law.values[0]], Change::Law(law));
+    assert!(
+        trial::candidate(trial.ask(&DETECTOR)).is_none(),
+        "seed {seed}"
+    );
 }
 
 #[test]

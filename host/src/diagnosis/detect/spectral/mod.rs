@@ -181,7 +181,7 @@ pub fn band_of(axis: &AxisState, which: usize, share: f64) -> std::ops::Range<f6
     let decides = |f_hz: f64| match &part {
         Part::Term(_) => axis.law_density(which, f_hz) >= share * axis.density(f_hz),
         Part::Distortion(filter) => filter.power(f_hz, axis.rate_hz) <= 1.0 - share,
-        Part::Clock(_) | Part::Follows(_) => false,
+        Part::Clock(_) | Part::Hold(_) | Part::Follows(_) => false,
     };
     let bins = axis.bins.all().iter().map(|bin| bin.f_hz);
     let inside: Vec<f64> = bins.filter(|&f_hz| decides(f_hz)).collect();

@@ -41,7 +41,8 @@ const OVERLOOKED: f64 = 0.25;
 /// from them it is passed once in some thousand records (H. W. Lilliefors, J. Am. Stat. Assoc. 64 (1969) 387, table 1).
 const KOLMOGOROV: f64 = 1.5;
 
-/// Probability of so many short dwells below which they are none of the law's: a choice, as rare as the above.
+/// Probability of so many short dwells, or of such long ones at the record's ends, below which they are none of the law's: a
+/// choice, as rare as the above.
 const SHORT: f64 = 1e-3;
 
 /// Times that the course of a jump and the moments of all are taken from one another: a choice. What is left of a course
@@ -115,6 +116,9 @@ impl Path {
             }
         }
         let dwell = mean_dwell(&moments, differences.reach)?;
+        if !is_all_along(&moments, dwell, sums) {
+            return None;
+        }
         let path = Self {
             moments,
             known,
@@ -265,6 +269,19 @@ fn mean_dwell(moments: &[Moment], resolved: usize) -> Option<f64> {
     let is_chance = p_value::poisson((dwells.len() - beyond.len()) as u64, short) > SHORT;
     let all = dwells.iter().sum::<usize>() as f64 / dwells.len() as f64;
     (farthest < KOLMOGOROV && is_chance).then_some(all)
+}
+
+/// Whether the record may begin and end so far from the first and the last of some `moments` where the mean time between two
+/// is `dwell` samples: what goes to and fro for a while is something that happened.
+fn is_all_along(moments: &[Moment], dwell: f64, sums: &Sums) -> bool {
+    let [Some(first), Some(last)] = [moments.first(), moments.last()] else {
+        return false;
+    };
+    let before = sums.count(0..first.0);
+    let behind = sums.count(last.0..sums.len());
+    // An exponential law forgets: both are such times, and their sum is one of two.
+    let times = (before + behind) as f64 / dwell;
+    (1.0 + times) * (-times).exp() > SHORT
 }
 
 #[cfg(test)]

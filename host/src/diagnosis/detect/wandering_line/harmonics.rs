@@ -52,8 +52,8 @@ pub struct Family {
 
 /// The family of a tone.
 pub fn family(axis: &AxisState, tone: &Tone<'_>, level: f64) -> Family {
-    let middle = 0.5 * (tone.own.start + tone.own.end) as f64;
-    let f_hz = tone.band.frequency_hz(middle);
+    // The middle of what it fills may be another: skirts of a strong one may end where the band does.
+    let f_hz = tone.f_hz;
     let level = level / f64::from(MOST + OWN);
     let is_there = |ratio: f64| stands_out(axis, tone, ratio, level);
     // What a converter's filter shuts out is no multiple, but what folds or leaks.

@@ -140,6 +140,7 @@ pub fn named(look: &Look<'_>, within_hz: &Range<f64>, p_value: f64) -> Option<Pr
         seen: &seen,
         band: &band,
         track: &track,
+        f_hz: course.f_hz.value,
         own,
     };
     let family = family(axis, &tone, look.level());
@@ -184,6 +185,8 @@ pub struct Tone<'a> {
     seen: &'a Whitened,
     band: &'a Band,
     track: &'a Track,
+    /// Its mean frequency, hertz.
+    f_hz: f64,
     /// Ordinates of the band that it fills.
     own: Range<usize>,
 }

@@ -129,6 +129,31 @@ fn multiples_that_wander_together_are_one_and_the_mains_are_hum() {
     }
 }
 
+/// Its skirts fill one side of the band up to its end, so that the middle of what it fills is another frequency.
+#[test]
+fn mains_a_hundred_times_as_strong_as_the_noise_are_mains() {
+    let rate_hz = 10.0 * RATE_HZ;
+    for seed in 20..24 {
+        let line = WanderingLine {
+            wander: Wander {
+                rms_hz: 0.02,
+                time_s: 5.0,
+            },
+            ..tone(50.0, &[100.0, 0.0, 30.0])
+        };
+        let mut values = noise(seed);
+        line.generator(rate_hz, Seed { seed, stream: 7 })
+            .add_to(&mut values);
+        let mut trial = Trial::new(noise(seed));
+        trial.axis = AxisState::new(Arc::new(values), rate_hz, None).expect("a spectrum");
+        let (kind, values) = found(&trial).expect("a plain tone");
+        assert_eq!(kind, hum::KIND, "seed {seed}");
+        let f_hz = values[0].expect("known").value;
+        // Some independent frequencies of a deviation of 0.02 Hz.
+        assert!((f_hz - 50.0).abs() < 0.06, "seed {seed}: {f_hz}");
+    }
+}
+
 #[test]
 fn a_multiple_within_an_excluded_band_is_none_of_it_and_what_is_refused_is_not_named() {
     let mut trial = with(1, &tone(20.0, &[0.5, 0.4]), |_| 1.0);

@@ -127,6 +127,19 @@ fn jumps_at_even_times_are_a_clock_and_no_switching() {
 }
 
 #[test]
+fn what_switches_for_a_while_only_is_no_switching() {
+    for seed in 60..64 {
+        // A tenth of the record: hundreds of jumps.
+        let values = to_and_fro(seed, exponential(seed, 25.0));
+        let quiet = values.len() * 9 / 10;
+        let mut some = to_and_fro(seed, std::iter::empty());
+        some[quiet..].copy_from_slice(&values[quiet..]);
+        assert!(is_read_off(&values), "seed {seed}");
+        assert!(!is_read_off(&some), "seed {seed}");
+    }
+}
+
+#[test]
 fn samples_out_of_place_by_the_same_are_no_second_level() {
     let mut rest = exponential(51, 120.0);
     let mut is_out = false;
