@@ -164,6 +164,15 @@ impl Effect for Entry {
         }))
     }
 
+    /// A logger's mean is over whole samples.
+    fn meant(&self, values: &[f64], rate_hz: f64) -> Option<Vec<f64>> {
+        /// Part of a sample by which a duration may be off: a choice, several steps of a search.
+        const OFF: f64 = 0.1;
+        let samples = values[0] * rate_hz;
+        let is_near = (samples - samples.round()).abs() < OFF;
+        is_near.then(|| vec![samples.round() / rate_hz])
+    }
+
     fn starts(&self, band: &Band) -> Vec<Vec<f64>> {
         /// Samples that a mean is over: from little more than one to those whose lobes are as narrow as the bins of a
         /// spectrum, 16 an octave.
@@ -186,6 +195,12 @@ mod tests {
     use super::*;
     use crate::model::random::Gaussian;
     use crate::model::trial;
+
+    #[test]
+    fn a_mean_over_nearly_whole_samples_is_meant_to_be_over_these() {
+        assert_eq!(Entry.meant(&[15.03 / 50.0], 50.0), Some(vec![15.0 / 50.0]));
+        assert_eq!(Entry.meant(&[15.4 / 50.0], 50.0), None);
+    }
 
     #[test]
     fn the_response_is_that_of_the_weights() {

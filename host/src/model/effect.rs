@@ -49,6 +49,11 @@ pub trait Effect: Send + Sync {
         Vec::new()
     }
 
+    /// Values beside these that are meant where they are as likely, such as whole numbers of samples; `None` where none are.
+    fn meant(&self, _values: &[f64], _rate_hz: f64) -> Option<Vec<f64>> {
+        None
+    }
+
     /// Nats that these values cost where another effect does the same: what hardly anybody builds is
     /// the less likely name. `rate_hz` is the number of samples a second.
     fn surprise_nats(&self, _values: &[f64], _rate_hz: f64) -> f64 {

@@ -10,6 +10,7 @@ use crate::diagnosis::record::bins::SpectralBins;
 use crate::diagnosis::record::residual::TakenOut;
 use crate::diagnosis::result::estimate::Estimate;
 use crate::fit::likelihood::{Data, Fit};
+use crate::model::averaging;
 use crate::model::kind::Kind;
 use crate::numeric::mixture::add_mixture;
 
@@ -202,6 +203,14 @@ impl AxisState {
         Ok(())
     }
 
+    /// Samples with which a record begins that are of another law: where each is a mean over so many, the first is one
+    /// sample, the next a mean of two. As single ones they are seen in the zeros between lobes, however long the record.
+    pub fn begins_with(&self, law: &Law) -> Option<Range<usize>> {
+        let samples = (law.effect == averaging::KIND).then(|| law.values[0] * self.rate_hz)?;
+        let whole = samples.ceil() as usize;
+        Some(0..whole.saturating_sub(1)).filter(|some| !some.is_empty())
+    }
+
     /// What the explanations do to the record.
     fn taken_out(&self) -> TakenOut {
         let mut taken = TakenOut::default();
@@ -214,7 +223,8 @@ impl AxisState {
                 }
                 Change::Mask(stretches) => taken.masked.extend_from_slice(stretches),
                 Change::Cut(moment) => taken.cut.push(moment.clone()),
-                Change::Law(_) | Change::Tone(_) | Change::Strength(_) | Change::Grid { .. } => {}
+                Change::Law(law) => taken.masked.extend(self.begins_with(law)),
+                Change::Tone(_) | Change::Strength(_) | Change::Grid { .. } => {}
             }
         }
         taken

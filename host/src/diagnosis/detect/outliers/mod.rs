@@ -23,7 +23,6 @@ use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
 use crate::diagnosis::statistic::matched_filter::Transform;
 use crate::diagnosis::steady::band_events::is_of_excluded;
-use crate::model::averaging;
 use crate::model::kind::Kind;
 use crate::model::outliers::KIND;
 use crate::model::shock::{self, Shock};
@@ -206,12 +205,10 @@ fn sought(look: &Look<'_>, whole: &Transform, density: &[f64], powers: &Powers) 
     found
 }
 
-/// The first sample that is a mean like all others: where each is one over so many samples, a mean begins with one sample,
-/// and scatters by as much more.
+/// The first sample that is one like all others, by the laws that are known.
 fn begins(axis: &AxisState) -> usize {
-    let means = axis.laws.iter().filter(|law| law.effect == averaging::KIND);
-    let longest_s = means.map(|law| law.values[0]).fold(0.0, f64::max);
-    (longest_s * axis.rate_hz).ceil() as usize
+    let others = axis.laws.iter().filter_map(|law| axis.begins_with(law));
+    others.map(|some| some.end).max().unwrap_or(0)
 }
 
 /// Samples on either side of one that was drawn that the filter leaves out, where few were drawn: a choice, as far as a

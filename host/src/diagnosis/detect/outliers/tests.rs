@@ -8,7 +8,7 @@ use super::*;
 use crate::diagnosis::detect::trial::{self, Trial, noise, outlier};
 use crate::diagnosis::laws::Law;
 use crate::diagnosis::record::envelope::Envelope;
-use crate::model::telegraph;
+use crate::model::{averaging, telegraph};
 
 /// Places far from one another.
 const APART: [usize; 4] = [4001, 7500, 11_111, 15_002];
