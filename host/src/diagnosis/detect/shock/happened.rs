@@ -140,7 +140,7 @@ fn of_shocks(look: &Look<'_>, shocks: &[Course], p_value: f64) -> Candidate {
             .collect(),
         rate_hz,
     }];
-    let masked = masked(look, shocks.iter().map(|one| &one.samples));
+    let masked = masked(look, shocks.iter().map(|one| one.samples.clone()));
     let freedom = effect.values.iter().flatten().count() as f64;
     Candidate {
         held_out_nats: Some(shocks.iter().map(|one| one.nats).sum()),
@@ -182,7 +182,7 @@ fn of_motion(look: &Look<'_>, all: &[Moved], p_value: f64) -> Candidate {
     let steps = (!jumps.is_empty()).then_some(Wave::Steps(jumps));
     let levels = (!levels.is_empty()).then_some(Wave::Meanwhile(levels));
     let waves = steps.into_iter().chain(levels).collect();
-    let masked = masked(look, all.iter().map(|one| &one.samples));
+    let masked = masked(look, all.iter().map(|one| with_fading(&one.samples)));
     let freedom = effect.values.iter().flatten().count() as f64;
     let change = Change::Happened { masked, waves };
     Candidate {
@@ -212,11 +212,16 @@ fn motion_row(
     ]
 }
 
+/// The samples of some motion with those in which it comes up and fades: it goes on below the noise where it is seen no more.
+fn with_fading(samples: &Range<usize>) -> Range<usize> {
+    /// Part of what is seen for which it does, on either side: a choice.
+    const FADES: usize = 32;
+    let fades = samples.len() / FADES;
+    samples.start.saturating_sub(fades)..samples.end + fades
+}
+
 /// What fits leave out for the samples of some events.
-fn masked<'a>(
-    look: &Look<'_>,
-    samples: impl Iterator<Item = &'a Range<usize>>,
-) -> Vec<Range<usize>> {
+fn masked(look: &Look<'_>, samples: impl Iterator<Item = Range<usize>>) -> Vec<Range<usize>> {
     let spread = if look.axis.is_filtered() { SPREAD } else { 0 };
     let last = look.axis.residual.len();
     samples
@@ -277,7 +282,7 @@ mod tests {
     #[test]
     fn a_converters_filter_spreads_what_happened() {
         let mut trial = Trial::new(noise(1));
-        let left_out = |trial: &Trial| trial.look(|look| masked(look, [1000..1100].iter()));
+        let left_out = |trial: &Trial| trial.look(|look| masked(look, std::iter::once(1000..1100)));
         assert_eq!(left_out(&trial), [1000..1100]);
         let chain: Chain = "ads1281:linear".parse().expect("a chain");
         let axis = AxisState::new(Arc::new(noise(1)), RATE_HZ, Some(&chain));

@@ -50,6 +50,11 @@ const MOST_STRETCHES: usize = 4000;
 /// Part of the record that they may take: a choice. What takes more is no event.
 const MOST_OF_RECORD: f64 = 0.15;
 
+/// Part that as few as these may take: somebody who handles the sensor does so once. What is usual is a median, which
+/// that still leaves to the rest. Choices.
+const MOST_OF_FEW: f64 = 0.4;
+const FEW: usize = 2;
+
 /// Pauses within an event are shorter than its longest part by this factor, at least: a choice.
 const PAUSE: usize = 4;
 
@@ -159,7 +164,12 @@ fn events(scan: &Scan<'_>, stretches: &[Stretch], level: f64) -> Option<Vec<Happ
     without_some_of(&mut events, &singles, Happened::is_short);
     let mut events = without_echoes(events);
     let taken: usize = events.iter().map(|one| one.samples().len()).sum();
-    if taken as f64 > MOST_OF_RECORD * scan.values().len() as f64 {
+    let most = if events.len() <= FEW {
+        MOST_OF_FEW
+    } else {
+        MOST_OF_RECORD
+    };
+    if taken as f64 > most * scan.values().len() as f64 {
         return None;
     }
     let plainest = events.iter().map(|one| one.z).fold(0.0, f64::max);
