@@ -79,6 +79,9 @@ impl Generator for Chord {
     }
 }
 
+/// Frequency below which lines at its multiples are no mains and no machine, but what is switched: a choice.
+const SLOW_HZ: f64 = 0.2;
+
 /// Hum in the catalogue.
 struct Entry;
 
@@ -95,7 +98,7 @@ impl Effect for Entry {
 
     fn meaning(&self) -> &'static str {
         "lines at multiples of one frequency: the mains, through the supply, the sensor's leads or \
-         a transformer that shakes the bench"
+         a transformer that shakes the bench; slow ones, what is switched in turns, such as a heater"
     }
 
     fn parameters(&self, values: &[f64]) -> Vec<Parameter> {
@@ -133,6 +136,13 @@ impl Effect for Entry {
             .zip(&values[FIRST_AMPLITUDE..])
             .max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs()))
             .expect("at least one harmonic");
+        if values[0] < SLOW_HZ {
+            return format!(
+                "look for what comes every {:.4} s: a heater with a thermostat, an air conditioner, a pump; record the \
+                 temperature with it, for what follows it goes with that",
+                1.0 / values[0]
+            );
+        }
         format!(
             "run the board from a battery, then move it away from transformers: what goes came \
              through the supply, or over the air; of the multiples of {:.4} Hz look for number \

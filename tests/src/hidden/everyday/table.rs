@@ -82,11 +82,12 @@ pub static EVERYDAY: &[Everyday] = &[
         rate_hz: 500.0,
         draw: machine::mains,
     },
-    // Up and down with the thermostat: slow, periodic, no noise. Lines at its period are right too.
+    // Up and down with the thermostat: slow, periodic, no noise. Lines at its period are right too, all of them together as
+    // well, and so is a settling: the box is cold when the record begins.
     Everyday {
         name: "heater",
-        names: &["drift", "sinusoid", "steps"],
-        beside: &["drift", "sinusoid", "steps"],
+        names: &["drift", "sinusoid", "hum", "steps"],
+        beside: &["drift", "sinusoid", "hum", "steps", "warmup"],
         rate_hz: 10.0,
         draw: warmth::heater,
     },

@@ -115,43 +115,81 @@ pub fn with_hum(singles: Vec<Measured>) -> Vec<Group> {
 
 /// Gathers what stands at whole multiples of the lowest line that has any, whatever its frequency.
 fn with_machines(mut singles: Vec<Measured>) -> Vec<Group> {
-    /// Highest multiple.
-    const HIGHEST: f64 = 20.0;
-    /// Probability that a line stands so near to a multiple by chance: a choice, for each pair of lines.
-    const BY_CHANCE: f64 = 1e-4;
     singles.sort_by(|a, b| a.line.frequency_hz.total_cmp(&b.line.frequency_hz));
     let mut groups = Vec::new();
     while !singles.is_empty() {
         let base = singles.remove(0);
-        let (base_hz, base_sd_hz) = (base.line.frequency_hz, base.line.frequency_sd_hz);
-        let number = |one: &Measured| {
-            let number = (one.line.frequency_hz / base_hz).round();
-            let sd_hz = (number * base_sd_hz).hypot(one.line.frequency_sd_hz);
-            let off_hz = (one.line.frequency_hz - number * base_hz).abs();
-            let is_multiple = (2.0..=HIGHEST).contains(&number)
-                && off_hz < 4.0 * sd_hz
-                && 8.0 * sd_hz < BY_CHANCE * base_hz;
-            is_multiple.then_some(number as u32)
-        };
-        let (multiples, others): (Vec<_>, Vec<_>) =
-            singles.into_iter().partition(|one| number(one).is_some());
+        let (group, others) = machine(base, singles, OF_MACHINES, |one| one.line, |one| one);
         singles = others;
-        if multiples.is_empty() {
-            groups.push(Group::Single(base));
-            continue;
-        }
-        let numbered = multiples
-            .into_iter()
-            .filter_map(|one| Some((number(&one)?, one)));
-        let mut lines: Vec<(u32, Measured)> = numbered.collect();
-        lines.insert(0, (1, base));
-        groups.push(of_base(lines));
+        groups.push(group);
     }
     groups
 }
 
+/// How near a line has to be to a multiple.
+#[derive(Debug, Clone, Copy)]
+pub struct Near {
+    /// Frequencies are known no better, hertz.
+    pub least_sd_hz: f64,
+    /// Probability that a line stands so near to a multiple by chance, for each pair of lines.
+    pub by_chance: f64,
+}
+
+/// Of lines that are as sure as they say. The chance is a choice.
+const OF_MACHINES: Near = Near {
+    least_sd_hz: 0.0,
+    by_chance: 1e-4,
+};
+
+/// A line with those of `others` that are its multiples, which are to be `measured`; and the rest of them.
+pub fn machine<T>(
+    base: Measured,
+    others: Vec<T>,
+    near: Near,
+    line: impl Fn(&T) -> Line,
+    measured: impl Fn(T) -> Measured,
+) -> (Group, Vec<T>) {
+    let (mut own, rest) = multiples(&base.line, others, near, line, measured);
+    if own.is_empty() {
+        return (Group::Single(base), rest);
+    }
+    own.insert(0, (1, base));
+    (of_base(own), rest)
+}
+
+/// Those of `others` that are multiples of a `base`, with their numbers, as they are `measured`; and the rest of them.
+pub fn multiples<T>(
+    base: &Line,
+    others: Vec<T>,
+    near: Near,
+    line: impl Fn(&T) -> Line,
+    measured: impl Fn(T) -> Measured,
+) -> (Vec<(u32, Measured)>, Vec<T>) {
+    let (mut own, mut rest) = (Vec::new(), Vec::new());
+    for one in others {
+        match multiple_of(base, &line(&one), near) {
+            Some(number) => own.push((number, measured(one))),
+            None => rest.push(one),
+        }
+    }
+    (own, rest)
+}
+
+fn multiple_of(base: &Line, line: &Line, near: Near) -> Option<u32> {
+    /// Highest multiple.
+    const HIGHEST: f64 = 20.0;
+    let sd_hz = |line: &Line| line.frequency_sd_hz.max(near.least_sd_hz);
+    let number = (line.frequency_hz / base.frequency_hz).round();
+    let off_hz = (line.frequency_hz - number * base.frequency_hz).abs();
+    let sd_hz = (number * sd_hz(base)).hypot(sd_hz(line));
+    let is_multiple = (2.0..=HIGHEST).contains(&number)
+        && off_hz < 4.0 * sd_hz
+        && 8.0 * sd_hz < near.by_chance * base.frequency_hz;
+    is_multiple.then_some(number as u32)
+}
+
 /// Lines of one base, each by its own certainty.
-fn of_base(lines: Vec<(u32, Measured)>) -> Group {
+pub fn of_base(lines: Vec<(u32, Measured)>) -> Group {
     // One base through all of them, each by its own certainty.
     let (mut sum, mut weight) = (0.0, 0.0);
     for (number, one) in &lines {

@@ -2,6 +2,7 @@
 
 mod mains;
 mod measure;
+mod slow;
 #[cfg(test)]
 mod tests;
 
@@ -18,7 +19,9 @@ use crate::diagnosis::result::place::Place;
 use crate::diagnosis::result::value::Value;
 use crate::diagnosis::steady;
 use crate::model::{hum, resonance, sinusoid};
+use crate::numeric::normal::TWO_SIDED_95;
 use crate::spectrum::{Line, record_lines};
+use mains::Near;
 pub use mains::{Group, mains_base, wandering, with_hum};
 pub use measure::{Measured, measure_near};
 
@@ -33,7 +36,8 @@ pub static WANDERING: Detector = Detector {
 };
 
 fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
-    let mut groups = lines(look.axis, look.level());
+    let (mut groups, found) = cycles(look);
+    groups.extend(grouped(look.axis, found));
     let mut known = look.axis.excluded_hz();
     known.extend(skirts_hz(look.axis));
     let is_known = |f_hz: f64| known.iter().any(|band| band.contains(&f_hz));
@@ -50,11 +54,107 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
 
 /// The lines of the residual at a family-wise `level`, grouped.
 pub fn lines(axis: &AxisState, level: f64) -> Vec<Group> {
+    grouped(axis, found(axis, level))
+}
+
+fn found(axis: &AxisState, level: f64) -> Vec<Line> {
     let found = axis.lines(level).iter();
-    let found: Vec<Line> = found
-        .filter(|line| measure::stands_out(axis, line, level))
-        .copied()
-        .collect();
+    let found = found.filter(|line| measure::stands_out(axis, line, level));
+    found.copied().collect()
+}
+
+/// Cycles of the level, each with its multiples among the lines; and the other lines. What follows a temperature is no cycle
+/// of its own.
+fn cycles(look: &Look<'_>) -> (Vec<Group>, Vec<Line>) {
+    /// Lines that are asked whether they are multiples, at most: a choice. Where there are more, they are of a tone that
+    /// wanders.
+    const MOST: usize = 64;
+    /// Error of a frequency at least, 1/T: what wanders below a strong line moves it by more than its noise does.
+    const SURE: f64 = 0.05;
+    /// Probability that a line stands as near to a multiple of a slow one by chance: a choice. Of a few cycles no multiple is
+    /// told better, and most slow lines have some.
+    const BY_CHANCE: f64 = 0.2;
+    let axis = look.axis;
+    let near = Near {
+        least_sd_hz: SURE / look.duration_s(),
+        by_chance: BY_CHANCE,
+    };
+    let mut others = found(axis, look.level());
+    if look.context.covariate.is_some() || others.len() > MOST {
+        return (Vec::new(), others);
+    }
+    let found = slow_lines(look);
+    let measured = |line: Line| {
+        let slow = found.iter().find(|one| one.line == line);
+        slow.cloned()
+            .unwrap_or_else(|| measure::measure(axis, &line))
+    };
+    let mut all: Vec<Line> = found.iter().map(|one| one.line).collect();
+    all.append(&mut others);
+    let mut groups = Vec::new();
+    for base in known_cycles(axis) {
+        let (own, rest) = mains::multiples(&base.line, all, near, |line| *line, measured);
+        all = rest;
+        if !own.is_empty() {
+            let base = std::iter::once((1, base));
+            groups.push(mains::of_base(base.chain(own).collect()));
+        }
+    }
+    // Of a few cycles all multiples are slow, or in the reach of the search by neighbours.
+    for base in &found {
+        if let Some(place) = all.iter().position(|line| *line == base.line) {
+            all.remove(place);
+            let (group, rest) = mains::machine(base.clone(), all, near, |line| *line, measured);
+            all = rest;
+            groups.push(group);
+        }
+    }
+    (groups, all)
+}
+
+/// Slow lines that have a name, as they were taken out.
+fn known_cycles(axis: &AxisState) -> Vec<Measured> {
+    let duration_s = axis.filled.len() as f64 / axis.rate_hz;
+    let slow = axis.explanations().iter().filter(|one| {
+        let base = one.effect.values.first().copied().flatten();
+        base.is_some_and(|base| base.value * duration_s < record_lines::LEAST_CYCLES)
+    });
+    let lines = slow.filter(|one| [sinusoid::KIND, hum::KIND].contains(&one.kind()));
+    let known = lines.filter_map(|one| {
+        let sd = |value: Value| {
+            let hi = value.hi.unwrap_or(value.value);
+            (hi - value.value) / TWO_SIDED_95
+        };
+        let base = one.effect.values[0]?;
+        let size = one.effect.values.last().copied().flatten()?;
+        Some(Measured {
+            line: Line {
+                frequency_hz: base.value,
+                frequency_sd_hz: sd(base),
+                amplitude: size.value,
+                ratio: f64::INFINITY,
+                false_alarm: one.p_value,
+            },
+            wave: one.waves().first()?.clone(),
+            amplitude_sd: sd(size),
+        })
+    });
+    known.collect()
+}
+
+/// The slow lines of an axis, measured.
+fn slow_lines(look: &Look<'_>) -> Vec<Measured> {
+    let slow = slow::lines(look.axis, look.level()).into_iter();
+    let measured = slow.map(|one| {
+        let mut measured = measure_near(look.axis, one.f_hz, one.p_value);
+        measured.line.ratio = one.ratio;
+        measured
+    });
+    measured.collect()
+}
+
+/// Lines by what they may have in common.
+fn grouped(axis: &AxisState, found: Vec<Line>) -> Vec<Group> {
     let duration_s = axis.filled.len() as f64 / axis.rate_hz;
     let mut groups = Vec::new();
     let mut singles = Vec::new();
@@ -208,6 +308,13 @@ fn hum(look: &Look<'_>, base: Value, lines: Vec<(u32, Measured)>) -> Proposal {
     let mut freedom = 1.0 + 2.0 * lines.len() as f64;
     let (mut values, mut waves) = (vec![Some(base), None, None], Vec::new());
     let amends = of_base(look, base.value);
+    let is_known = |wave: &Wave| look.axis.residual.waves().contains(wave);
+    // A line by itself that is the base of others now.
+    let was_single = amends.is_none() && lines.iter().any(|(_, one)| is_known(&one.wave));
+    let lines = lines.into_iter();
+    let lines: Vec<_> = lines
+        .filter(|(_, one)| was_single || !is_known(&one.wave))
+        .collect();
     if let Some(place) = amends {
         let old = &look.axis.explanations()[place];
         values.clone_from(&old.effect.values);
@@ -227,6 +334,7 @@ fn hum(look: &Look<'_>, base: Value, lines: Vec<(u32, Measured)>) -> Proposal {
     };
     Proposal::Explain(Box::new(Candidate {
         amends,
+        supersedes: was_single.then_some(sinusoid::KIND).into_iter().collect(),
         ..Candidate::new(effect, p_value, freedom, Change::Waves(waves))
     }))
 }

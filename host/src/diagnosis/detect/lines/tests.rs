@@ -1,5 +1,6 @@
 //! What looks like a line and is none by itself.
 
+mod cycles;
 mod lobes;
 mod mains;
 
