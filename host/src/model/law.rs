@@ -8,9 +8,8 @@
 //! Where the time base is off, all of that happens at the true rate; frequencies and densities are
 //! given as they look by the nominal one.
 //!
-//! Where values are held, all of that is of the values by themselves, at their own rate `r`, and their spectrum, which
-//! repeats at its multiples, is seen through `(sin(pi f / r) / (pi f / r))^2`, with what folds back at the rate at which they
-//! are written: at moments that know nothing of them.
+//! Where values are held, all of that is of the values at their own rate `r`. Their spectrum, which repeats at its multiples,
+//! is seen through `(sin(pi f / r) / (pi f / r))^2`, with what folds back at the rate at which they are written.
 
 use std::f64::consts::{PI, TAU};
 
@@ -35,7 +34,7 @@ impl ModelAxis {
 pub struct Law {
     /// Values a second, nominal.
     rate_hz: f64,
-    /// Samples a second, nominal, where each value is written until there is the next.
+    /// Samples a second, nominal, where values are held.
     written_hz: Option<f64>,
     /// True rate over the nominal one.
     clock: f64,
@@ -175,8 +174,8 @@ impl Law {
     }
 
     fn own_density(&self, f_hz: f64) -> f64 {
-        let terms = self.terms.iter().map(|one| &**one);
-        self.density_of_terms(terms, f_hz) + self.own_density_added(f_hz)
+        self.density_of_terms(self.terms.iter().map(|one| &**one), f_hz)
+            + self.own_density_added(f_hz)
     }
 
     fn density_of_terms<'a>(&self, terms: impl Iterator<Item = &'a dyn Term>, f_hz: f64) -> f64 {
@@ -188,8 +187,7 @@ impl Law {
     fn written(&self, f_hz: f64, own: impl Fn(f64) -> f64) -> f64 {
         /// What folds back is followed so many times on either side: beyond lies less than a hundredth of the power.
         const FOLDS: i32 = 16;
-        /// Distance, in their rate, from which a multiple of it counts as one: a walk is seen there, and what it is held for
-        /// shuts it out.
+        /// Distance from a multiple of their rate, in it, at least: a walk has no end there, and holding shuts it out.
         const LEAST: f64 = 1e-9;
         let Some(written_hz) = self.written_hz else {
             return own(f_hz);
@@ -233,8 +231,8 @@ impl Law {
     /// Exact where nothing filters; else the integral of the density ([`kernel::variance`]), which would step over a
     /// narrow peak: of that the filters let through what they let through in its middle.
     pub fn allan_variance(&self, m: u64) -> f64 {
-        if let Some(written_hz) = self.written_hz {
-            return self.held_variance(m, written_hz);
+        if let Some(hz) = self.written_hz {
+            return self.held_variance(m, hz);
         }
         let direct = |term: &dyn Term| term.allan_variance(m, self.true_rate_hz());
         if self.power.is_empty() && self.distortions.is_empty() {
@@ -262,8 +260,7 @@ impl Law {
         variance + kernel::variance(Kernel::Allan, m, self.rate_hz, density)
     }
 
-    /// Expected Allan variance at `m` samples at `written_hz` of held values. A slow course is one of the values and of the
-    /// samples.
+    /// The same of values held for `m` samples at `written_hz`; a slow course is one of either.
     fn held_variance(&self, m: u64, written_hz: f64) -> f64 {
         let lines = self.lines().into_iter();
         let lines = lines.map(|line| line.power * Kernel::Allan.at(m, PI * line.f_hz / written_hz));

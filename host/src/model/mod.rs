@@ -65,6 +65,7 @@ use std::f64::consts::PI;
 pub use random::Seed;
 
 use self::random::Generator;
+use crate::numeric::peak::Peak;
 use crate::signal::Unit;
 
 /// One kind of noise with its parameters.
@@ -163,15 +164,6 @@ pub struct Line {
     pub f_hz: f64,
     /// Mean square of the signal, unit of the signal squared: half the amplitude's square.
     pub power: f64,
-}
-
-/// A peak of a density.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Peak {
-    /// Its frequency, hertz.
-    pub f_hz: f64,
-    /// About half of its width at half the height, hertz.
-    pub half_width_hz: f64,
 }
 
 /// The five coefficients of eq. 8, in the order of falling slope of the Allan curve.

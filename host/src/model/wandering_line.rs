@@ -11,7 +11,8 @@ use super::kind::Kind;
 use super::marks::Mark;
 use super::random::{self, Gaussian, Generator};
 use super::wander::{Phase, Wander};
-use super::{Peak, Seed, Term};
+use super::{Seed, Term};
+use crate::numeric::peak::Peak;
 use tone::Tone;
 
 /// `sum_k A_k cos(k phi + phase_k)`, where `phi` is the integral of one frequency that [wanders](Wander).

@@ -9,5 +9,6 @@ pub mod bisect;
 pub mod mixture;
 pub mod normal;
 pub mod order;
+pub mod peak;
 pub mod taper;
 pub mod top;

@@ -13,7 +13,7 @@ use super::{
     segments::LEN,
     window::Window,
 };
-use crate::model::Peak;
+use crate::numeric::peak::Peak;
 use rustfft::num_complex::Complex64;
 use std::f64::consts::PI;
 

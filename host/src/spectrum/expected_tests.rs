@@ -14,7 +14,7 @@ use super::{
     segments::LEN,
     window::Window,
 };
-use crate::model::Peak;
+use crate::numeric::peak::Peak;
 use std::f64::consts::PI;
 
 /// Response of the record `0..len` to a unit innovation at `at`.

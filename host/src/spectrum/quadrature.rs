@@ -4,7 +4,7 @@
 //! spectrum that changes within a bin, such as a resonance narrower than half of one, is seen at
 //! the nodes only, unless it is [spread](Panel::spread) over them.
 
-use crate::model::Peak;
+use crate::numeric::peak::Peak;
 
 /// Six-point Gauss-Legendre rule on 0..1: place and weight.
 const RULE: [(f64, f64); 6] = [

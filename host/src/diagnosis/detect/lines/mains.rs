@@ -129,7 +129,7 @@ fn with_machines(mut singles: Vec<Measured>) -> Vec<Group> {
 /// How near a line has to be to a multiple.
 #[derive(Debug, Clone, Copy)]
 pub struct Near {
-    /// Frequencies are known no better, hertz.
+    /// The frequency of a line by itself is known no better, hertz.
     pub least_sd_hz: f64,
     /// Probability that a line stands so near to a multiple by chance, for each pair of lines.
     pub by_chance: f64,
@@ -178,10 +178,10 @@ pub fn multiples<T>(
 fn multiple_of(base: &Line, line: &Line, near: Near) -> Option<u32> {
     /// Highest multiple.
     const HIGHEST: f64 = 20.0;
-    let sd_hz = |line: &Line| line.frequency_sd_hz.max(near.least_sd_hz);
     let number = (line.frequency_hz / base.frequency_hz).round();
     let off_hz = (line.frequency_hz - number * base.frequency_hz).abs();
-    let sd_hz = (number * sd_hz(base)).hypot(sd_hz(line));
+    let own_sd_hz = line.frequency_sd_hz.max(near.least_sd_hz);
+    let sd_hz = (number * base.frequency_sd_hz).hypot(own_sd_hz);
     let is_multiple = (2.0..=HIGHEST).contains(&number)
         && off_hz < 4.0 * sd_hz
         && 8.0 * sd_hz < near.by_chance * base.frequency_hz;

@@ -1,43 +1,35 @@
 //! Lines: single ones (`sinusoid`), mains with its harmonics (`hum`), and those that wander.
 
+mod cycles;
 mod mains;
 mod measure;
 mod slow;
 #[cfg(test)]
 mod tests;
+mod unsteady;
 
 use std::ops::Range;
 
 use super::Detector;
-use crate::diagnosis::axis::{AxisState, Excluded, NoFit};
+use crate::diagnosis::axis::{AxisState, NoFit};
 use crate::diagnosis::detect::look::{Look, Proposal};
 use crate::diagnosis::explanation::{Candidate, Change, Explanation};
 use crate::diagnosis::record::wave::Wave;
 use crate::diagnosis::result::estimate::Estimate;
-use crate::diagnosis::result::finding::Remark;
-use crate::diagnosis::result::place::Place;
 use crate::diagnosis::result::value::Value;
 use crate::diagnosis::steady;
 use crate::model::{hum, resonance, sinusoid};
-use crate::numeric::normal::TWO_SIDED_95;
 use crate::spectrum::{Line, record_lines};
-use mains::Near;
 pub use mains::{Group, mains_base, wandering, with_hum};
 pub use measure::{Measured, measure_near};
+pub use unsteady::WANDERING;
 
 /// Looks for lines, all at once.
 pub static DETECTOR: Detector = Detector { tests: 1, look };
 
-/// Excludes the lines that wander, once no resonance can be what makes them. Their tests are those of
-/// [`DETECTOR`].
-pub static WANDERING: Detector = Detector {
-    tests: 0,
-    look: look_for_wandering,
-};
-
 fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
-    let (mut groups, found) = cycles(look);
-    groups.extend(grouped(look.axis, found));
+    let (mut groups, found) = cycles::cycles(look);
+    groups.extend(grouped(look.axis, &found));
     let mut known = look.axis.excluded_hz();
     known.extend(skirts_hz(look.axis));
     let is_known = |f_hz: f64| known.iter().any(|band| band.contains(&f_hz));
@@ -54,7 +46,7 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
 
 /// The lines of the residual at a family-wise `level`, grouped.
 pub fn lines(axis: &AxisState, level: f64) -> Vec<Group> {
-    grouped(axis, found(axis, level))
+    grouped(axis, &found(axis, level))
 }
 
 fn found(axis: &AxisState, level: f64) -> Vec<Line> {
@@ -63,103 +55,13 @@ fn found(axis: &AxisState, level: f64) -> Vec<Line> {
     found.copied().collect()
 }
 
-/// Cycles of the level, each with its multiples among the lines; and the other lines. What follows a temperature is no cycle
-/// of its own.
-fn cycles(look: &Look<'_>) -> (Vec<Group>, Vec<Line>) {
-    /// Lines that are asked whether they are multiples, at most: a choice. Where there are more, they are of a tone that
-    /// wanders.
-    const MOST: usize = 64;
-    /// Error of a frequency at least, 1/T: what wanders below a strong line moves it by more than its noise does.
-    const SURE: f64 = 0.05;
-    /// Probability that a line stands as near to a multiple of a slow one by chance: a choice. Of a few cycles no multiple is
-    /// told better, and most slow lines have some.
-    const BY_CHANCE: f64 = 0.2;
-    let axis = look.axis;
-    let near = Near {
-        least_sd_hz: SURE / look.duration_s(),
-        by_chance: BY_CHANCE,
-    };
-    let mut others = found(axis, look.level());
-    if look.context.covariate.is_some() || others.len() > MOST {
-        return (Vec::new(), others);
-    }
-    let found = slow_lines(look);
-    let measured = |line: Line| {
-        let slow = found.iter().find(|one| one.line == line);
-        slow.cloned()
-            .unwrap_or_else(|| measure::measure(axis, &line))
-    };
-    let mut all: Vec<Line> = found.iter().map(|one| one.line).collect();
-    all.append(&mut others);
-    let mut groups = Vec::new();
-    for base in known_cycles(axis) {
-        let (own, rest) = mains::multiples(&base.line, all, near, |line| *line, measured);
-        all = rest;
-        if !own.is_empty() {
-            let base = std::iter::once((1, base));
-            groups.push(mains::of_base(base.chain(own).collect()));
-        }
-    }
-    // Of a few cycles all multiples are slow, or in the reach of the search by neighbours.
-    for base in &found {
-        if let Some(place) = all.iter().position(|line| *line == base.line) {
-            all.remove(place);
-            let (group, rest) = mains::machine(base.clone(), all, near, |line| *line, measured);
-            all = rest;
-            groups.push(group);
-        }
-    }
-    (groups, all)
-}
-
-/// Slow lines that have a name, as they were taken out.
-fn known_cycles(axis: &AxisState) -> Vec<Measured> {
-    let duration_s = axis.filled.len() as f64 / axis.rate_hz;
-    let slow = axis.explanations().iter().filter(|one| {
-        let base = one.effect.values.first().copied().flatten();
-        base.is_some_and(|base| base.value * duration_s < record_lines::LEAST_CYCLES)
-    });
-    let lines = slow.filter(|one| [sinusoid::KIND, hum::KIND].contains(&one.kind()));
-    let known = lines.filter_map(|one| {
-        let sd = |value: Value| {
-            let hi = value.hi.unwrap_or(value.value);
-            (hi - value.value) / TWO_SIDED_95
-        };
-        let base = one.effect.values[0]?;
-        let size = one.effect.values.last().copied().flatten()?;
-        Some(Measured {
-            line: Line {
-                frequency_hz: base.value,
-                frequency_sd_hz: sd(base),
-                amplitude: size.value,
-                ratio: f64::INFINITY,
-                false_alarm: one.p_value,
-            },
-            wave: one.waves().first()?.clone(),
-            amplitude_sd: sd(size),
-        })
-    });
-    known.collect()
-}
-
-/// The slow lines of an axis, measured.
-fn slow_lines(look: &Look<'_>) -> Vec<Measured> {
-    let slow = slow::lines(look.axis, look.level()).into_iter();
-    let measured = slow.map(|one| {
-        let mut measured = measure_near(look.axis, one.f_hz, one.p_value);
-        measured.line.ratio = one.ratio;
-        measured
-    });
-    measured.collect()
-}
-
 /// Lines by what they may have in common.
-fn grouped(axis: &AxisState, found: Vec<Line>) -> Vec<Group> {
+fn grouped(axis: &AxisState, found: &[Line]) -> Vec<Group> {
     let duration_s = axis.filled.len() as f64 / axis.rate_hz;
     let mut groups = Vec::new();
     let mut singles = Vec::new();
     // Neighbours closer than some tens of 1/T belong together.
-    let mut rest = found.as_slice();
+    let mut rest = found;
     while let Some((first, _)) = rest.split_first() {
         let near = |a: &Line, b: &Line| {
             b.frequency_hz - a.frequency_hz < (40.0 / duration_s).max(0.004 * a.frequency_hz)
@@ -363,41 +265,4 @@ fn ahead_of_chain(axis: &AxisState, one: &Measured) -> Value {
 pub fn wanders(look: &Look<'_>, one: &Measured) -> bool {
     let cycles = one.line.frequency_hz / look.axis.rate_hz;
     steady::line::p_steady(look.axis, cycles) < look.level()
-}
-
-fn look_for_wandering(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
-    let mut known = look.axis.excluded_hz();
-    known.extend(resonances_hz(look.axis));
-    let mut proposals = Vec::new();
-    for group in lines(look.axis, look.level()) {
-        let Group::Single(one) = group else { continue };
-        let f_hz = one.line.frequency_hz;
-        let is_known = known.iter().any(|band| band.contains(&f_hz));
-        if wanders(look, &one) && !is_known && !measure::is_left_of_known(look.axis, &one.line) {
-            let excluded = excluded(look, &one);
-            known.push(excluded.band_hz.clone());
-            proposals.push(Proposal::ExcludeLine(excluded));
-        }
-    }
-    Ok(proposals)
-}
-
-fn excluded(look: &Look<'_>, one: &Measured) -> Excluded {
-    /// Width of what is excluded, 1/T on either side: a choice.
-    const WANDER_REACH: f64 = 40.0;
-    let f_hz = one.line.frequency_hz;
-    let width_hz = WANDER_REACH * look.axis.rate_hz / look.axis.filled.len() as f64;
-    Excluded {
-        band_hz: f_hz - width_hz..f_hz + width_hz,
-        remark: Remark {
-            test: "lines".into(),
-            place: Place::Line(f_hz),
-            p_value: one.line.false_alarm,
-            description: format!(
-                "a line of amplitude {:.3e} that does not keep its size and phase: {}",
-                one.line.amplitude,
-                wandering(f_hz)
-            ),
-        },
-    }
 }
