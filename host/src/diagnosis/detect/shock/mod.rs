@@ -47,24 +47,13 @@ const MOST_EVENTS: usize = 40;
 /// Stretches that are looked at one by one, at most: a choice.
 const MOST_STRETCHES: usize = 4000;
 
-/// Part of the record that so many events may take: what takes more is none.
-#[derive(Debug, Clone, Copy)]
-struct Share {
-    most: f64,
-    events: usize,
-}
+/// Part of the record that they may take: a choice. What takes more is no event.
+const MOST_OF_RECORD: f64 = 0.15;
 
-/// Of any number: a choice.
-const OF_ALL: Share = Share {
-    most: 0.15,
-    events: MOST_EVENTS,
-};
-
-/// Of few: somebody who handles the sensor does so once. What is usual is a median, which that still leaves to the rest. Choices.
-const OF_FEW: Share = Share {
-    most: 0.4,
-    events: 2,
-};
+/// Part that as few as these may take: somebody who handles the sensor does so once. What is usual is a median, which
+/// that still leaves to the rest. Choices.
+const MOST_OF_FEW: f64 = 0.4;
+const FEW: usize = 2;
 
 /// Pauses within an event are shorter than its longest part by this factor, at least: a choice.
 const PAUSE: usize = 4;
@@ -105,30 +94,20 @@ fn found(mut scan: Scan<'_>, look: &Look<'_>) -> Vec<Candidate> {
         shorter.max(a.longest.max(b.longest) / PAUSE)
     };
     let stretches = joined(stretches, pause);
-    let at = |times: f64, share: Share| {
+    let all = FURTHER.iter().find_map(|times| {
         let least = times * scan.threshold();
         let plain: Vec<Stretch> = stretches
             .iter()
             .filter(|one| one.z >= least)
             .cloned()
             .collect();
-        events(&scan, &plain, look.level(), share)
-    };
-    // What is plainer and takes less goes before the most of a record.
-    let shares = [OF_ALL, OF_FEW].into_iter();
-    let all = shares
-        .flat_map(|share| FURTHER.map(|times| (times, share)))
-        .find_map(|(times, share)| at(times, share));
+        events(&scan, &plain, look.level())
+    });
     happened::candidates(look, &scan, all.unwrap_or_default())
 }
 
-/// What happened in some stretches; `None` where they are no events, or take more than their share.
-fn events(
-    scan: &Scan<'_>,
-    stretches: &[Stretch],
-    level: f64,
-    share: Share,
-) -> Option<Vec<Happened>> {
+/// What happened in some stretches; `None` where they are no events.
+fn events(scan: &Scan<'_>, stretches: &[Stretch], level: f64) -> Option<Vec<Happened>> {
     if stretches.len() > MOST_STRETCHES {
         return None;
     }
@@ -185,7 +164,12 @@ fn events(
     without_some_of(&mut events, &singles, Happened::is_short);
     let mut events = without_echoes(events);
     let taken: usize = events.iter().map(|one| one.samples().len()).sum();
-    if events.len() > share.events || taken as f64 > share.most * scan.values().len() as f64 {
+    let most = if events.len() <= FEW {
+        MOST_OF_FEW
+    } else {
+        MOST_OF_RECORD
+    };
+    if taken as f64 > most * scan.values().len() as f64 {
         return None;
     }
     let plainest = events.iter().map(|one| one.z).fold(0.0, f64::max);
