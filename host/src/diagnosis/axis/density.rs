@@ -44,11 +44,33 @@ impl AxisState {
         self.law_density(which, f_hz) * self.filters(f_hz) / self.density(f_hz)
     }
 
-    /// Share of all of the density that has no name.
-    pub fn unnamed_share(&self, f_hz: f64) -> f64 {
-        let unnamed = |which: &usize| self.laws[*which].effect == unnamed::KIND;
-        let numbers = (0..self.laws.len()).filter(unnamed);
-        numbers.map(|which| self.law_share(which, f_hz)).sum()
+    /// Bands, hertz, in which half of the density or more has no name, as the bins see it.
+    pub fn unnamed_hz(&self) -> Vec<Range<f64>> {
+        let is_unnamed = |which: &usize| self.laws[*which].effect == unnamed::KIND;
+        let unnamed: Vec<usize> = (0..self.laws.len()).filter(is_unnamed).collect();
+        if unnamed.is_empty() {
+            return Vec::new();
+        }
+        let has_none = |f_hz: f64| {
+            let of = |which: &usize| self.law_density(*which, f_hz);
+            let own = unnamed.iter().map(of).sum::<f64>() * self.filters(f_hz);
+            own >= 0.5 * self.density(f_hz)
+        };
+        let mut f_hz: Vec<f64> = self.bins.all().iter().map(|bin| bin.f_hz).collect();
+        f_hz.sort_by(f64::total_cmp);
+        let places = (0..f_hz.len()).filter(|&place| has_none(f_hz[place]));
+        let mut bands: Vec<Range<f64>> = Vec::new();
+        for place in places {
+            // Half of the way to the bins beside it.
+            let end = |other: usize| f_hz.get(other).map(|other| 0.5 * (f_hz[place] + other));
+            let start_hz = place.checked_sub(1).and_then(end).unwrap_or(0.0);
+            let end_hz = end(place + 1).unwrap_or(0.5 * self.rate_hz);
+            match bands.last_mut().filter(|last| last.end >= start_hz) {
+                Some(last) => last.end = end_hz,
+                None => bands.push(start_hz..end_hz),
+            }
+        }
+        bands
     }
 
     /// Share of all of the density that a component of the five terms has.

@@ -8,10 +8,13 @@ use super::*;
 use crate::diagnosis::explanation::{Change, Snapshot};
 use crate::diagnosis::record::wave::{Replaced, Side, Wave};
 use crate::diagnosis::trial::{
-    NOTHING, axis, excluded, jump, kinds, law, line, made_up, numbers, ringing, short, spike,
-    take_in,
+    NOTHING, RATE_HZ, axis, excluded, jump, kinds, law, line, made_up, numbers, ringing, short,
+    spike, take_in,
 };
-use crate::model::{burst, markov, outliers, resonance, sinusoid, steps, telegraph, warmup};
+use crate::model::effect::Part;
+use crate::model::{
+    burst, markov, outliers, resonance, sinusoid, steps, telegraph, unnamed, warmup,
+};
 
 const SEED: u64 = 1;
 
@@ -271,4 +274,32 @@ fn at_both_ends_and_in_bands_of_tones_nothing_is_judged() {
     let tone = Change::Tone(vec![band_hz.clone()]);
     take_in(&mut axis, crate::model::wandering_line::KIND, tone);
     assert_eq!(axis.excluded_hz(), [band_hz], "seed {SEED}");
+}
+
+#[test]
+fn what_has_no_name_has_bands_where_it_is_half_of_the_noise() {
+    let mut axis = axis(7, short(7), |_, noise| noise);
+    assert_eq!(axis.unnamed_hz(), [], "seed 7: all is known");
+    let middle_hz = 0.2 * RATE_HZ;
+    let law = Law {
+        effect: unnamed::KIND,
+        values: vec![middle_hz, 0.02 * RATE_HZ, 1.0],
+    };
+    let part = law.effect.part(&law.values);
+    let Part::Term(term) = part else {
+        panic!("noise without a name is a term")
+    };
+    // Ten times the noise in its middle.
+    let own = term.spectrum(middle_hz, RATE_HZ);
+    let squared = 10.0 * axis.density(middle_hz) / own;
+    let expected = axis.bins.unfiltered().expect(&*term);
+    axis.add_law(law, squared, expected);
+    let [band] = &axis.unnamed_hz()[..] else {
+        panic!("seed 7: {:?}", axis.unnamed_hz())
+    };
+    assert!(band.contains(&middle_hz), "seed 7: {band:?}");
+    let share = |f_hz: f64| axis.law_share(0, f_hz);
+    // To a bin, a sixteenth of an octave.
+    assert!(share(1.1 * band.end) < 0.5 && share(band.start / 1.1) < 0.5);
+    assert!(share(band.end / 1.1) > 0.5 && share(1.1 * band.start) > 0.5);
 }

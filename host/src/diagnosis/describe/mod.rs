@@ -27,7 +27,7 @@ use crate::fft::ring::Series;
 use crate::fit::likelihood::components::SEEN;
 use crate::fit::likelihood::ramp::Ramp;
 use crate::model::axis::ModelAxis;
-use crate::model::{self, Coefficient as Letter, PerCoefficient};
+use crate::model::{Coefficient as Letter, PerCoefficient};
 use crate::signal::Axis;
 
 /// Diagnosis of an axis, and what is left of its record: NaN where missing or masked.
@@ -208,18 +208,15 @@ fn own_squares(axis: &AxisState, squares_sd: &[f64]) -> (Vec<f64>, Vec<f64>) {
 /// What is left of an axis without the bands that are excluded or have no name, where there are any: a tone that
 /// wanders and that all axes see is no more a common noise than it is a noise, and what nobody knows is none either.
 fn passed(axis: &AxisState) -> Option<Series> {
-    /// Share of the noise that has no name from which all of it there counts as such.
-    const MOST: f64 = 0.5;
+    let unnamed_hz = axis.unnamed_hz();
+    if axis.excluded_hz().is_empty() && unnamed_hz.is_empty() {
+        return None;
+    }
     let seen = axis.whitened();
-    let is_known = |k: usize| axis.unnamed_share(seen.transform.frequency(k)) < MOST;
-    let kept = |k: usize| f64::from(u8::from(seen.density[k].is_finite() && is_known(k)));
-    let passed = || seen.transform.filtered(|k| kept(k).into());
-    let is_whole = axis.excluded_hz().is_empty()
-        && axis
-            .laws
-            .iter()
-            .all(|law| law.effect != model::unnamed::KIND);
-    (!is_whole).then(passed)
+    let is_known = |f_hz: f64| !unnamed_hz.iter().any(|band| band.contains(&f_hz));
+    let is_kept = |k: usize| seen.density[k].is_finite() && is_known(seen.transform.frequency(k));
+    let passed = |k: usize| f64::from(u8::from(is_kept(k))).into();
+    Some(seen.transform.filtered(passed))
 }
 
 /// What is left of a record, or what of that `passed`; NaN where missing or masked.

@@ -62,16 +62,18 @@ impl Held {
         if has_converter {
             return None;
         }
+        // Most records hold nothing, and need no room for their new values.
+        let repeats = record.seen().filter(|seen| *seen == Seen::Same).count();
+        if (repeats as f64) < SHARE * record.len() as f64 {
+            return None;
+        }
         Self::of_values(record.seen(), level)
     }
 
     fn of_values(seen: impl Iterator<Item = Seen>, level: f64) -> Option<Self> {
-        let (fresh, repeats) = fresh(seen);
+        let fresh = fresh(seen);
         let runs = runs(&fresh);
         let count = runs.len() as f64;
-        if runs.is_empty() || (repeats as f64) < SHARE * (repeats + fresh.len()) as f64 {
-            return None;
-        }
         let mean = runs.iter().sum::<f64>() / count;
         let evenness = evenness(&runs, mean)?;
         if evenness.ratio > CLOCKED || evenness.p_value >= level {
@@ -110,8 +112,12 @@ impl Held {
             .collect()
     }
 
-    /// Says so of an axis of a record of `rate_hz` samples a second, ahead of all else, and makes it part of its last model.
+    /// Says so of an axis of a record of `rate_hz` samples a second, ahead of all else, and makes it part of its last
+    /// model; one that could not be diagnosed has neither.
     pub fn tell(&self, axis: &mut AxisDiagnosis, rate_hz: f64) {
+        if axis.refused.is_some() {
+            return;
+        }
         let sensor_hz = Value::normal(self.values * rate_hz, self.values_sd * rate_hz);
         let estimate = Estimate::new(KIND, [sensor_hz]);
         let effect = ModelEffect::of(KIND, &estimate.plain());
@@ -121,22 +127,14 @@ impl Held {
     }
 }
 
-/// The new values of a record, and how many samples repeat the one before.
-fn fresh(seen: impl Iterator<Item = Seen>) -> (Vec<Fresh>, usize) {
-    let (mut all, mut repeats) = (Vec::new(), 0);
+/// The new values of a record.
+fn fresh(seen: impl Iterator<Item = Seen>) -> Vec<Fresh> {
     let mut was_measured = false;
-    for (sample, seen) in seen.enumerate() {
-        match seen {
-            Seen::New => all.push(Fresh {
-                sample,
-                is_exact: was_measured,
-            }),
-            Seen::Same => repeats += usize::from(was_measured),
-            Seen::Missing => {}
-        }
-        was_measured = seen != Seen::Missing;
-    }
-    (all, repeats)
+    let fresh = seen.enumerate().filter_map(|(sample, seen)| {
+        let is_exact = std::mem::replace(&mut was_measured, seen != Seen::Missing);
+        (seen == Seen::New).then_some(Fresh { sample, is_exact })
+    });
+    fresh.collect()
 }
 
 /// Lengths of the runs whose ends are both known, samples.
@@ -156,8 +154,11 @@ struct Evenness {
     p_value: f64,
 }
 
-/// How even runs of this `mean` are; `None` where they are too few to say.
+/// How even runs of this `mean` are; `None` where they are too few to say, or none is longer than a sample.
 fn evenness(runs: &[f64], mean: f64) -> Option<Evenness> {
+    if mean <= 1.0 {
+        return None;
+    }
     let square = |values: &[f64], about: f64| {
         let squares = values.iter().map(|value| (value - about).powi(2));
         squares.sum::<f64>() / values.len() as f64

@@ -209,14 +209,17 @@ fn hum(look: &Look<'_>, base: Value, lines: Vec<(u32, Measured)>) -> Proposal {
     let p_value = p_values.fold(1.0, f64::min);
     let mut freedom = 1.0 + 2.0 * lines.len() as f64;
     let (mut values, mut waves) = (vec![Some(base), None, None], Vec::new());
-    let amends = of_base(look, base.value);
-    let is_known = |wave: &Wave| look.axis.residual.waves().contains(wave);
-    // A line by itself that is the base of others now.
-    let was_single = amends.is_none() && lines.iter().any(|(_, one)| is_known(&one.wave));
-    let lines = lines.into_iter();
-    let lines: Vec<_> = lines
-        .filter(|(_, one)| was_single || !is_known(&one.wave))
-        .collect();
+    // One of them may be known: of a family that they belong to, or by itself, as the base of others now.
+    let holds = |one: &Explanation, wave: &Wave| one.waves().contains(wave);
+    let mut all = look.axis.explanations().iter();
+    let known = all.position(|known| lines.iter().any(|(_, one)| holds(known, &one.wave)));
+    let family = known.filter(|&place| look.axis.explanations()[place].kind() == hum::KIND);
+    let was_single = known.is_some() && family.is_none();
+    let amends = if was_single {
+        None
+    } else {
+        family.or_else(|| of_base(look, base.value))
+    };
     if let Some(place) = amends {
         let old = &look.axis.explanations()[place];
         values.clone_from(&old.effect.values);
@@ -224,6 +227,9 @@ fn hum(look: &Look<'_>, base: Value, lines: Vec<(u32, Measured)>) -> Proposal {
         freedom += old.freedom;
     }
     for (number, one) in lines {
+        if waves.contains(&one.wave) {
+            continue;
+        }
         let number = number as usize;
         let place = hum::FIRST_AMPLITUDE + number - 1;
         values.resize(values.len().max(place + 1), None);

@@ -8,7 +8,7 @@ use crate::diagnosis::result::finding::Remark;
 use crate::diagnosis::result::place::Place;
 
 /// Excludes the lines that wander, once no resonance can be what makes them. Their tests are those of
-/// [`DETECTOR`].
+/// [`DETECTOR`](super::DETECTOR).
 pub static WANDERING: Detector = Detector {
     tests: 0,
     look: look_for_wandering,

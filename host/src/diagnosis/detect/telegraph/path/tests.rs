@@ -131,9 +131,9 @@ fn what_switches_for_a_while_only_is_no_switching() {
     for seed in 60..64 {
         // A tenth of the record: hundreds of jumps.
         let values = to_and_fro(seed, exponential(seed, 25.0));
-        let quiet = values.len() * 9 / 10;
+        let begins = values.len() * 9 / 10;
         let mut some = to_and_fro(seed, std::iter::empty());
-        some[quiet..].copy_from_slice(&values[quiet..]);
+        some[begins..].copy_from_slice(&values[begins..]);
         assert!(is_read_off(&values), "seed {seed}");
         assert!(!is_read_off(&some), "seed {seed}");
     }
