@@ -13,7 +13,7 @@ use crate::diagnosis::trial::{
 };
 use crate::model::effect::Part;
 use crate::model::{
-    burst, markov, outliers, resonance, sinusoid, steps, telegraph, unnamed, warmup,
+    averaging, burst, markov, outliers, resonance, sinusoid, steps, telegraph, unnamed, warmup,
 };
 
 const SEED: u64 = 1;
@@ -302,4 +302,18 @@ fn what_has_no_name_has_bands_where_it_is_half_of_the_noise() {
     // To a bin, a sixteenth of an octave.
     assert!(share(1.1 * band.end) < 0.5 && share(band.start / 1.1) < 0.5);
     assert!(share(band.end / 1.1) > 0.5 && share(1.1 * band.start) > 0.5);
+}
+
+#[test]
+fn means_that_a_record_begins_with_are_left_out() {
+    let mut axis = noise();
+    // Over eleven and a half samples: the twelfth is the first that has them all.
+    let mean = law(averaging::KIND, &[11.5 / RATE_HZ]);
+    take_in(&mut axis, averaging::KIND, mean);
+    let first = axis.residual.left_out().next().cloned();
+    let samples = axis.laws[0].values[0] * RATE_HZ;
+    assert_eq!(first, Some(0..samples.ceil() as usize - 1), "{samples}");
+    axis.withdraw(averaging::KIND);
+    axis.refresh().expect("a fit");
+    assert_eq!(axis.residual.left_out().next(), None);
 }

@@ -280,6 +280,12 @@ mod tests {
     use crate::diagnosis::detect::trial::{RATE_HZ, Trial, noise};
 
     #[test]
+    fn motion_comes_up_and_fades_beside_what_is_seen_of_it() {
+        assert_eq!(with_fading(&(3200..6400)), 3100..6500);
+        assert_eq!(with_fading(&(10..3210)), 0..3310);
+    }
+
+    #[test]
     fn a_converters_filter_spreads_what_happened() {
         let mut trial = Trial::new(noise(1));
         let left_out = |trial: &Trial| trial.look(|look| masked(look, std::iter::once(1000..1100)));
