@@ -2,7 +2,7 @@
 //!
 //! - [`order`]: median and quantiles; [`bisect`]: where something monotonous changes; [`top`]: the
 //!   highest point of a smooth curve.
-//! - [`mixture`]: weighted sums of parts; [`taper`]: ends that rise smoothly; [`normal`]: figures of
+//! - [`mixture`]: weighted sums of parts; [`product`]: sums of products; [`taper`]: ends that rise smoothly; [`normal`]: figures of
 //!   the normal law.
 
 pub mod bisect;
@@ -10,5 +10,6 @@ pub mod mixture;
 pub mod normal;
 pub mod order;
 pub mod peak;
+pub mod product;
 pub mod taper;
 pub mod top;

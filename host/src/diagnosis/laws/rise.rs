@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::fit::likelihood::{Data, Fit};
+use crate::numeric::product::dot;
 
 /// The score test (C. R. Rao 1948) of components added to a fit: with `u` the slope of the
 /// log-likelihood at size zero and `I` the information on the size that the present components
@@ -92,10 +93,11 @@ impl<'a> Rise<'a> {
             .zip(self.expected)
             .map(|(c, e)| c / e)
             .collect();
-        let own = self.product(&share, &share);
+        let weighted = self.weighted(&share);
+        let own = dot(&weighted, &share);
         let products = DVector::from_iterator(
             self.active.len(),
-            self.active.iter().map(|one| self.product(one, &share)),
+            self.active.iter().map(|one| dot(&weighted, one)),
         );
         for (active, size) in self.active.iter().zip((&self.inverse * products).iter()) {
             for (share, active) in share.iter_mut().zip(active) {
@@ -110,9 +112,14 @@ impl<'a> Rise<'a> {
         })
     }
 
+    /// A change of the expectation, each bin by its weight: products with it are sums over this.
+    fn weighted(&self, share: &[f64]) -> Vec<f64> {
+        let pairs = share.iter().zip(&self.weights);
+        pairs.map(|(one, weight)| one * weight).collect()
+    }
+
     fn product(&self, a: &[f64], b: &[f64]) -> f64 {
-        let pairs = a.iter().zip(b).zip(&self.weights);
-        pairs.map(|((a, b), w)| w * a * b).sum()
+        dot(&self.weighted(a), b)
     }
 
     /// Gain in log-likelihood from `component`, nats; zero where less of it would fit better.
@@ -122,12 +129,13 @@ impl<'a> Rise<'a> {
             .zip(self.expected)
             .map(|(c, e)| c / e)
             .collect();
-        let slope = self.product(&share, &self.excess);
+        let weighted = self.weighted(&share);
+        let slope = dot(&weighted, &self.excess);
         let beside = DVector::from_iterator(
             self.active.len(),
-            self.active.iter().map(|one| self.product(&share, one)),
+            self.active.iter().map(|one| dot(&weighted, one)),
         );
-        let own = self.product(&share, &share);
+        let own = dot(&weighted, &share);
         let left = own - beside.dot(&(&self.inverse * &beside));
         if slope > 0.0 && left > 1e-9 * own {
             slope * slope / (2.0 * left)

@@ -18,6 +18,7 @@ use std::ops::Range;
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use crate::diagnosis::statistic::matched_filter::{Transform, Transformer};
+use crate::numeric::product::dot;
 
 /// Turns of the solution at most: no gap of a few dozen samples needs more, but many different ones may.
 const TURNS: usize = 64;
@@ -171,10 +172,6 @@ impl Runs {
         }
         solved
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 #[cfg(test)]

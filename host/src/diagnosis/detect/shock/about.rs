@@ -6,6 +6,7 @@ use crate::diagnosis::steady::gaps::{self, Whitener, missing};
 use crate::diagnosis::steady::prediction::{ORDER, Prediction};
 use crate::model::random::{Gaussian, Generator, Seed};
 use crate::model::shock::Shock;
+use crate::numeric::product::dot;
 
 /// Means after which what one makes of the errors is over: those that are foretold from it, and, where some are missing, from
 /// what it says of these.
@@ -268,9 +269,4 @@ impl About {
             score: product * product / square,
         }
     }
-}
-
-/// Sum of products.
-pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

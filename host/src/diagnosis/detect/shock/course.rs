@@ -5,11 +5,12 @@ mod tests;
 
 use std::ops::Range;
 
-use super::about::{About, dot};
+use super::about::About;
 use super::fit::Fitted;
 use crate::fft;
 use crate::model::shock::Shock;
 use crate::numeric::bisect::bisect_ratio;
+use crate::numeric::product::dot;
 
 /// Share of what a course explains that may be left where it is said to be of this form: a choice.
 const LEFT: f64 = 0.1;

@@ -3,9 +3,10 @@
 
 use std::ops::Range;
 
-use super::about::{About, dot};
+use super::about::About;
 use super::fit::{Fitted, Form, ONE_MORE, known, settle};
 use crate::model::shock::Shock;
+use crate::numeric::product::dot;
 
 /// The same where what a chain makes of its beginning, and of the end of a bump, says nothing, if that is worth what it
 /// costs; and what is left about the event then. A filter answers to ringing with the same ringing, but for the time of its

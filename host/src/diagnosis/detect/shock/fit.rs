@@ -6,10 +6,11 @@ mod tests;
 use nalgebra::{DMatrix, DVector};
 use realfft::num_complex::Complex64;
 
-use super::about::{About, dot};
+use super::about::About;
 use super::simplex::climbed;
 use crate::fft;
 use crate::model::shock::Shock;
+use crate::numeric::product::dot;
 
 /// Decays and lengths that are tried first, each so many times the one before: a choice. The simplex goes on from
 /// there.

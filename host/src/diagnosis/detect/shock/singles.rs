@@ -1,6 +1,7 @@
 //! How well single samples, or one jump, explain an event.
 
-use super::about::{About, dot};
+use super::about::About;
+use crate::numeric::product::dot;
 
 /// Errors that are looked at one by one, at most: a choice. What lasts for more of them is neither.
 pub const MOST: usize = 1 << 12;

@@ -3,6 +3,7 @@
 use crate::fit::likelihood::scoring::{Range, greatest_beside};
 use crate::fit::likelihood::{Data, log_likelihood};
 use crate::numeric::mixture::add_mixture;
+use crate::numeric::product::dot;
 
 /// How often sizes are multiplied towards the data before they are scored: enough to come within a tenth.
 const MULTIPLIED: usize = 30;
@@ -23,13 +24,12 @@ pub fn likeliest(
     for _ in 0..MULTIPLIED {
         let mut expected = nothing.clone();
         add_mixture(&mut expected, components, &squared);
+        let bins = data.dof.iter().zip(&data.psd).zip(&expected);
+        let (up, down): (Vec<f64>, Vec<f64>) = bins
+            .map(|((dof, psd), e)| (dof / e * psd / e, dof / e))
+            .unzip();
         for (squared, component) in squared.iter_mut().zip(components) {
-            let (mut up, mut down) = (0.0, 0.0);
-            for (bin, own) in component.iter().enumerate() {
-                let share = data.dof[bin] * own / expected[bin];
-                up += share * data.psd[bin] / expected[bin];
-                down += share;
-            }
+            let (up, down) = (dot(component, &up), dot(component, &down));
             *squared *= if down > 0.0 { (up / down).sqrt() } else { 1.0 };
         }
     }

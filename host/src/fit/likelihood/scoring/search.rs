@@ -1,11 +1,14 @@
 //! The search itself: from where it starts, step by step, to the top.
 
+use std::ops::Range as Bins;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::{Range, log_likelihood};
 use crate::fit::likelihood::data::Data;
 use crate::fit::likelihood::non_negative;
 use crate::numeric::mixture::add_mixture;
+use crate::numeric::product::dot;
 
 /// Most steps; a dozen are usual.
 const STEPS: usize = 200;
@@ -28,6 +31,8 @@ pub(super) struct Search<'a> {
     pub(super) fixed: &'a [f64],
     /// Each component over what it may reach at most, so that unknowns are of order one.
     pub(super) components: Vec<Vec<f64>>,
+    /// Bins outside of which each component is zero: a band of many is, nearly everywhere.
+    reaches: Vec<Bins<usize>>,
     pub(super) scale: Vec<f64>,
     pub(super) range: Range,
 }
@@ -48,12 +53,13 @@ impl<'a> Search<'a> {
                 if most > 0.0 { most } else { 1.0 }
             })
             .collect();
-        let components = components
+        let components: Vec<Vec<f64>> = components
             .iter()
             .zip(&scale)
             .map(|(component, scale)| component.iter().map(|one| one / scale).collect())
             .collect();
         Self {
+            reaches: components.iter().map(|one| reach(one)).collect(),
             data,
             fixed,
             components,
@@ -68,7 +74,8 @@ impl<'a> Search<'a> {
             return self.run(self.scaled(start));
         }
         // The likelihood is not concave, least of all where lines stand in a spectrum: starts far apart, the best end.
-        let guess = self.step(&smooth(self.data));
+        let nothing = DVector::zeros(self.components.len());
+        let guess = self.step(&smooth(self.data), &nothing);
         let even = DVector::from_element(self.components.len(), 1.0);
         [guess, even]
             .into_iter()
@@ -109,32 +116,48 @@ impl<'a> Search<'a> {
         expected
     }
 
-    /// Weighted least squares with the weights of `expected`.
-    fn step(&self, expected: &[f64]) -> DVector<f64> {
+    /// Weighted least squares with the weights of `expected`, looked for from the squares `near`.
+    fn step(&self, expected: &[f64], near: &DVector<f64>) -> DVector<f64> {
         let size = self.components.len();
         let (mut gram, mut right) = (DMatrix::zeros(size, size), DVector::zeros(size));
+        let weights = &self.data.dof;
         // Relative to the expectation, so that nothing over- or underflows.
+        let over = |values: &[f64], from: usize| -> Vec<f64> {
+            let pairs = values.iter().zip(&expected[from..]);
+            pairs.map(|(one, e)| one / e).collect()
+        };
         let relative: Vec<Vec<f64>> = self
             .components
             .iter()
-            .map(|component| component.iter().zip(expected).map(|(u, e)| u / e).collect())
+            .zip(&self.reaches)
+            .map(|(component, reach)| over(&component[reach.clone()], reach.start))
             .collect();
-        let weights = &self.data.dof;
-        for i in 0..size {
-            for j in i..size {
-                let pairs = relative[i].iter().zip(&relative[j]).zip(weights);
-                gram[(i, j)] = pairs.map(|((a, b), w)| w * a * b).sum::<f64>();
-                gram[(j, i)] = gram[(i, j)];
+        let rest: Vec<f64> = (0..expected.len())
+            .map(|b| weights[b] * (self.data.psd[b] - self.fixed[b]) / expected[b])
+            .collect();
+        for (i, own) in relative.iter().enumerate() {
+            let from = &self.reaches[i];
+            let weighted: Vec<f64> = own
+                .iter()
+                .zip(&weights[from.clone()])
+                .map(|(one, weight)| one * weight)
+                .collect();
+            for (j, other) in relative.iter().enumerate().skip(i) {
+                let to = &self.reaches[j];
+                let (start, end) = (from.start.max(to.start), from.end.min(to.end));
+                if start < end {
+                    let both = dot(
+                        &weighted[start - from.start..end - from.start],
+                        &other[start - to.start..end - to.start],
+                    );
+                    gram[(i, j)] = both;
+                    gram[(j, i)] = both;
+                }
             }
-            right[i] = (0..expected.len())
-                .map(|b| {
-                    let rest = (self.data.psd[b] - self.fixed[b]) / expected[b];
-                    weights[b] * relative[i][b] * rest
-                })
-                .sum();
+            right[i] = dot(own, &rest[from.clone()]);
         }
         match self.range {
-            Range::NonNegative => non_negative::solve(&gram, &right),
+            Range::NonNegative => non_negative::solve_from(&gram, &right, near),
             Range::Any => non_negative::solve_any(&gram, &right),
         }
     }
@@ -153,7 +176,7 @@ impl<'a> Search<'a> {
             return None;
         }
         for _ in 0..STEPS {
-            let direction = self.step(&expected) - &x;
+            let direction = self.step(&expected, &x) - &x;
             let mut share = 1.0;
             let mut better = None;
             for _ in 0..HALVINGS {
@@ -177,6 +200,17 @@ impl<'a> Search<'a> {
         }
         Some((x, value))
     }
+}
+
+/// From the first bin that a component reaches to the last.
+fn reach(component: &[f64]) -> Bins<usize> {
+    let is_there = |one: &f64| *one != 0.0;
+    let first = component.iter().position(is_there).unwrap_or(0);
+    let end = component
+        .iter()
+        .rposition(is_there)
+        .map_or(0, |last| last + 1);
+    first..end
 }
 
 /// Densities averaged over neighbours, weighted by their degrees of freedom; positive.
