@@ -98,7 +98,7 @@ fn found(mut scan: Scan<'_>, look: &Look<'_>) -> Vec<Candidate> {
         let least = times * scan.threshold();
         let plain: Vec<Stretch> = stretches
             .iter()
-            .filter(|one| one.z >= least)
+            .filter(|one| one.together() >= least)
             .cloned()
             .collect();
         events(&scan, &plain, look.level())

@@ -11,7 +11,7 @@ use std::ops::Range;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::usual::{Height, Usual};
-use super::windows::Windows;
+use super::windows::{OVERLAP, Windows};
 use crate::diagnosis::record::runs::{middle, runs_of, without};
 use crate::diagnosis::statistic::p_value;
 use crate::diagnosis::statistic::tails::normal_of_log;
@@ -70,6 +70,15 @@ pub struct Stretch {
     pub window: usize,
     /// Samples of the longest stretch that it is made of.
     pub longest: usize,
+    /// What all its windows say together: half of the sum of their squared heights, windows that overlap in part.
+    pub nats: f64,
+}
+
+impl Stretch {
+    /// How far all of it stands out: an earthquake of minutes is plainer than each second of it.
+    pub fn together(&self) -> f64 {
+        (2.0 * self.nats).sqrt().max(self.z)
+    }
 }
 
 impl<'a> Scan<'a> {
@@ -179,6 +188,7 @@ impl<'a> Scan<'a> {
                 frequency: usual.frequency(height),
                 window: len,
                 longest: 0,
+                nats: 0.5 * height.z.powi(2) / OVERLAP as f64,
             };
             found.extend(lasting(
                 high.into_iter().map(stretch).collect(),
@@ -285,10 +295,12 @@ pub fn joined(
             let samples =
                 last.samples.start.min(next.samples.start)..last.samples.end.max(next.samples.end);
             let longest = last.longest.max(next.longest);
+            let nats = last.nats + next.nats;
             let plainer = if last.z >= next.z { last } else { next };
             next = Stretch {
                 samples,
                 longest,
+                nats,
                 ..plainer
             };
         }

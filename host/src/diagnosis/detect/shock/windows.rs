@@ -12,6 +12,9 @@ use realfft::num_complex::Complex64;
 use crate::fft;
 use crate::numeric::taper::hann;
 
+/// Windows that every sample of a run is in.
+pub const OVERLAP: usize = 2;
+
 /// A window's length, its taper and its transform.
 pub struct Windows {
     len: usize,
@@ -88,11 +91,11 @@ impl Windows {
         bins.map(|ordinate| ordinate.norm_sqr())
     }
 
-    /// Where windows begin in a run of samples: half a window apart, and one that ends with it.
+    /// Where windows begin in a run of samples: half a window apart ([`OVERLAP`]), and one that ends with it.
     pub fn starts(&self, run: &Range<usize>) -> impl Iterator<Item = usize> + use<> {
         let last = run.end.checked_sub(self.len);
         let last = last.filter(|last| *last >= run.start);
-        let (from, step) = (run.start, self.len / 2);
+        let (from, step) = (run.start, self.len / OVERLAP);
         let regular = last
             .into_iter()
             .flat_map(move |last| (from..=last).step_by(step));

@@ -12,6 +12,7 @@ fn stretch(samples: Range<usize>, z: f64) -> Stretch {
         frequency: 0.1,
         window: 16,
         longest: 28,
+        nats: 0.5 * z * z,
     }
 }
 
@@ -23,7 +24,21 @@ fn stretches_are_joined_with_the_plainest_of_them() {
         stretch(12..20, 8.0),
     ];
     let by_length = joined(all, |a, b| a.samples.len().max(b.samples.len()));
-    assert_eq!(by_length, [stretch(0..40, 9.0)]);
+    let nats = 0.5 * (49.0 + 81.0 + 64.0);
+    assert_eq!(
+        by_length,
+        [Stretch {
+            nats,
+            ..stretch(0..40, 9.0)
+        }]
+    );
+    assert_eq!(by_length[0].together(), 194_f64.sqrt());
+    // One whose windows were counted in part is as plain as the plainest of them.
+    let part = Stretch {
+        nats: 20.0,
+        ..stretch(0..10, 7.0)
+    };
+    assert_eq!(part.together(), 7.0);
 }
 
 /// Noise with every seventh sample missing, or one stretch of a hundred.

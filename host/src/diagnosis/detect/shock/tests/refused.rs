@@ -156,6 +156,7 @@ fn what_does_not_stand_out_of_the_noise_beside_it_is_nothing() {
                 frequency: 0.03,
                 window: 64,
                 longest: 32,
+                nats: 112.0,
             };
             let holes = [stretch.samples.clone()];
             let quiet = Quiet {
