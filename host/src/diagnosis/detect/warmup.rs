@@ -115,6 +115,8 @@ pub fn warm_up(axis: &AxisState, level: f64, noise: Noise) -> Option<SlowChange>
         (z, gain_nats) = (joint.z, joint.nats);
         settling.record.close(&density, &settling.memories);
         settling.density = density;
+    } else if !settling.is_no_walk(axis, level) {
+        return None;
     }
     let p_value = settling.p_value(z);
     let change = (p_value < level).then(|| settling.change(factor))??;
@@ -195,6 +197,14 @@ impl Settlings {
     /// Neighbouring time constants are as good as one: about one independent trial an octave.
     fn p_value(&self, z: f64) -> f64 {
         p_value::searched(p_value::chi_squared(z * z, 2.0), self.octaves())
+    }
+
+    /// Whether the best is significant beside walk and flicker that are fitted anew with it and without it: where the record
+    /// is too short to tell how strong these are, what they do looks like a settling in the noise that was fitted.
+    fn is_no_walk(&self, axis: &AxisState, level: f64) -> bool {
+        let (_, samples) = self.best();
+        let profile = Profile::new(axis, &self.record, &self.density);
+        self.p_value(profile.fit(&self.wave(samples)).z) < level
     }
 
     /// The largest statistic and its time constant.

@@ -1,7 +1,7 @@
 //! Jumps of the level that stay: the matched filter for a step, at every moment.
 
 use crate::diagnosis::axis::AxisState;
-use crate::diagnosis::axis::profile::Profile;
+use crate::diagnosis::axis::profile::{Joint, Profile};
 use crate::diagnosis::record::wave::{Jump, Outlier};
 use crate::diagnosis::statistic::matched_filter::{
     Match, Step, Transform, Transformer, matched_behind,
@@ -28,10 +28,8 @@ pub fn beside_walk(
     first: &Jump,
     usable: impl Fn(usize) -> bool,
 ) -> Option<Jump> {
-    let wave = Transformer::new(whole.len()).waveform_at(&Step, first.index, whole.rate_hz());
-    let wave = wave.behind(axis.passed(&whole).as_deref());
     let profile = Profile::new(axis, &whole, density);
-    let joint = profile.fit(&wave);
+    let joint = joint(axis, &whole, &profile, first.index);
     let density = profile.density(&joint);
     whole.close(&density, &axis.memories(whole.rate_hz()));
     let (jump, filter) = largest(axis, &whole, &density, usable)?;
@@ -40,6 +38,26 @@ pub fn beside_walk(
         p_value: p_value::highest(joint.z, whole.len(), filter.crossings),
         ..jump
     })
+}
+
+/// Whether a jump is significant at a `level` beside walk and flicker that are fitted anew with it and without it: where the
+/// record is too short to tell how strong these are, what they do looks like a jump in the noise that was fitted.
+pub fn is_no_walk(
+    axis: &AxisState,
+    whole: &Transform,
+    density: &[f64],
+    jump: &Jump,
+    level: f64,
+) -> bool {
+    let crossings = statistic(axis, whole, density).crossings;
+    let joint = joint(axis, whole, &Profile::new(axis, whole, density), jump.index);
+    p_value::highest(joint.z, whole.len(), crossings) < level
+}
+
+/// A jump at `index` together with walk and flicker.
+fn joint(axis: &AxisState, whole: &Transform, profile: &Profile<'_>, index: usize) -> Joint {
+    let wave = Transformer::new(whole.len()).waveform_at(&Step, index, whole.rate_hz());
+    profile.fit(&wave.behind(axis.passed(whole).as_deref()))
 }
 
 /// The largest jump, and the statistic of all.

@@ -61,11 +61,15 @@ impl<'a> Pursuit<'a> {
         let (whole, density) = axis.slow(&self.left, factor);
         let usable = |n: usize| self.usable(n * factor) && self.usable((n + 1) * factor - 1);
         let mut jump = filter::largest_jump(axis, &whole, &density, usable)?;
-        if noise == Noise::Anew && jump.p_value >= self.look.level() {
+        let level = self.look.level();
+        if noise == Noise::Anew && jump.p_value >= level {
             jump = filter::beside_walk(axis, whole, &density, &jump, usable)?;
+        } else if noise == Noise::Anew && !filter::is_no_walk(axis, &whole, &density, &jump, level)
+        {
+            return None;
         }
         let index = jump.index * factor;
-        if jump.p_value >= self.look.level() || is_of_burst(self.look, &jump, index) {
+        if jump.p_value >= level || is_of_burst(self.look, &jump, index) {
             return None;
         }
         Some(Jump {
