@@ -52,7 +52,7 @@ const MOST_OF_RECORD: f64 = 0.15;
 
 /// Part that as few as these may take: somebody who handles the sensor does so once. What is usual is a median, which
 /// that still leaves to the rest. Choices.
-const MOST_OF_FEW: f64 = 0.4;
+const MOST_OF_FEW: f64 = 0.45;
 const FEW: usize = 2;
 
 /// Pauses within an event are shorter than its longest part by this factor, at least: a choice.

@@ -2,7 +2,7 @@
 //!
 //! A level that falls by a hundred deviations within a second looks like a shock at the first sample, raises the noise that is
 //! fitted beside it, and hides in that. So it is asked for first, and is one only if next to nothing of what it takes out
-//! is left: no ringing, no jump and no course follows an exponential to a hundredth of its energy.
+//! is left: no ringing, no jump and no course follows an exponential to a few hundredths of its energy.
 
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::axis::profile::Noise;
@@ -18,8 +18,8 @@ const FOLLOWED: f64 = 5.0;
 /// them.
 const MEANS: f64 = 16.0;
 
-/// Share of its energy that a settling may leave: a choice, a tenth of its size.
-const LEFT: f64 = 0.01;
+/// Share of its energy that a settling may leave: a choice, a fifth of its size. A second time constant leaves some percent.
+const LEFT: f64 = 0.04;
 
 /// Looks for a settling that leaves nothing. Its test is that of the level.
 pub static DETECTOR: Detector = Detector {
