@@ -224,4 +224,20 @@ mod tests {
             assert!(Lasting::of(&values, &all, 0.0).is_none(), "seed {seed}");
         }
     }
+
+    #[test]
+    fn what_happens_in_one_piece_is_no_law_of_the_strength() {
+        for seed in 30..34 {
+            let mut normal = Gaussian::new(Seed { seed, stream: 1 }, 1.0);
+            let mut values: Vec<f64> = (0..70_001).map(|_| normal.draw()).collect();
+            // Knocks one after the other, each too small to stand out.
+            for at in (30_000..34_000).step_by(200) {
+                for (n, value) in values[at..at + 40].iter_mut().enumerate() {
+                    *value *= 1.0 + 1.2 * (-(n as f64) / 15.0).exp();
+                }
+            }
+            let all = [0..values.len()];
+            assert!(Lasting::of(&values, &all, 0.0).is_none(), "seed {seed}");
+        }
+    }
 }

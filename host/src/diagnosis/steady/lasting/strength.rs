@@ -99,7 +99,8 @@ where
     gain > scatter * LASTS_NATS
 }
 
-/// Whether no piece speaks against the law, as some do where it comes of what happens in others.
+/// Whether no piece speaks against the law, and not one alone for it, as where it comes of what happens in others: the
+/// first and the last footsteps of somebody who comes and goes, that stand out of nothing.
 ///
 /// Where a law holds, another is more likely by `e^n` once in `e^n` pieces at most (A. Wald, Ann. Math. Stat. 16 (1945) 117).
 pub(super) fn lasts_everywhere<'a>(
@@ -109,13 +110,16 @@ pub(super) fn lasts_everywhere<'a>(
     /// Against this in all of the pieces, in nats: one record in twenty, a choice.
     const AGAINST: f64 = 3.0;
     let most = AGAINST + (pieces.len() as f64).ln();
-    let mut against = pieces.map(|(squares, averages)| {
+    let gains = pieces.map(|(squares, averages)| {
         let steady = mean(squares);
         let pairs = squares.iter().zip(averages);
         let nats = pairs.map(|(&square, averages)| {
-            log_likelihood(square, steady) - log_likelihood(square, foretold(weights, averages))
+            log_likelihood(square, foretold(weights, averages)) - log_likelihood(square, steady)
         });
         nats.sum::<f64>()
     });
-    against.all(|nats| nats < most)
+    let gains: Vec<f64> = gains.collect();
+    let plainest = gains.iter().copied().fold(0.0, f64::max);
+    let others = gains.iter().sum::<f64>() - plainest;
+    gains.iter().all(|nats| *nats > -most) && (gains.len() < 2 || others > 0.0)
 }
