@@ -23,16 +23,25 @@ pub struct SlowChange {
 }
 
 impl SlowChange {
-    /// Whether most of a settling lies where the record was measured and is not excluded: behind its first sample. What
-    /// has no time constant from its start on is seen.
+    /// Whether a settling is seen: most of its energy lies where the record was measured and nothing happened meanwhile. What
+    /// stands for the rest follows from its ends, and would settle by itself. What has no time constant is seen.
     pub fn is_seen(&self, axis: &AxisState) -> bool {
+        /// Part of the energy: a choice.
+        const MOST: f64 = 2.0 / 3.0;
+        /// Time constants after which a thousandth of a hundredth of the energy is left.
+        const FOLLOWED: f64 = 6.0;
         let Wave::WarmUp { samples, .. } = self.wave else {
             return true;
         };
-        let values = axis.residual.values();
-        let first = values.iter().position(|value| value.is_finite());
-        // Its square falls to a half within that part of its time constant.
-        first.is_some_and(|first| (first as f64) < 0.5 * std::f64::consts::LN_2 * samples)
+        let until = (FOLLOWED * samples) as usize;
+        let keep = (-2.0 / samples).exp();
+        let (mut all, mut seen, mut energy) = (0.0, 0.0, 1.0);
+        for value in axis.residual.values().iter().take(until) {
+            all += energy;
+            seen += if value.is_finite() { energy } else { 0.0 };
+            energy *= keep;
+        }
+        seen > MOST * all
     }
 }
 
@@ -51,26 +60,40 @@ mod tests {
     use super::*;
     use crate::diagnosis::detect::trial::{Trial, noise};
 
+    fn settling(samples: f64) -> SlowChange {
+        SlowChange {
+            wave: Wave::WarmUp {
+                amplitude: 1.0,
+                samples,
+            },
+            z: 9.0,
+            gain_nats: 40.0,
+            size_sd: 0.1,
+            time_log_sd: 0.1,
+            p_value: 1e-9,
+            nats: 40.0,
+        }
+    }
+
     #[test]
     fn a_settling_before_the_first_sample_is_not_seen() {
         let mut values = noise(50);
         values[..1000].fill(f64::NAN);
         let axis = Trial::new(values).axis;
-        // A half of its square is over after 0.35 of its time constant.
-        for (samples, is_seen) in [(100.0, false), (2500.0, false), (3500.0, true)] {
-            let change = SlowChange {
-                wave: Wave::WarmUp {
-                    amplitude: 1.0,
-                    samples,
-                },
-                z: 9.0,
-                gain_nats: 40.0,
-                size_sd: 0.1,
-                time_log_sd: 0.1,
-                p_value: 1e-9,
-                nats: 40.0,
-            };
+        // A third of its square is over after 0.2 of its time constant.
+        for (samples, is_seen) in [(100.0, false), (4500.0, false), (5500.0, true)] {
+            let change = settling(samples);
             assert_eq!(change.is_seen(&axis), is_seen, "seed 50: {samples}");
         }
+    }
+
+    #[test]
+    fn a_settling_between_stretches_that_are_left_out_is_not_seen() {
+        let mut values = noise(51);
+        // From a tenth of it on for as long as it has most of the rest.
+        values[200..3000].fill(f64::NAN);
+        let axis = Trial::new(values).axis;
+        assert!(!settling(2000.0).is_seen(&axis), "seed 51");
+        assert!(settling(20_000.0).is_seen(&axis), "seed 51");
     }
 }
