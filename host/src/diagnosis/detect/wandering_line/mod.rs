@@ -12,6 +12,7 @@
 mod band;
 mod course;
 mod harmonics;
+mod joined;
 #[cfg(test)]
 mod tests;
 mod track;
@@ -22,6 +23,7 @@ use std::ops::Range;
 use self::band::Band;
 use self::course::{Course, course};
 use self::harmonics::{Line, family};
+use self::joined::with_known;
 use self::track::{Steadiness, Track};
 use super::Detector;
 use super::lines::{self, Group, Measured};
@@ -160,23 +162,32 @@ pub fn named(look: &Look<'_>, within_hz: &Range<f64>, p_value: f64) -> Option<Pr
         kind,
         values: values(&course, &family.lines, family.number),
     };
-    let bands = family.lines.iter().map(|line| line.band_hz.clone());
-    let bands = bands.collect();
+    let bands_hz = family.lines.iter().map(|line| line.band_hz.clone());
+    let bands_hz: Vec<Range<f64>> = bands_hz.collect();
     let freedom = 4.0 + family.lines.len() as f64;
     let mut supersedes = made_for_it(axis, &family.lines);
+    let nats = track.nats(steadiness.energy);
+    if let Some(whole) = with_known(axis, &effect, &bands_hz) {
+        return Some(Proposal::Explain(Box::new(Candidate {
+            held_out_nats: whole.held_out_nats.map(|known| known + nats),
+            amends: Some(whole.place),
+            supersedes,
+            ..Candidate::new(whole.effect, p_value, freedom, Change::Tone(whole.bands_hz))
+        })));
+    }
     supersedes.extend(
         axis.has(kind)
             .then_some(kind)
             .filter(|kind| *kind == hum::KIND),
     );
     Some(Proposal::Explain(Box::new(Candidate {
-        held_out_nats: Some(track.nats(steadiness.energy)),
+        held_out_nats: Some(nats),
         supersedes,
         rivals: vec![Rival {
             effect: resonance::KIND,
             log_odds: -steadiness.p_value.max(f64::MIN_POSITIVE).ln(),
         }],
-        ..Candidate::new(effect, p_value, freedom, Change::Tone(bands))
+        ..Candidate::new(effect, p_value, freedom, Change::Tone(bands_hz))
     })))
 }
 
