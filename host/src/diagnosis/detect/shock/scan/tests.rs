@@ -87,7 +87,12 @@ fn what_stands_out_lasts_until_nothing_is_left() {
         stretch(16..24, 4.1),
         stretch(40..48, 5.9),
     ];
-    assert_eq!(lasting(windows, 6.0), [stretch(0..24, 9.0)]);
+    let nats = 0.5 * (4.5_f64.powi(2) + 81.0 + 4.1_f64.powi(2));
+    let lasts = Stretch {
+        nats,
+        ..stretch(0..24, 9.0)
+    };
+    assert_eq!(lasting(windows, 6.0), [lasts]);
 }
 
 #[test]
