@@ -28,7 +28,7 @@ impl SlowChange {
     pub fn is_seen(&self, axis: &AxisState) -> bool {
         /// Part of the energy: a choice.
         const MOST: f64 = 2.0 / 3.0;
-        /// Time constants after which a thousandth of a hundredth of the energy is left.
+        /// Time constants that it is followed for: a hundred-thousandth of the energy is left then.
         const FOLLOWED: f64 = 6.0;
         let Wave::WarmUp { samples, .. } = self.wave else {
             return true;

@@ -98,7 +98,7 @@ fn is_dwelling(axis: &AxisState, change: &SlowChange) -> bool {
 pub fn warm_up(axis: &AxisState, level: f64, noise: Noise) -> Option<SlowChange> {
     let factor = axis.drift_factor();
     let mut settling = Settlings::new(axis, &axis.filled, factor);
-    let mut z = settling.best().0;
+    let (mut z, samples) = settling.best();
     let mut gain_nats = 0.5 * z * z;
     if noise == Noise::Anew && settling.p_value(z) >= level {
         // Walk and flicker may have been taken for it.
@@ -115,7 +115,7 @@ pub fn warm_up(axis: &AxisState, level: f64, noise: Noise) -> Option<SlowChange>
         (z, gain_nats) = (joint.z, joint.nats);
         settling.record.close(&density, &settling.memories);
         settling.density = density;
-    } else if !settling.is_no_walk(axis, level) {
+    } else if settling.p_value(z) < level && !settling.is_no_walk(axis, samples, level) {
         return None;
     }
     let p_value = settling.p_value(z);
@@ -199,10 +199,9 @@ impl Settlings {
         p_value::searched(p_value::chi_squared(z * z, 2.0), self.octaves())
     }
 
-    /// Whether the best is significant beside walk and flicker that are fitted anew with it and without it: where the record
+    /// Whether the one of so many `samples` is significant beside walk and flicker that are fitted anew with it and without it: where the record
     /// is too short to tell how strong these are, what they do looks like a settling in the noise that was fitted.
-    fn is_no_walk(&self, axis: &AxisState, level: f64) -> bool {
-        let (_, samples) = self.best();
+    fn is_no_walk(&self, axis: &AxisState, samples: f64, level: f64) -> bool {
         let profile = Profile::new(axis, &self.record, &self.density);
         self.p_value(profile.fit(&self.wave(samples)).z) < level
     }

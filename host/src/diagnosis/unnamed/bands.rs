@@ -149,6 +149,9 @@ impl<'a> Search<'a> {
         for _ in 0..ROUNDS {
             let before = self.log_likelihood();
             while self.bands.len() < MOST && self.add_best(dictionary, cost_nats).is_some() {}
+            if self.bands.is_empty() {
+                break;
+            }
             self.move_all()?;
             if self.log_likelihood() - before < cost_nats {
                 break;
@@ -175,10 +178,10 @@ impl<'a> Search<'a> {
             let own = std::mem::take(&mut self.squared[number]);
             let others = self.expected();
             let band = self.moved(self.bands[place], &others);
-            let whole = band.local(&self.bins, self.data);
+            let local = band.local(&self.bins, self.data);
             self.bands[place] = band;
             self.components[number] = band.component(&self.bins);
-            self.squared[number] = match whole.best(self.data, &others).0 {
+            self.squared[number] = match local.best(self.data, &others).0 {
                 0.0 => own,
                 squared => squared,
             };
