@@ -47,6 +47,7 @@ pub fn take_events_out(axis: &mut AxisState, context: &Context<'_>) -> Result<()
     let mut search = Search::new(axis, context);
     search.ask(&detect::stale::DETECTOR)?;
     search.ask(&detect::telegraph::path::DETECTOR)?;
+    search.ask(&detect::plain::DETECTOR)?;
     search.ask(&detect::warmup::plain::DETECTOR)?;
     while search.ask(&detect::shock::DETECTOR)? != Changed::Nothing {}
     // Noise that they had raised hides further ones.

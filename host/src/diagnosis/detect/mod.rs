@@ -16,6 +16,7 @@ pub mod level;
 pub mod lines;
 pub mod look;
 pub mod outliers;
+pub mod plain;
 pub mod shock;
 pub mod slow_change;
 pub mod spectral;
@@ -48,7 +49,8 @@ pub static BEFORE_ROUNDS: &[&Detector] = &[
     &stale::DETECTOR,
     // What a level goes through that switches all the time is no event.
     &telegraph::path::DETECTOR,
-    // Nor is how it settles from the start.
+    // Nor is what comes again and again, nor how it settles from the start.
+    &plain::DETECTOR,
     &warmup::plain::DETECTOR,
     &shock::DETECTOR,
     &clipping::DETECTOR,

@@ -7,7 +7,7 @@ use nalgebra::{DMatrix, DVector};
 use realfft::num_complex::Complex64;
 
 use super::about::About;
-use super::simplex::climbed;
+use crate::numeric::simplex::climbed;
 use crate::fft;
 use crate::model::shock::Shock;
 use crate::numeric::product::dot;

@@ -17,7 +17,6 @@ mod loud;
 mod moved;
 mod quiet;
 mod scan;
-mod simplex;
 mod singles;
 mod strength;
 #[cfg(test)]

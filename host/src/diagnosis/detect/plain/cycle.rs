@@ -1,0 +1,149 @@
+//! What comes again and again: the frequency at which a cycle with all its multiples leaves least.
+
+use realfft::num_complex::Complex64;
+
+use super::fit::{Course, Cycle, Fitted};
+use super::means::Means;
+use super::settlings;
+use crate::fft;
+use crate::numeric::product::dot;
+use crate::numeric::simplex::climbed;
+use crate::numeric::top::climb;
+use crate::spectrum::record_lines::LEAST_CYCLES;
+
+/// Cycles at least: a choice. Fewer turns are a course of the level like any other.
+const FEWEST: usize = 5;
+
+/// Multiples by which the frequency is sought: a choice. The fifth is seldom the strongest to tell it.
+const SOUGHT_BY: usize = 6;
+
+/// Multiples at most: a choice. What switches and follows within a twentieth of its turn has a thousandth of its size there.
+const MOST: usize = 64;
+
+/// Cycles a record to which a frequency is sought: of a line a thousand deviations large half of one.
+const CLOSE: f64 = 1e-5;
+
+/// Highest frequency of a multiple, cycles a mean: a mean takes a tenth off it.
+const HIGHEST: f64 = 0.25;
+
+/// The strongest line may be the second or third multiple.
+const STRONGEST: usize = 3;
+
+/// A cycle among `means`, beside as many settlings as leave least, at most one.
+pub fn best(means: &Means) -> Option<Fitted> {
+    let strongest = line(means, strongest(means)? / means.factor as f64)?;
+    let starts = (1..=STRONGEST).map(|number| strongest / number as f64);
+    let all = starts.filter_map(|cycles| at(means, cycles));
+    let found = all.min_by(|a, b| costs(a, means).total_cmp(&costs(b, means)))?;
+    let found = with_all(means, found)?;
+    let few = FEWEST as f64 / (means.len() * means.factor) as f64;
+    found.course.cycle.filter(|cycle| cycle.cycles >= few)?;
+    Some(found)
+}
+
+/// What a course costs: twice its nats, and its numbers at the logarithm of how many means there are (G. Schwarz, Ann. Stat. 6,
+/// 1978).
+pub fn costs(fitted: &Fitted, means: &Means) -> f64 {
+    fitted.course.freedom() * means.known().ln() - 2.0 * fitted.nats(means)
+}
+
+/// The strongest line of steps from mean to mean, in which a settling leaks less, cycles a mean.
+fn strongest(means: &Means) -> Option<f64> {
+    let steps = means.values.windows(2).map(|two| two[1] - two[0]);
+    let mut steps: Vec<f64> = steps.collect();
+    let len = steps.len();
+    let transform = fft::real_forward(len);
+    let mut ordinates = vec![Complex64::ZERO; len / 2 + 1];
+    transform.process(&mut steps, &mut ordinates).ok()?;
+    let last = (STRONGEST * LEAST_CYCLES as usize).min(len / 4);
+    let top = (FEWEST..=last)
+        .max_by(|&a, &b| ordinates[a].norm_sqr().total_cmp(&ordinates[b].norm_sqr()))?;
+    Some(top as f64 / len as f64)
+}
+
+/// The frequency of a line near one, where it has a good part of what the means have.
+fn line(means: &Means, cycles: f64) -> Option<f64> {
+    /// Part of the energy that it leaves, at most: a choice. Of a cycle most is in its strongest line.
+    const LEFT: f64 = 0.75;
+    let samples = (means.len() * means.factor) as f64;
+    let of = |turns: f64| {
+        let cycle = Some(Cycle {
+            cycles: turns / samples,
+            multiples: 1,
+        });
+        let course = Course {
+            settlings: Vec::new(),
+            cycle,
+        };
+        Fitted::new(means, course).map_or(f64::INFINITY, |one| one.energy)
+    };
+    let (turns, height) = climb(cycles * samples, 0.5, CLOSE, |turns| -of(turns));
+    (-height < LEFT * dot(&means.values, &means.values)).then_some(turns / samples)
+}
+
+/// The likeliest cycle near a frequency, with or without a settling.
+fn at(means: &Means, cycles: f64) -> Option<Fitted> {
+    let samples = (means.len() * means.factor) as f64;
+    if !(FEWEST as f64..=LEAST_CYCLES).contains(&(cycles * samples)) {
+        return None;
+    }
+    let multiples = multiples(means, cycles, SOUGHT_BY);
+    let of = |turns: f64, settlings: &[f64]| {
+        let course = Course {
+            settlings: settlings.to_vec(),
+            cycle: Some(Cycle {
+                cycles: turns / samples,
+                multiples,
+            }),
+        };
+        Fitted::new(means, course)
+    };
+    let nats = |fitted: Option<Fitted>| fitted.map_or(f64::NEG_INFINITY, |one| one.nats(means));
+    let first = cycles * samples;
+    let (alone, _) = climb(first, 0.25, CLOSE, |turns| nats(of(turns, &[])));
+    let times = settlings::times(means).map(|time| (nats(of(alone, &[time])), time));
+    let (_, time) = times.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let both = climbed(&[alone, time.ln()], &[0.1, 0.2], |at| {
+        nats(of(at[0], &[at[1].exp()]))
+    });
+    let alone = of(alone, &[]);
+    let both = of(both[0], &[both[1].exp()]).filter(|one| settlings::are_held(means, &one.course));
+    let all = [alone, both].into_iter().flatten();
+    all.min_by(|a, b| costs(a, means).total_cmp(&costs(b, means)))
+}
+
+/// The same with all multiples that pay for themselves.
+fn with_all(means: &Means, found: Fitted) -> Option<Fitted> {
+    let of = |multiples: usize| {
+        let cycle = found.course.cycle.map(|cycle| Cycle { multiples, ..cycle });
+        let course = Course {
+            cycle,
+            ..found.course.clone()
+        };
+        Fitted::new(means, course)
+    };
+    let most = multiples(means, found.course.cycle?.cycles, MOST);
+    let all = of(most)?;
+    // Those of whole turns are orthogonal: each adds what it is.
+    let mut energy = all.energy;
+    let price = means.known().ln();
+    let cost = |energy: f64, multiples: usize| {
+        means.known() * energy.ln() + 2.0 * multiples as f64 * price
+    };
+    let (mut best, mut least) = (most, cost(energy, most));
+    for multiple in (2..=most).rev() {
+        let place = all.course.place_of_multiple(multiple);
+        let square = all.sizes[place].powi(2) + all.sizes[place + 1].powi(2);
+        energy += 0.5 * means.known() * square;
+        if cost(energy, multiple - 1) < least {
+            (best, least) = (multiple - 1, cost(energy, multiple - 1));
+        }
+    }
+    of(best)
+}
+
+/// How many multiples the means show, at most so many.
+fn multiples(means: &Means, cycles: f64, most: usize) -> usize {
+    let shown = (HIGHEST / (cycles * means.factor as f64)) as usize;
+    shown.clamp(1, most)
+}

@@ -1,0 +1,213 @@
+//! Least squares of a course among the means of a record.
+
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::{DMatrix, DVector};
+use realfft::num_complex::Complex64;
+
+use super::means::Means;
+use crate::fft::phasor::Phasor;
+use crate::numeric::product::dot;
+
+/// What a level does: settles from the start, goes round and round.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Course {
+    /// Time constants of settlings, samples.
+    pub settlings: Vec<f64>,
+    /// What comes again and again.
+    pub cycle: Option<Cycle>,
+}
+
+/// A cycle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cycle {
+    /// Its frequency, cycles a sample.
+    pub cycles: f64,
+    /// How many of its multiples it has, itself the first.
+    pub multiples: usize,
+}
+
+impl Cycle {
+    /// What cosine and sine of each multiple come to in the means.
+    fn columns(self, means: &Means) -> Vec<Vec<f64>> {
+        let factor = means.factor as f64;
+        let middle = 0.5 * (factor - 1.0);
+        let begin = Complex64::cis(TAU * self.cycles * middle);
+        let mut base = vec![Complex64::ZERO; means.len()];
+        let places = base.iter_mut().zip(&means.measured);
+        Phasor::new(self.cycles * factor).zip(0, places, begin, |(base, known), turned| {
+            *base = if *known { turned } else { Complex64::ZERO };
+        });
+        let mut turned: Vec<Complex64> = base.clone();
+        let mut columns = Vec::new();
+        for multiple in 1..=self.multiples {
+            let cycles = multiple as f64 * self.cycles;
+            let mean = (PI * cycles * factor).sin() / (factor * (PI * cycles).sin());
+            columns.push(turned.iter().map(|one| mean * one.re).collect());
+            columns.push(turned.iter().map(|one| mean * one.im).collect());
+            let both = turned.iter_mut().zip(&base);
+            both.for_each(|(turned, base)| *turned *= base);
+        }
+        columns
+    }
+}
+
+impl Course {
+    /// Numbers that it has, sizes among them.
+    pub fn freedom(&self) -> f64 {
+        let of_cycle = self.cycle.map_or(0, |cycle| 1 + 2 * cycle.multiples);
+        (2 * self.settlings.len() + of_cycle) as f64
+    }
+
+    /// The course without each of its parts: every settling, and the cycle.
+    pub fn parts(&self) -> Vec<Self> {
+        let settling = |number: usize| {
+            let mut without = self.clone();
+            without.settlings.remove(number);
+            without
+        };
+        let mut parts: Vec<Self> = (0..self.settlings.len()).map(settling).collect();
+        if self.cycle.is_some() {
+            parts.push(Self {
+                cycle: None,
+                ..self.clone()
+            });
+        }
+        parts
+    }
+
+    /// Place of a settling's size among those of a fit, behind the constant.
+    pub fn place_of(number: usize) -> usize {
+        1 + number
+    }
+
+    /// Place of the cosine of a multiple, from 1, with its sine behind it.
+    pub fn place_of_multiple(&self, multiple: usize) -> usize {
+        1 + self.settlings.len() + 2 * (multiple - 1)
+    }
+
+    /// What sizes of 1 come to in the means, the constant first.
+    fn columns(&self, means: &Means) -> Vec<Vec<f64>> {
+        let column = |value: &dyn Fn(f64) -> f64| -> Vec<f64> {
+            let firsts = (0..means.len()).map(|block| (block * means.factor) as f64);
+            let both = firsts.zip(&means.measured);
+            both.map(|(first, known)| if *known { value(first) } else { 0.0 })
+                .collect()
+        };
+        let mut columns = vec![column(&|_| 1.0)];
+        let factor = means.factor as f64;
+        for &samples in &self.settlings {
+            let mean = (1.0 - (-factor / samples).exp()) / (factor * (1.0 - (-1.0 / samples).exp()));
+            columns.push(column(&|first| mean * (-first / samples).exp()));
+        }
+        columns.extend(self.cycle.iter().flat_map(|cycle| cycle.columns(means)));
+        columns
+    }
+
+    /// What its means become by a small change of each number that is no size, at some `sizes`: those of the logarithms of
+    /// the time constants, then of the cycle's frequency.
+    fn slopes(&self, means: &Means, sizes: &[f64]) -> Vec<Vec<f64>> {
+        /// Small beside whatever is told of either.
+        const STEP: f64 = 1e-5;
+        let at = |course: &Self| course.total(means, sizes);
+        let by = |less: Self, more: Self, step: f64| -> Vec<f64> {
+            let both = at(&more).into_iter().zip(at(&less));
+            both.map(|(more, less)| (more - less) / (2.0 * step)).collect()
+        };
+        let mut slopes = Vec::new();
+        for number in 0..self.settlings.len() {
+            let moved = |by: f64| {
+                let mut course = self.clone();
+                course.settlings[number] *= by.exp();
+                course
+            };
+            slopes.push(by(moved(-STEP), moved(STEP), STEP));
+        }
+        if let Some(cycle) = self.cycle {
+            let step = STEP / (means.len() * means.factor) as f64;
+            let moved = |by: f64| Self {
+                cycle: Some(Cycle {
+                    cycles: cycle.cycles + by,
+                    ..cycle
+                }),
+                ..self.clone()
+            };
+            slopes.push(by(moved(-step), moved(step), step));
+        }
+        slopes
+    }
+
+    /// Its means with some sizes.
+    pub fn total(&self, means: &Means, sizes: &[f64]) -> Vec<f64> {
+        let mut total = vec![0.0; means.len()];
+        for (column, size) in self.columns(means).iter().zip(sizes) {
+            let pairs = total.iter_mut().zip(column);
+            pairs.for_each(|(total, one)| *total += size * one);
+        }
+        total
+    }
+}
+
+/// A course with its likeliest sizes in white noise.
+pub struct Fitted {
+    /// The course.
+    pub course: Course,
+    /// Its sizes: the constant, those of settlings, cosine and sine of each multiple.
+    pub sizes: Vec<f64>,
+    /// What is left; zero where nothing was measured.
+    pub left: Vec<f64>,
+    /// Sum of its squares.
+    pub energy: f64,
+}
+
+impl Fitted {
+    /// A course among `means`; `None` where its parts cannot be told from each other.
+    pub fn new(means: &Means, course: Course) -> Option<Self> {
+        let columns = course.columns(means);
+        let sizes = sizes(&columns, &means.values)?;
+        let mut left = means.values.clone();
+        for (column, size) in columns.iter().zip(&sizes) {
+            let pairs = left.iter_mut().zip(column);
+            pairs.for_each(|(left, one)| *left -= size * one);
+        }
+        Some(Self {
+            energy: dot(&left, &left),
+            sizes,
+            left,
+            course,
+        })
+    }
+
+    /// Logarithm of its likelihood, nats.
+    pub fn nats(&self, means: &Means) -> f64 {
+        -0.5 * means.known() * self.energy.max(f64::MIN_POSITIVE).ln()
+    }
+
+    /// Covariance of sizes and of the numbers behind them ([`Course::slopes`]) in white noise of the square 1.
+    pub fn covariance(&self, means: &Means) -> Option<DMatrix<f64>> {
+        let mut columns = self.course.columns(means);
+        columns.extend(self.course.slopes(means, &self.sizes));
+        gram(&columns).cholesky().map(|factors| factors.inverse())
+    }
+}
+
+fn gram(columns: &[Vec<f64>]) -> DMatrix<f64> {
+    let size = columns.len();
+    let mut gram = DMatrix::zeros(size, size);
+    for row in 0..size {
+        for column in 0..=row {
+            let product = dot(&columns[row], &columns[column]);
+            gram[(row, column)] = product;
+            gram[(column, row)] = product;
+        }
+    }
+    gram
+}
+
+fn sizes(columns: &[Vec<f64>], values: &[f64]) -> Option<Vec<f64>> {
+    let products = columns.iter().map(|column| dot(column, values)).collect();
+    let factors = gram(columns).cholesky()?;
+    let sizes = factors.solve(&DVector::from_vec(products));
+    let sizes: Vec<f64> = sizes.iter().copied().collect();
+    sizes.iter().all(|size| size.is_finite()).then_some(sizes)
+}

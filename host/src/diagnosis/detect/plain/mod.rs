@@ -1,0 +1,80 @@
+//! What the level does far above all noise, read off the record before anything else: two settlings from the start, and what
+//! comes again and again, as a thermostat's heater makes it.
+//!
+//! Noise that is fitted to such a record is that of a walk as strong as the course, in which its bends and kinks look like
+//! shocks. So it is asked for first, as a whole, by least squares among means. It is believed only where next to nothing of it is left, and
+//! where what is left has no room for a walk that could have gone the same way ([`is_plain`]).
+
+mod cycle;
+mod fit;
+mod means;
+mod proposals;
+mod settlings;
+#[cfg(test)]
+mod tests;
+
+use super::Detector;
+use crate::diagnosis::detect::look::{Look, Proposal};
+use crate::model::{hum, sinusoid, warmup};
+use crate::numeric::product::dot;
+use fit::{Course, Fitted};
+use means::Means;
+
+/// Share of its energy that a course may leave: a choice, a fifth of its size.
+const LEFT: f64 = 0.04;
+
+/// How many times more energy than the walk that may be left a course has, at least: a choice. Most of a walk is in its slowest part,
+/// whose square is so much larger than usual once in some 10^7 records.
+const OVER_WALK: f64 = 16.0;
+
+/// How many times more energy than what is left each part of a course has, at least: a choice. Less is left to those that look for it in
+/// fitted noise.
+const OVER_LEFT: f64 = 1.0;
+
+/// Looks for a course that leaves nothing. Its test is that of the level.
+pub static DETECTOR: Detector = Detector {
+    tests: 0,
+    look: |look| Ok(plain(look)),
+};
+
+fn plain(look: &Look<'_>) -> Vec<Proposal> {
+    let kinds = [warmup::KIND, hum::KIND, sinusoid::KIND];
+    let is_free = |kind| look.is_open(kind) && !look.axis.has(kind);
+    // What follows a temperature is no course of its own.
+    if look.context.covariate.is_some() || !kinds.into_iter().all(is_free) {
+        return Vec::new();
+    }
+    let means = Means::new(&look.axis.residual.values());
+    found(&means).map_or_else(Vec::new, |fitted| {
+        proposals::proposals(look, &means, &fitted)
+    })
+}
+
+/// The course of the fewest numbers that is plain, unless that is a single settling, which is
+/// [looked for](super::warmup::plain) where it is quicker too.
+fn found(means: &Means) -> Option<Fitted> {
+    // A course cannot leave less than its noise.
+    if means.white(&means.values, 1) > LEFT * dot(&means.values, &means.values) / means.known() {
+        return None;
+    }
+    let [one, two] = settlings::best(means);
+    let all = [one, two, cycle::best(means)];
+    let plain = all.into_iter().flatten();
+    let plain = plain.filter(|fitted| is_plain(means, fitted));
+    let cost = |fitted: &Fitted| cycle::costs(fitted, means);
+    let best = plain.min_by(|a, b| cost(a).total_cmp(&cost(b)))?;
+    (best.course.cycle.is_some() || best.course.settlings.len() > 1).then_some(best)
+}
+
+/// Whether next to nothing of the means is left beside a course, and of each of its parts far more than that, and than a walk could
+/// make that what is left has room for.
+fn is_plain(means: &Means, fitted: &Fitted) -> bool {
+    let least = OVER_WALK * means.known() * means.walk(&fitted.left);
+    let is_part = |without: Course| {
+        let without = Fitted::new(means, without);
+        let own = without.map_or(0.0, |one| one.energy - fitted.energy);
+        own > least.max(OVER_LEFT * fitted.energy)
+    };
+    fitted.energy < LEFT * dot(&means.values, &means.values)
+        && fitted.course.parts().into_iter().all(is_part)
+}

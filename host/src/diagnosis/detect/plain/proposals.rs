@@ -1,0 +1,159 @@
+//! A plain course as explanations: each settling a warm-up, a cycle with its multiples lines of one cause.
+
+use nalgebra::DMatrix;
+
+use super::fit::{Course, Cycle, Fitted};
+use super::means::Means;
+use crate::diagnosis::detect::look::{Look, Proposal};
+use crate::diagnosis::explanation::{Candidate, Change};
+use crate::diagnosis::held_out::SEEN_COST;
+use crate::diagnosis::record::wave::Wave;
+use crate::diagnosis::result::estimate::Estimate;
+use crate::diagnosis::result::value::Value;
+use crate::diagnosis::statistic::p_value;
+use crate::model::{hum, sinusoid, warmup};
+use crate::numeric::product::dot;
+
+/// Averaging times over the time constant, and over the period, at which noise is as it is to a settling and to a line: the Allan
+/// variance is the density at 0.37 over its averaging time, to a factor of two whatever its colour.
+const OF_TIME: f64 = 0.5;
+const OF_PERIOD: f64 = 0.37;
+
+/// What is to be done about a course.
+pub fn proposals(look: &Look<'_>, means: &Means, fitted: &Fitted) -> Vec<Proposal> {
+    let Some(covariance) = fitted.covariance(means) else {
+        return Vec::new();
+    };
+    let told = Told {
+        look,
+        means,
+        fitted,
+        covariance,
+    };
+    let course = &fitted.course;
+    let settlings = (0..course.settlings.len()).map(|number| told.settling(number));
+    let cycle = course.cycle.map(|cycle| told.cycle(cycle));
+    let without = course.parts();
+    let candidates = settlings.chain(cycle).zip(&without);
+    let candidates = candidates.map(|(candidate, without)| {
+        let freedom = candidate.freedom;
+        let nats = fitted.nats(means)
+            - Fitted::new(means, without.clone()).map_or(0.0, |one| one.nats(means));
+        Candidate {
+            p_value: p_value::chi_squared(2.0 * nats, freedom),
+            held_out_nats: held_out_nats(means, course, without),
+            ..candidate
+        }
+    });
+    candidates
+        .map(|one| Proposal::Explain(Box::new(one)))
+        .collect()
+}
+
+/// What a course gains over that `without` a part on means that its sizes were not fitted to, nats.
+fn held_out_nats(means: &Means, course: &Course, without: &Course) -> Option<f64> {
+    let halves = [means.half(0), means.half(1)];
+    let left = |course: &Course, train: &Means, held: &Means| {
+        let sizes = Fitted::new(train, course.clone())?.sizes;
+        let total = course.total(held, &sizes);
+        let left = held.values.iter().zip(total).map(|(value, one)| value - one);
+        let left: Vec<f64> = left.collect();
+        Some(dot(&left, &left))
+    };
+    let gain = |train: &Means, held: &Means| {
+        let both = left(without, train, held)? / left(course, train, held)?;
+        Some(0.5 * held.known() * both.ln())
+    };
+    let shapes = course.settlings.len() - without.settlings.len();
+    let shapes = if shapes == 0 { 1 } else { shapes };
+    let [first, second] = [&halves[0], &halves[1]];
+    Some(gain(first, second)? + gain(second, first)? - SEEN_COST * shapes as f64)
+}
+
+/// A course with what is known of its numbers.
+struct Told<'a> {
+    look: &'a Look<'a>,
+    means: &'a Means,
+    fitted: &'a Fitted,
+    covariance: DMatrix<f64>,
+}
+
+impl Told<'_> {
+    /// Square of what is left, as if it were white, at an averaging time of so many samples.
+    fn square(&self, samples: f64) -> f64 {
+        /// Parts of the record that say what noise there is, at least.
+        const LEAST: usize = 8;
+        let m = (samples / self.means.factor as f64) as usize;
+        let m = m.clamp(1, self.means.len() / LEAST);
+        let white = |m| self.means.white(&self.fitted.left, m);
+        white(m).max(white(1))
+    }
+
+    fn settling(&self, number: usize) -> Candidate {
+        let course = &self.fitted.course;
+        let samples = course.settlings[number];
+        let place = Course::place_of(number);
+        let behind = self.fitted.sizes.len() + number;
+        let square = self.square(OF_TIME * samples);
+        let sd = |place: usize| (square * self.covariance[(place, place)]).sqrt();
+        let amplitude = self.fitted.sizes[place];
+        let time_s = samples / self.look.axis.rate_hz;
+        let values = [
+            Value::normal(amplitude, sd(place)),
+            Value::log_normal(time_s, sd(behind)),
+        ];
+        let wave = Wave::WarmUp { amplitude, samples };
+        let effect = Estimate::new(warmup::KIND, values);
+        Candidate::new(effect, 0.0, 2.0, Change::Waves(vec![wave]))
+    }
+
+    fn cycle(&self, cycle: Cycle) -> Candidate {
+        let rate_hz = self.look.axis.rate_hz;
+        let behind = self.covariance.nrows() - 1;
+        let sd = (self.square(OF_PERIOD / cycle.cycles) * self.covariance[(behind, behind)]).sqrt();
+        let base = Value::normal(cycle.cycles * rate_hz, sd * rate_hz);
+        let lines = (1..=cycle.multiples).map(|multiple| self.line(cycle, multiple));
+        let lines: Vec<Option<(Value, Wave)>> = lines.collect();
+        let freedom = self.fitted.course.freedom() - 2.0 * self.fitted.course.settlings.len() as f64;
+        let amplitudes = lines.iter().map(|line| Some(line.as_ref()?.0));
+        let effect = if cycle.multiples == 1 {
+            let values = [Some(base)].into_iter().chain(amplitudes);
+            Estimate {
+                kind: sinusoid::KIND,
+                values: values.collect(),
+            }
+        } else {
+            let values = [Some(base), None, None].into_iter().chain(amplitudes);
+            Estimate {
+                kind: hum::KIND,
+                values: values.collect(),
+            }
+        };
+        let waves = lines.into_iter().flatten().map(|(_, wave)| wave).collect();
+        Candidate::new(effect, 0.0, freedom, Change::Waves(waves))
+    }
+
+    /// Amplitude of a multiple ahead of the declared chain, and the line as it is taken out; `None` where it does not pay for
+    /// its two numbers.
+    fn line(&self, cycle: Cycle, multiple: usize) -> Option<(Value, Wave)> {
+        let axis = self.look.axis;
+        let cycles = multiple as f64 * cycle.cycles;
+        let place = self.fitted.course.place_of_multiple(multiple);
+        let [cosine, sine] = [place, place + 1].map(|place| self.fitted.sizes[place]);
+        let amplitude = f64::hypot(cosine, sine);
+        let at = |row: usize, column: usize| self.covariance[(place + row, place + column)];
+        let variance = cosine.powi(2) * at(0, 0)
+            + sine.powi(2) * at(1, 1)
+            + 2.0 * cosine * sine * at(0, 1);
+        let sd = (self.square(OF_PERIOD / cycles) * variance).sqrt() / amplitude;
+        let passed = axis.bins.chain_power(cycles * axis.rate_hz).sqrt();
+        let wave = Wave::Line {
+            cycles,
+            cosine,
+            sine,
+            lost: None,
+        };
+        let pays = (amplitude / sd).powi(2) > 2.0 * self.means.known().ln();
+        pays.then(|| (Value::normal(amplitude / passed, sd / passed), wave))
+    }
+}
