@@ -9,6 +9,9 @@ use super::means::Means;
 use crate::fft::phasor::Phasor;
 use crate::numeric::product::dot;
 
+/// Multiples of a cycle that are fitted together: a choice. What the record's ends have of a turn mixes the strong ones.
+const TOGETHER: usize = 32;
+
 /// What a level does: settles from the start, goes round and round.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Course {
@@ -31,7 +34,7 @@ impl Cycle {
     /// What cosine and sine of each multiple come to in the means.
     fn columns(self, means: &Means) -> Vec<Vec<f64>> {
         let factor = means.factor as f64;
-        let middle = 0.5 * (factor - 1.0);
+        let middle = factor - 1.0;
         let begin = Complex64::cis(TAU * self.cycles * middle);
         let mut base = vec![Complex64::ZERO; means.len()];
         let places = base.iter_mut().zip(&means.measured);
@@ -43,8 +46,8 @@ impl Cycle {
         for multiple in 1..=self.multiples {
             let cycles = multiple as f64 * self.cycles;
             let mean = (PI * cycles * factor).sin() / (factor * (PI * cycles).sin());
-            columns.push(turned.iter().map(|one| mean * one.re).collect());
-            columns.push(turned.iter().map(|one| mean * one.im).collect());
+            columns.push(turned.iter().map(|one| mean * mean * one.re).collect());
+            columns.push(turned.iter().map(|one| mean * mean * one.im).collect());
             let both = turned.iter_mut().zip(&base);
             both.for_each(|(turned, base)| *turned *= base);
         }
@@ -57,6 +60,13 @@ impl Course {
     pub fn freedom(&self) -> f64 {
         let of_cycle = self.cycle.map_or(0, |cycle| 1 + 2 * cycle.multiples);
         (2 * self.settlings.len() + of_cycle) as f64
+    }
+
+    /// Its shortest time constant or period, samples.
+    pub fn quickest(&self) -> f64 {
+        let settlings = self.settlings.iter().copied();
+        let period = self.cycle.map(|cycle| cycle.cycles.recip());
+        settlings.chain(period).fold(f64::INFINITY, f64::min)
     }
 
     /// The course without each of its parts: every settling, and the cycle.
@@ -86,6 +96,13 @@ impl Course {
         1 + self.settlings.len() + 2 * (multiple - 1)
     }
 
+    /// How many of its sizes are fitted together. Those of higher multiples are each fitted to what these leave: over whole turns they
+    /// have nothing in common.
+    fn together(&self) -> usize {
+        let multiples = self.cycle.map_or(0, |cycle| cycle.multiples);
+        self.place_of_multiple(1 + multiples.min(TOGETHER))
+    }
+
     /// What sizes of 1 come to in the means, the constant first.
     fn columns(&self, means: &Means) -> Vec<Vec<f64>> {
         let column = |value: &dyn Fn(f64) -> f64| -> Vec<f64> {
@@ -98,7 +115,7 @@ impl Course {
         let factor = means.factor as f64;
         for &samples in &self.settlings {
             let mean = (1.0 - (-factor / samples).exp()) / (factor * (1.0 - (-1.0 / samples).exp()));
-            columns.push(column(&|first| mean * (-first / samples).exp()));
+            columns.push(column(&|first| mean * mean * (-first / samples).exp()));
         }
         columns.extend(self.cycle.iter().flat_map(|cycle| cycle.columns(means)));
         columns
@@ -164,11 +181,16 @@ impl Fitted {
     /// A course among `means`; `None` where its parts cannot be told from each other.
     pub fn new(means: &Means, course: Course) -> Option<Self> {
         let columns = course.columns(means);
-        let sizes = sizes(&columns, &means.values)?;
+        let (together, further) = columns.split_at(course.together());
+        let mut sizes = sizes(together, &means.values)?;
         let mut left = means.values.clone();
-        for (column, size) in columns.iter().zip(&sizes) {
-            let pairs = left.iter_mut().zip(column);
-            pairs.for_each(|(left, one)| *left -= size * one);
+        for (column, size) in together.iter().zip(&sizes) {
+            take_out(&mut left, column, *size);
+        }
+        for column in further {
+            let size = dot(column, &left) / dot(column, column);
+            take_out(&mut left, column, size);
+            sizes.push(size);
         }
         Some(Self {
             energy: dot(&left, &left),
@@ -178,17 +200,89 @@ impl Fitted {
         })
     }
 
+    /// The same at the likeliest time constants and frequency, by the steps of C. F. Gauss: each from the slopes where it stands.
+    pub fn climbed(self, means: &Means) -> Self {
+        /// Steps at most, and the gain that is worth one, nats: choices. From where a search ends two do.
+        const STEPS: usize = 8;
+        const WORTH: f64 = 0.01;
+        let mut best = self;
+        for _ in 0..STEPS {
+            let better = best.moved(means).and_then(|course| Self::new(means, course));
+            match better.filter(|one| one.nats(means) > best.nats(means) + WORTH) {
+                Some(better) => best = better,
+                None => break,
+            }
+        }
+        best
+    }
+
+    /// The course that what is left points to.
+    fn moved(&self, means: &Means) -> Option<Course> {
+        let steps = sizes(&self.columns(means), &self.left)?;
+        let mut steps = steps[self.course.together()..].iter();
+        let mut course = self.course.clone();
+        for (samples, step) in course.settlings.iter_mut().zip(&mut steps) {
+            *samples *= step.exp();
+        }
+        if let (Some(cycle), Some(step)) = (&mut course.cycle, steps.next()) {
+            cycle.cycles += step;
+        }
+        Some(course)
+    }
+
     /// Logarithm of its likelihood, nats.
     pub fn nats(&self, means: &Means) -> f64 {
         -0.5 * means.known() * self.energy.max(f64::MIN_POSITIVE).ln()
     }
 
-    /// Covariance of sizes and of the numbers behind them ([`Course::slopes`]) in white noise of the square 1.
-    pub fn covariance(&self, means: &Means) -> Option<DMatrix<f64>> {
+    /// Columns of the sizes that are fitted together, and the slopes behind them.
+    fn columns(&self, means: &Means) -> Vec<Vec<f64>> {
         let mut columns = self.course.columns(means);
+        columns.truncate(self.course.together());
         columns.extend(self.course.slopes(means, &self.sizes));
-        gram(&columns).cholesky().map(|factors| factors.inverse())
+        columns
     }
+
+    /// Covariance of its numbers in white noise of the square 1.
+    pub fn covariance(&self, means: &Means) -> Option<Covariance> {
+        let together = gram(&self.columns(means)).cholesky()?.inverse();
+        Some(Covariance {
+            first_slope: self.course.together(),
+            together,
+            further: 2.0 / means.known(),
+        })
+    }
+}
+
+/// What is known of a fit's numbers in white noise of the square 1.
+pub struct Covariance {
+    /// Of the sizes that were fitted together and of the slopes behind them.
+    together: DMatrix<f64>,
+    first_slope: usize,
+    /// Of each further size.
+    further: f64,
+}
+
+impl Covariance {
+    /// Variance of the size at a place.
+    pub fn of_size(&self, place: usize) -> f64 {
+        if place < self.first_slope {
+            self.together[(place, place)]
+        } else {
+            self.further
+        }
+    }
+
+    /// Variance of a number that is no size: of the logarithms of time constants, then of the cycle's frequency.
+    pub fn of_shape(&self, number: usize) -> f64 {
+        let place = self.first_slope + number;
+        self.together[(place, place)]
+    }
+}
+
+fn take_out(values: &mut [f64], column: &[f64], size: f64) {
+    let pairs = values.iter_mut().zip(column);
+    pairs.for_each(|(value, one)| *value -= size * one);
 }
 
 fn gram(columns: &[Vec<f64>]) -> DMatrix<f64> {

@@ -23,6 +23,10 @@ use means::Means;
 /// Share of its energy that a course may leave: a choice, a fifth of its size.
 const LEFT: f64 = 0.04;
 
+/// Means in which what is left is looked at, a time constant and a period: a choice. As many show a bend, and noise that single samples have
+/// is small in them.
+const RESOLVED: f64 = 16.0;
+
 /// How many times more energy than the walk that may be left a course has, at least: a choice. Most of a walk is in its slowest part,
 /// whose square is so much larger than usual once in some 10^7 records.
 const OVER_WALK: f64 = 16.0;
@@ -53,8 +57,9 @@ fn plain(look: &Look<'_>) -> Vec<Proposal> {
 /// The course of the fewest numbers that is plain, unless that is a single settling, which is
 /// [looked for](super::warmup::plain) where it is quicker too.
 fn found(means: &Means) -> Option<Fitted> {
-    // A course cannot leave less than its noise.
-    if means.white(&means.values, 1) > LEFT * dot(&means.values, &means.values) / means.known() {
+    // A course leaves no less than noise, in as few means as show its slowest.
+    let m = means.len() / (RESOLVED as usize * cycle::FEWEST);
+    if LEFT * means.energy(&means.values, m) < means.white(&means.values, 1) * (means.len() / m) as f64 {
         return None;
     }
     let [one, two] = settlings::best(means);
@@ -66,15 +71,24 @@ fn found(means: &Means) -> Option<Fitted> {
     (best.course.cycle.is_some() || best.course.settlings.len() > 1).then_some(best)
 }
 
-/// Whether next to nothing of the means is left beside a course, and of each of its parts far more than that, and than a walk could
-/// make that what is left has room for.
+/// Energy that a course leaves, in means that resolve it.
+fn left(means: &Means, fitted: &Fitted) -> f64 {
+    let quickest = fitted.course.quickest() / means.factor as f64;
+    means.energy(&fitted.left, (quickest / RESOLVED) as usize)
+}
+
+/// Whether next to nothing of the means is left beside a course, and a part of it is plain.
 fn is_plain(means: &Means, fitted: &Fitted) -> bool {
-    let least = OVER_WALK * means.known() * means.walk(&fitted.left);
-    let is_part = |without: Course| {
-        let without = Fitted::new(means, without);
-        let own = without.map_or(0.0, |one| one.energy - fitted.energy);
-        own > least.max(OVER_LEFT * fitted.energy)
-    };
-    fitted.energy < LEFT * dot(&means.values, &means.values)
-        && fitted.course.parts().into_iter().all(is_part)
+    let mut parts = fitted.course.parts().into_iter();
+    left(means, fitted) < LEFT * dot(&means.values, &means.values)
+        && parts.any(|without| is_plain_part(means, fitted, without))
+}
+
+/// Whether what a course has more than that `without` a part of it is far more than what is left, and than a walk could make that what is
+/// left has room for.
+fn is_plain_part(means: &Means, fitted: &Fitted, without: Course) -> bool {
+    let without = Fitted::new(means, without);
+    let own = without.map_or(0.0, |one| one.energy - fitted.energy);
+    let walk = means.known() * means.walk(&fitted.left);
+    own > (OVER_WALK * walk).max(OVER_LEFT * left(means, fitted))
 }

@@ -1,8 +1,7 @@
 //! A plain course as explanations: each settling a warm-up, a cycle with its multiples lines of one cause.
 
-use nalgebra::DMatrix;
-
-use super::fit::{Course, Cycle, Fitted};
+use super::cycle;
+use super::fit::{Course, Covariance, Cycle, Fitted};
 use super::means::Means;
 use crate::diagnosis::detect::look::{Look, Proposal};
 use crate::diagnosis::explanation::{Candidate, Change};
@@ -14,12 +13,11 @@ use crate::diagnosis::statistic::p_value;
 use crate::model::{hum, sinusoid, warmup};
 use crate::numeric::product::dot;
 
-/// Averaging times over the time constant, and over the period, at which noise is as it is to a settling and to a line: the Allan
-/// variance is the density at 0.37 over its averaging time, to a factor of two whatever its colour.
-const OF_TIME: f64 = 0.5;
-const OF_PERIOD: f64 = 0.37;
+/// Averaging time over the time constant at which noise is as it is to a settling: a choice. What a settling has is slower than one radian
+/// in its time constant, and the Allan variance is the density at 0.37 over its averaging time, whatever its colour, to a factor of two.
+const OF_TIME: f64 = 2.0;
 
-/// What is to be done about a course.
+/// What is to be done about a course: its parts that are plain by themselves get a name.
 pub fn proposals(look: &Look<'_>, means: &Means, fitted: &Fitted) -> Vec<Proposal> {
     let Some(covariance) = fitted.covariance(means) else {
         return Vec::new();
@@ -35,6 +33,8 @@ pub fn proposals(look: &Look<'_>, means: &Means, fitted: &Fitted) -> Vec<Proposa
     let cycle = course.cycle.map(|cycle| told.cycle(cycle));
     let without = course.parts();
     let candidates = settlings.chain(cycle).zip(&without);
+    let candidates =
+        candidates.filter(|(_, without)| super::is_plain_part(means, fitted, (*without).clone()));
     let candidates = candidates.map(|(candidate, without)| {
         let freedom = candidate.freedom;
         let nats = fitted.nats(means)
@@ -75,32 +75,30 @@ struct Told<'a> {
     look: &'a Look<'a>,
     means: &'a Means,
     fitted: &'a Fitted,
-    covariance: DMatrix<f64>,
+    covariance: Covariance,
 }
 
 impl Told<'_> {
-    /// Square of what is left, as if it were white, at an averaging time of so many samples.
+    /// Square of what is left, as if it were white, to a settling with this time constant, samples.
     fn square(&self, samples: f64) -> f64 {
         /// Parts of the record that say what noise there is, at least.
         const LEAST: usize = 8;
-        let m = (samples / self.means.factor as f64) as usize;
+        let m = (OF_TIME * samples / self.means.factor as f64) as usize;
         let m = m.clamp(1, self.means.len() / LEAST);
-        let white = |m| self.means.white(&self.fitted.left, m);
-        white(m).max(white(1))
+        self.means.white(&self.fitted.left, m)
     }
 
     fn settling(&self, number: usize) -> Candidate {
         let course = &self.fitted.course;
         let samples = course.settlings[number];
         let place = Course::place_of(number);
-        let behind = self.fitted.sizes.len() + number;
-        let square = self.square(OF_TIME * samples);
-        let sd = |place: usize| (square * self.covariance[(place, place)]).sqrt();
+        let square = self.square(samples);
+        let sd = |variance: f64| (square * variance).sqrt();
         let amplitude = self.fitted.sizes[place];
         let time_s = samples / self.look.axis.rate_hz;
         let values = [
-            Value::normal(amplitude, sd(place)),
-            Value::log_normal(time_s, sd(behind)),
+            Value::normal(amplitude, sd(self.covariance.of_size(place))),
+            Value::log_normal(time_s, sd(self.covariance.of_shape(number))),
         ];
         let wave = Wave::WarmUp { amplitude, samples };
         let effect = Estimate::new(warmup::KIND, values);
@@ -109,8 +107,9 @@ impl Told<'_> {
 
     fn cycle(&self, cycle: Cycle) -> Candidate {
         let rate_hz = self.look.axis.rate_hz;
-        let behind = self.covariance.nrows() - 1;
-        let sd = (self.square(OF_PERIOD / cycle.cycles) * self.covariance[(behind, behind)]).sqrt();
+        let variance = self.covariance.of_shape(self.fitted.course.settlings.len());
+        let noise = self.means.density(&self.fitted.left, cycle.cycles, cycle.cycles);
+        let sd = (noise * variance).sqrt();
         let base = Value::normal(cycle.cycles * rate_hz, sd * rate_hz);
         let lines = (1..=cycle.multiples).map(|multiple| self.line(cycle, multiple));
         let lines: Vec<Option<(Value, Wave)>> = lines.collect();
@@ -133,19 +132,18 @@ impl Told<'_> {
         Candidate::new(effect, 0.0, freedom, Change::Waves(waves))
     }
 
-    /// Amplitude of a multiple ahead of the declared chain, and the line as it is taken out; `None` where it does not pay for
-    /// its two numbers.
+    /// Amplitude of a multiple ahead of the declared chain, and the line as it is taken out: less by what noise adds to it on average, so
+    /// that as much noise stays there as beside it. `None` where that is all.
     fn line(&self, cycle: Cycle, multiple: usize) -> Option<(Value, Wave)> {
         let axis = self.look.axis;
         let cycles = multiple as f64 * cycle.cycles;
         let place = self.fitted.course.place_of_multiple(multiple);
-        let [cosine, sine] = [place, place + 1].map(|place| self.fitted.sizes[place]);
+        let own = 1.0 - cycle::nats(self.means, self.fitted, multiple).recip();
+        let [cosine, sine] = [place, place + 1].map(|place| own * self.fitted.sizes[place]);
         let amplitude = f64::hypot(cosine, sine);
-        let at = |row: usize, column: usize| self.covariance[(place + row, place + column)];
-        let variance = cosine.powi(2) * at(0, 0)
-            + sine.powi(2) * at(1, 1)
-            + 2.0 * cosine * sine * at(0, 1);
-        let sd = (self.square(OF_PERIOD / cycles) * variance).sqrt() / amplitude;
+        let variance = self.covariance.of_size(place).max(self.covariance.of_size(place + 1));
+        let noise = self.means.density(&self.fitted.left, cycles, cycle.cycles);
+        let sd = (noise * variance).sqrt();
         let passed = axis.bins.chain_power(cycles * axis.rate_hz).sqrt();
         let wave = Wave::Line {
             cycles,
@@ -153,7 +151,6 @@ impl Told<'_> {
             sine,
             lost: None,
         };
-        let pays = (amplitude / sd).powi(2) > 2.0 * self.means.known().ln();
-        pays.then(|| (Value::normal(amplitude / passed, sd / passed), wave))
+        (own > 0.0).then(|| (Value::normal(amplitude / passed, sd / passed), wave))
     }
 }
