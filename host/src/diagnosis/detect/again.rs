@@ -9,16 +9,22 @@ use crate::diagnosis::detect::look::{Look, Proposal};
 use crate::diagnosis::detect::slow_change::MeasuredAgain;
 use crate::diagnosis::detect::{thermal, warmup};
 use crate::diagnosis::explanation::Explanation;
+use crate::diagnosis::record::wave::Wave;
 use crate::model::{self, kind::Kind};
 
 /// Gain in log-likelihood from which a change is measured anew, nats: a choice. Its size and its time gain one by what
 /// they follow of the noise.
 pub const LEAST_GAIN: f64 = 3.0;
 
-/// What is to be done about a slow change that is known, where it is known better now.
-pub fn proposal(look: &Look<'_>) -> Option<Proposal> {
+/// What is to be done about slow changes that are known, where they are known better now.
+pub fn proposals(look: &Look<'_>) -> Vec<Proposal> {
+    let settlings = warmup::together::proposals(look);
+    if !settlings.is_empty() {
+        return settlings;
+    }
     let settling = again(look, model::warmup::KIND, warmup::measured_again);
-    settling.or_else(|| again(look, model::thermal::KIND, thermal::measured_again))
+    let better = settling.or_else(|| again(look, model::thermal::KIND, thermal::measured_again));
+    better.into_iter().collect()
 }
 
 fn again(
@@ -28,7 +34,8 @@ fn again(
 ) -> Option<Proposal> {
     let place = look.place_of(kind)?;
     let known = &look.axis.explanations()[place];
-    let measured = measured(look, &put_back(look.axis, known), known)?;
+    let values = put_back(look.axis, known.waves());
+    let measured = measured(look, &values, known)?;
     let Proposal::Explain(mut candidate) = measured.proposal else {
         return None;
     };
@@ -40,11 +47,12 @@ fn again(
     })
 }
 
-/// The residual with what an explanation has taken out of it.
-fn put_back(axis: &AxisState, known: &Explanation) -> Vec<f64> {
+/// The residual with these waveforms, which were taken out of it.
+pub fn put_back<'a>(axis: &AxisState, waves: impl IntoIterator<Item = &'a Wave>) -> Vec<f64> {
     let mut less = vec![0.0; axis.filled.len()];
-    let waves = known.waves().iter();
-    waves.for_each(|wave| wave.take_out(&mut less));
+    for wave in waves {
+        wave.take_out(&mut less);
+    }
     let pairs = axis.filled.iter().zip(less);
     pairs.map(|(left, less)| left - less).collect()
 }
@@ -73,10 +81,9 @@ mod tests {
     fn a_settling_that_is_known_badly_is_measured_again_until_it_is_known_well() {
         let seed = 20;
         let mut trial = known(seed, 1.01 * AMPLITUDE, 0.99 * TIME_S);
-        let again = |trial: &Trial| trial.look(proposal);
+        let again = |trial: &Trial| trial::candidate(trial.look(proposals));
         let mut rounds = 0;
         while let Some(better) = again(&trial) {
-            let better = trial::candidate(vec![better]).expect("a settling");
             assert_eq!(better.amends, Some(0), "seed {seed}");
             trial.accept(better);
             rounds += 1;
@@ -99,6 +106,7 @@ mod tests {
 
     #[test]
     fn where_none_is_known_there_is_nothing_to_measure() {
-        assert!(Trial::new(noise(21)).look(proposal).is_none(), "seed 21");
+        let trial = Trial::new(noise(21));
+        assert!(trial.look(proposals).is_empty(), "seed 21");
     }
 }

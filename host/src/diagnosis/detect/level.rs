@@ -31,10 +31,11 @@ const PART: f64 = 0.5;
 
 fn strongest(look: &Look<'_>, noise: Noise) -> Result<Vec<Proposal>, NoFit> {
     // Nothing has changed when a round comes to its second look.
-    if noise == Noise::Fitted
-        && let Some(better) = again::proposal(look)
-    {
-        return Ok(vec![better]);
+    if noise == Noise::Fitted {
+        let better = again::proposals(look);
+        if !better.is_empty() {
+            return Ok(better);
+        }
     }
     let thermal = thermal::find(look, noise);
     let settling = warmup::find(look, noise);

@@ -6,6 +6,7 @@
 pub mod plain;
 #[cfg(test)]
 mod tests;
+pub mod together;
 
 use rayon::prelude::*;
 
@@ -72,7 +73,11 @@ pub fn measured_again(
     };
     let factor = look.axis.drift_factor();
     let settling = Settlings::new(look.axis, values, factor);
-    let known_gain = settling.at(samples / factor as f64).gain(*amplitude);
+    let known_gain = {
+        let samples = samples / factor as f64;
+        let size = amplitude / first_sample(samples, factor);
+        settling.at(samples).gain(size)
+    };
     let change = settling.change(factor)?;
     Some(MeasuredAgain {
         gained_nats: change.gain_nats - known_gain,
@@ -126,6 +131,13 @@ pub fn warm_up(axis: &AxisState, level: f64, noise: Noise) -> Option<SlowChange>
         p_value,
         ..change
     })
+}
+
+/// Size in the first sample of a settling that in means over `factor` samples, of which its time constant is so many, has
+/// the size 1 half a mean before the first.
+fn first_sample(samples: f64, factor: usize) -> f64 {
+    let [whole, one] = [1.0, (factor as f64).recip()].map(|part| (-part / samples).exp_m1());
+    (-0.5 / samples).exp() * factor as f64 * one / whole
 }
 
 /// A slow record and what it settles by.
@@ -237,6 +249,7 @@ impl Settlings {
             return None;
         }
         let projection = self.at(samples);
+        let first = first_sample(samples, factor);
         // The square of z falls as a parabola in the logarithm of the time constant.
         let h = 0.05_f64;
         let [later, sooner] = [h.exp(), (-h).exp()].map(|by| self.at(samples * by));
@@ -247,12 +260,12 @@ impl Settlings {
         let slope = (later.size() - sooner.size()) / (2.0 * h);
         Some(SlowChange {
             wave: Wave::WarmUp {
-                amplitude: projection.size(),
+                amplitude: first * projection.size(),
                 samples: samples * factor as f64,
             },
             z,
             gain_nats: 0.5 * z * z,
-            size_sd: projection.size_sd().hypot(slope * time_log_sd),
+            size_sd: first * projection.size_sd().hypot(slope * time_log_sd),
             time_log_sd,
             p_value: self.p_value(z),
             nats: held_out_gain(&self.record, &self.density, &self.wave(samples)),

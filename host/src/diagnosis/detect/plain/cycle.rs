@@ -24,11 +24,15 @@ const MOST: usize = 128;
 /// is seen in all of them together.
 const PRICE: f64 = 2.0;
 
+/// Nats by which multiples pay for themselves, all together, for a cycle to be more than one line: by chance those of 128 do once in some
+/// thousand records.
+const SURE: f64 = 9.0;
+
 /// Cycles a record to which a frequency is sought: of a line a thousand deviations large half of one.
 const CLOSE: f64 = 1e-5;
 
 /// Highest frequency of a multiple, cycles a mean: a mean takes a fifth off it.
-const HIGHEST: f64 = 0.25;
+pub const HIGHEST: f64 = 0.25;
 
 /// The strongest line may be the second or third multiple.
 const STRONGEST: usize = 3;
@@ -38,7 +42,14 @@ pub fn best(means: &Means) -> Option<Fitted> {
     let strongest = line(means, strongest(means)? / means.factor as f64)?;
     let starts = (1..=STRONGEST).map(|number| strongest / number as f64);
     let all = starts.filter_map(|cycles| at(means, cycles));
-    let found = all.min_by(|a, b| costs(a, means).total_cmp(&costs(b, means)))?;
+    // Any line is the second of half its frequency.
+    let found = all.reduce(|one, slower| {
+        if costs(&slower, means) + 2.0 * SURE < costs(&one, means) {
+            slower
+        } else {
+            one
+        }
+    })?;
     let found = with_all(means, found)?;
     let few = FEWEST as f64 / (means.len() * means.factor) as f64;
     found.course.cycle.filter(|cycle| cycle.cycles >= few)?;
@@ -129,12 +140,12 @@ fn with_all(means: &Means, found: Fitted) -> Option<Fitted> {
     let most = multiples(means, found.course.cycle?.cycles, MOST);
     let all = with(&found.course, most)?.climbed(means);
     let mut sum = 0.0;
-    let paid = (1..=most).map(|multiple| {
+    let paid = (2..=most).map(|multiple| {
         sum += nats(means, &all, multiple) - PRICE;
         (sum, multiple)
     });
-    let (_, last) = paid.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    with(&all.course, last)
+    let (paid, last) = paid.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, 1));
+    with(&all.course, if paid > SURE { last } else { 1 })
 }
 
 /// What a multiple gains in the noise about it, nats; by chance it is one.

@@ -31,6 +31,11 @@ pub struct Cycle {
 }
 
 impl Cycle {
+    /// Frequency of its highest multiple, cycles a sample.
+    pub fn highest(self) -> f64 {
+        self.multiples as f64 * self.cycles
+    }
+
     /// What cosine and sine of each multiple come to in the means.
     fn columns(self, means: &Means) -> Vec<Vec<f64>> {
         let factor = means.factor as f64;

@@ -27,7 +27,11 @@ pub struct Means {
 impl Means {
     /// Of `values`, NaN where missing, about their mean.
     pub fn new(values: &[f64]) -> Self {
-        let factor = values.len().div_ceil(MOST).max(1);
+        Self::over(values, values.len().div_ceil(MOST).max(1))
+    }
+
+    /// Of `values`, NaN where missing, about their mean, so many samples from each to the next.
+    pub fn over(values: &[f64], factor: usize) -> Self {
         let weights: Vec<f64> = (1..2 * factor)
             .map(|place| factor.min(place).min(2 * factor - place) as f64)
             .collect();

@@ -17,7 +17,7 @@ use super::Detector;
 use crate::diagnosis::detect::look::{Look, Proposal};
 use crate::model::{hum, sinusoid, warmup};
 use crate::numeric::product::dot;
-use fit::{Course, Fitted};
+use fit::{Course, Cycle, Fitted};
 use means::Means;
 
 /// Share of its energy that a course may leave: a choice, a fifth of its size.
@@ -48,10 +48,22 @@ fn plain(look: &Look<'_>) -> Vec<Proposal> {
     if look.context.covariate.is_some() || !kinds.into_iter().all(is_free) {
         return Vec::new();
     }
-    let means = Means::new(&look.axis.residual.values());
-    found(&means).map_or_else(Vec::new, |fitted| {
-        proposals::proposals(look, &means, &fitted)
-    })
+    let values = look.axis.residual.values();
+    let means = Means::new(&values);
+    let Some(found) = found(&means) else {
+        return Vec::new();
+    };
+    // Noise that rises with the frequency is the smaller the fewer means there are.
+    let coarser = Means::over(&values, shown_by(&found.course).max(means.factor));
+    let again = Fitted::new(&coarser, found.course).map(|one| one.climbed(&coarser));
+    again.map_or_else(Vec::new, |one| proposals::proposals(look, &coarser, &one))
+}
+
+/// Samples from mean to mean of those that still show a course.
+fn shown_by(course: &Course) -> usize {
+    let highest = course.cycle.map_or(0.0, Cycle::highest);
+    let of_cycle = cycle::HIGHEST / highest;
+    (course.quickest() / RESOLVED).min(of_cycle) as usize
 }
 
 /// The course of the fewest numbers that is plain, unless that is a single settling, which is

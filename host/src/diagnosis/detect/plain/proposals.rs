@@ -13,10 +13,6 @@ use crate::diagnosis::statistic::p_value;
 use crate::model::{hum, sinusoid, warmup};
 use crate::numeric::product::dot;
 
-/// Averaging time over the time constant at which noise is as it is to a settling: a choice. What a settling has is slower than one radian
-/// in its time constant, and the Allan variance is the density at 0.37 over its averaging time, whatever its colour, to a factor of two.
-const OF_TIME: f64 = 2.0;
-
 /// What is to be done about a course: its parts that are plain by themselves get a name.
 pub fn proposals(look: &Look<'_>, means: &Means, fitted: &Fitted) -> Vec<Proposal> {
     let Some(covariance) = fitted.covariance(means) else {
@@ -79,13 +75,18 @@ struct Told<'a> {
 }
 
 impl Told<'_> {
-    /// Square of what is left, as if it were white, to a settling with this time constant, samples.
+    /// Square of what is left, as if it were white, to a settling with this time constant, samples: at averaging times that leave
+    /// enough of them, and from there on as it rises with them, at most as that of a walk.
     fn square(&self, samples: f64) -> f64 {
-        /// Parts of the record that say what noise there is, at least.
-        const LEAST: usize = 8;
-        let m = (OF_TIME * samples / self.means.factor as f64) as usize;
-        let m = m.clamp(1, self.means.len() / LEAST);
-        self.means.white(&self.fitted.left, m)
+        /// Parts of the record that say what noise there is, at least: of fewer a course takes a good part out.
+        const LEAST: usize = 32;
+        /// How many times shorter the averaging time is beside which it rises.
+        const SHORTER: usize = 4;
+        let time = samples / self.means.factor as f64;
+        let m = (time as usize).clamp(SHORTER, self.means.len() / LEAST);
+        let [long, short] = [m, m / SHORTER].map(|m| self.means.white(&self.fitted.left, m));
+        let slope = (long / short).ln() / (SHORTER as f64).ln();
+        long * (time / m as f64).powf(slope.clamp(0.0, 2.0))
     }
 
     fn settling(&self, number: usize) -> Candidate {

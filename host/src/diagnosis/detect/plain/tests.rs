@@ -1,1 +1,143 @@
+//! Courses that are plain, and what looks like one.
+
+use std::f64::consts::TAU;
+
 use super::*;
+use crate::diagnosis::detect::trial::{self, RATE_HZ, Trial, noise};
+use crate::diagnosis::trial::numbers;
+use crate::model::kind::Kind;
+
+/// What is proposed of noise with a course of the time in seconds.
+fn proposed(seed: u64, course: impl Fn(f64) -> f64) -> Trial {
+    let mut values = noise(seed);
+    for (n, value) in values.iter_mut().enumerate() {
+        *value += course(n as f64 / RATE_HZ);
+    }
+    Trial::new(values)
+}
+
+fn kinds(trial: &Trial) -> Vec<Kind> {
+    trial::kinds(&trial.ask(&DETECTOR))
+}
+
+/// A heater that is on for this share of its period, behind a lag, from cold.
+fn heater(period_s: f64, share: f64, lag_s: f64) -> impl Fn(f64) -> f64 {
+    let level = move |at_s: f64| {
+        // Of a first-order lag: what each switching so far has brought.
+        let follow = |since_s: f64| {
+            if since_s > 0.0 {
+                1.0 - (-since_s / lag_s).exp()
+            } else {
+                0.0
+            }
+        };
+        let turns = 0..=(at_s / period_s) as usize;
+        let turn = |number: usize| {
+            let since_s = at_s - number as f64 * period_s;
+            follow(since_s) - follow(since_s - share * period_s)
+        };
+        turns.map(turn).sum::<f64>()
+    };
+    move |at_s| 100.0 * level(at_s)
+}
+
+#[test]
+fn two_settlings_are_told_with_their_times_and_sizes() {
+    for (seed, [quick, slow]) in [(1, [40.0, -90.0]), (2, [-120.0, -20.0]), (3, [25.0, 30.0])] {
+        let course = |at_s: f64| quick * (-at_s / 4.0_f64).exp() + slow * (-at_s / 50.0_f64).exp();
+        let trial = proposed(seed, course);
+        let found = trial.ask(&DETECTOR);
+        assert_eq!(trial::kinds(&found), [warmup::KIND; 2], "seed {seed}");
+        for (one, [size, time_s]) in found.into_iter().zip([[quick, 4.0], [slow, 50.0]]) {
+            let one = trial::candidate(vec![one]).expect("a settling");
+            let values: Vec<_> = one.effect.values.into_iter().flatten().collect();
+            // Four deviations of either number.
+            let off = (values[0].value - size) / values[0].sd();
+            assert!(off.abs() < 4.0, "seed {seed}: {off} deviations of the size");
+            let sd = (values[1].hi.expect("an end") / values[1].value).ln() / 1.96;
+            let off = (values[1].value / time_s).ln() / sd;
+            assert!(off.abs() < 4.0, "seed {seed}: {off} deviations of the time");
+        }
+    }
+}
+
+#[test]
+fn a_switched_heater_is_a_cycle_with_a_settling() {
+    for (seed, period_s, share, lag_s) in [(11, 21.3, 0.4, 6.0), (12, 33.0, 0.5, 9.0)] {
+        let mut trial = proposed(seed, heater(period_s, share, lag_s));
+        let found = trial.ask(&DETECTOR);
+        assert_eq!(trial::kinds(&found), [warmup::KIND, hum::KIND], "seed {seed}");
+        let square = |values: &[f64]| {
+            let count = values.len() as f64;
+            let mean = values.iter().sum::<f64>() / count;
+            values.iter().map(|one| (one - mean).powi(2)).sum::<f64>() / count
+        };
+        let before = square(&trial.axis.residual.values());
+        for one in found {
+            trial.accept(trial::candidate(vec![one]).expect("a part of the course"));
+        }
+        // The noise is of deviation 1, with little beside it: of as many squares the mean scatters by a hundredth.
+        let left = square(&trial.axis.residual.values());
+        assert!(before > 100.0, "seed {seed}");
+        assert!((left - 1.0).abs() < 0.05, "seed {seed}: {left} is left");
+    }
+}
+
+#[test]
+fn a_slow_sine_is_one_line() {
+    let trial = proposed(21, |at_s| 20.0 * (TAU * at_s / 17.0).sin());
+    assert_eq!(kinds(&trial), [sinusoid::KIND], "seed 21");
+}
+
+#[test]
+fn what_is_no_course_of_few_numbers_is_none() {
+    let none: [(&str, Box<dyn Fn(f64) -> f64>); 5] = [
+        ("noise alone", Box::new(|_| 0.0)),
+        ("one settling", Box::new(|at_s| 80.0 * (-at_s / 20.0).exp())),
+        ("a jump", Box::new(|at_s| if at_s > 70.0 { 50.0 } else { 0.0 })),
+        ("a parabola", Box::new(|at_s| 1e-2 * (at_s - 90.0).powi(2))),
+        (
+            "turns that slow down",
+            Box::new(|at_s| 50.0 * (TAU * at_s / (15.0 + 0.05 * at_s)).sin()),
+        ),
+    ];
+    for (seed, (what, course)) in (31..).zip(none) {
+        assert_eq!(kinds(&proposed(seed, course)), [], "seed {seed}: {what}");
+    }
+}
+
+#[test]
+fn a_walk_and_flicker_go_no_such_way() {
+    // Of 60 walks none is expected at one in 10^7.
+    for seed in 100..160 {
+        let (mut normal, mut level) = (numbers(seed, 0), 0.0);
+        let walk = |_| {
+            level += normal.draw();
+            level
+        };
+        let trial = Trial::new((0..20_011).map(walk).collect());
+        assert_eq!(kinds(&trial), [], "seed {seed}");
+    }
+    for seed in 200..220 {
+        // Lags of a decade each and the same variance: flicker over five decades.
+        let mut normal = numbers(seed, 0);
+        let mut lags = [0.0; 6];
+        let flicker = |_| {
+            for (lag, keep) in lags.iter_mut().zip([0.0, 0.9, 0.99, 0.999, 0.9999, 0.99999_f64]) {
+                *lag = keep * *lag + (1.0 - keep * keep).sqrt() * normal.draw();
+            }
+            lags.iter().sum::<f64>()
+        };
+        let trial = Trial::new((0..30_011).map(flicker).collect());
+        assert_eq!(kinds(&trial), [], "seed {seed}");
+    }
+}
+
+#[test]
+fn beside_a_temperature_nothing_is_read_off() {
+    let mut trial = proposed(41, |at_s| 20.0 * (TAU * at_s / 17.0).sin());
+    trial.covariate = Some(crate::diagnosis::record::reading::Reading::exact(
+        trial::covariate(trial.axis.residual.len()),
+    ));
+    assert_eq!(kinds(&trial), [], "seed 41");
+}

@@ -1,6 +1,7 @@
 //! What follows a covariate, and what belongs to it.
 
 use super::*;
+use crate::diagnosis::detect::again;
 use crate::diagnosis::detect::trial::{self, Trial, noise};
 use crate::diagnosis::record::wave::Wave;
 use crate::model::follows::{Follows, Leader};
@@ -96,8 +97,8 @@ fn where_the_column_was_before_the_record_does_not_change_the_lag() {
         let (gain, lag_s) = (100.0, 8.0);
         let mut trial = lagging(seed, [gain, lag_s, start], 0.0);
         taken_in(&mut trial);
-        while let Some(better) = trial.look(crate::diagnosis::detect::again::proposal) {
-            trial.accept(trial::candidate(vec![better]).expect("what follows"));
+        while let Some(better) = trial::candidate(trial.look(again::proposals)) {
+            trial.accept(better);
         }
         let effect = &trial.axis.explanations()[0].effect;
         for (value, is) in effect.values.iter().zip([gain, lag_s]) {
@@ -128,8 +129,8 @@ fn noise_of_the_reading_that_is_louder_than_the_signals_is_left_out() {
     let absorbs = |reading: f64| {
         let mut trial = lagging(seed, [1000.0, 0.0, 0.0], reading);
         taken_in(&mut trial);
-        while let Some(better) = trial.look(crate::diagnosis::detect::again::proposal) {
-            trial.accept(trial::candidate(vec![better]).expect("what follows"));
+        while let Some(better) = trial::candidate(trial.look(again::proposals)) {
+            trial.accept(better);
         }
         trial.axis.absorbed_hz()
     };

@@ -135,3 +135,22 @@ fn what_a_walk_does_that_was_not_resolved_is_no_settling() {
     assert!(alone.len() >= 3, "seeds {alone:?} are no trap");
     assert!(found.len() < 3, "seeds {found:?} of {alone:?}");
 }
+
+#[test]
+fn the_size_is_that_of_the_first_sample() {
+    // Means over eight samples of a settling within 70, of which two tell it.
+    let (factor, samples) = (8, 70.0_f64);
+    let of = |n: usize| (-(n as f64) / samples).exp();
+    let mean = |block: usize| {
+        let own = block * factor..(block + 1) * factor;
+        own.map(of).sum::<f64>() / factor as f64
+    };
+    let time = samples / factor as f64;
+    for block in [0, 5] {
+        let size = mean(block) / (-(block as f64 + 0.5) / time).exp();
+        let first = size * first_sample(time, factor);
+        assert!((first - 1.0).abs() < 1e-12, "{block}: {first}");
+    }
+    // Of single samples the first is half a sample late.
+    assert!((first_sample(3.0, 1) - (-0.5_f64 / 3.0).exp()).abs() < 1e-12);
+}
