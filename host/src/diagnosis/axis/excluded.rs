@@ -63,6 +63,14 @@ impl AxisState {
         named.cloned().collect()
     }
 
+    /// The same with as much again on either side: what is seen there is left of them.
+    pub fn tones_with_skirts_hz(&self) -> impl Iterator<Item = Range<f64>> {
+        self.tones_hz().into_iter().map(|band| {
+            let width_hz = band.end - band.start;
+            band.start - width_hz..band.end + width_hz
+        })
+    }
+
     /// Excludes a band, joined with one beside it.
     pub fn exclude(&mut self, new: Excluded) {
         match self.beside(&new.band_hz) {

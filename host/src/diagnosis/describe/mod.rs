@@ -3,6 +3,7 @@
 mod coefficients;
 mod effects;
 mod judged;
+mod to_share;
 mod unnamed;
 
 use crate::diagnosis::axis::AxisState;
@@ -15,7 +16,6 @@ use crate::diagnosis::family::level_of_one_test;
 use crate::diagnosis::held_out;
 use crate::diagnosis::held_out::allan::HeldCurve;
 use crate::diagnosis::options::Options;
-use crate::diagnosis::record::residual::Residual;
 use crate::diagnosis::refused::Refused;
 use crate::diagnosis::result::finding::{AxisDiagnosis, Base, Final, Finding, Remark};
 use crate::diagnosis::result::verdict::Verdict;
@@ -23,7 +23,6 @@ use crate::diagnosis::result::views::Views;
 use crate::diagnosis::suspect::suspicions;
 use crate::diagnosis::unnamed::long_times;
 use crate::diagnosis::views::{self, Models};
-use crate::fft::ring::Series;
 use crate::fit::likelihood::components::SEEN;
 use crate::fit::likelihood::ramp::Ramp;
 use crate::model::axis::ModelAxis;
@@ -98,8 +97,7 @@ pub(crate) fn describe(
     });
     let filled_samples = axis.filled_samples();
     let suspicions = suspicions(&axis, &options.suspects, level);
-    let passed = passed(&axis);
-    let residual = residual(&axis.into_residual(), passed);
+    let residual = to_share::left(axis);
     let diagnosis = AxisDiagnosis {
         name: signal.name.clone(),
         unit: signal.unit,
@@ -203,30 +201,4 @@ fn own_squares(axis: &AxisState, squares_sd: &[f64]) -> (Vec<f64>, Vec<f64>) {
         squares_sd[white] = squares_sd[white].hypot(even_sd);
     }
     (squares, squares_sd)
-}
-
-/// What is left of an axis without the bands that are excluded or have no name, where there are any: a tone that
-/// wanders and that all axes see is no more a common noise than it is a noise, and what nobody knows is none either.
-fn passed(axis: &AxisState) -> Option<Series> {
-    let unnamed_hz = axis.unnamed_hz();
-    if axis.excluded_hz().is_empty() && unnamed_hz.is_empty() {
-        return None;
-    }
-    let seen = axis.whitened();
-    let is_known = |f_hz: f64| !unnamed_hz.iter().any(|band| band.contains(&f_hz));
-    let is_kept = |k: usize| seen.density[k].is_finite() && is_known(seen.transform.frequency(k));
-    let passed = |k: usize| f64::from(u8::from(is_kept(k))).into();
-    Some(seen.transform.filtered(passed))
-}
-
-/// What is left of a record, or what of that `passed`; NaN where missing or masked.
-fn residual(residual: &Residual, passed: Option<Series>) -> Vec<f32> {
-    let left = residual.values();
-    let Some(passed) = passed else {
-        return left.iter().map(|&value| value as f32).collect();
-    };
-    let pairs = left.iter().zip(passed.iter());
-    pairs
-        .map(|(left, passed)| (passed + 0.0 * left) as f32)
-        .collect()
 }

@@ -31,7 +31,7 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     let (mut groups, found) = cycles::cycles(look);
     groups.extend(grouped(look.axis, &found));
     let mut known = look.axis.excluded_hz();
-    known.extend(skirts_hz(look.axis));
+    known.extend(look.axis.tones_with_skirts_hz());
     let is_known = |f_hz: f64| known.iter().any(|band| band.contains(&f_hz));
     groups.retain_mut(|group| match group {
         Group::Single(one) => !is_known(one.line.frequency_hz),
@@ -142,14 +142,6 @@ pub fn unresolved(look: &Look<'_>, f_hz: f64, p_value: f64) -> Option<Proposal> 
         return None;
     }
     single(look, &mut taken_out_hz(look.axis), one)
-}
-
-/// Bands of tones that have a name with as much again on either side: what is seen there is left of them.
-fn skirts_hz(axis: &AxisState) -> impl Iterator<Item = Range<f64>> {
-    axis.tones_hz().into_iter().map(|band| {
-        let width_hz = band.end - band.start;
-        band.start - width_hz..band.end + width_hz
-    })
 }
 
 /// Bands about the resonances that are there: lines in them are their tops.
