@@ -88,7 +88,10 @@ mod tests {
         // Of noise of deviation 1 a hundredth is in one line.
         for (f_hz, is_left) in [(20.0, 0.0), (21.5, 0.0), (24.5, 30.0)] {
             let size = size(f_hz);
-            assert!((size - is_left).abs() < 1.0, "seed {seed}: {f_hz} Hz {size}");
+            assert!(
+                (size - is_left).abs() < 1.0,
+                "seed {seed}: {f_hz} Hz {size}"
+            );
         }
     }
 

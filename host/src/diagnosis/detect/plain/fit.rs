@@ -119,7 +119,8 @@ impl Course {
         let mut columns = vec![column(&|_| 1.0)];
         let factor = means.factor as f64;
         for &samples in &self.settlings {
-            let mean = (1.0 - (-factor / samples).exp()) / (factor * (1.0 - (-1.0 / samples).exp()));
+            let mean =
+                (1.0 - (-factor / samples).exp()) / (factor * (1.0 - (-1.0 / samples).exp()));
             columns.push(column(&|first| mean * mean * (-first / samples).exp()));
         }
         columns.extend(self.cycle.iter().flat_map(|cycle| cycle.columns(means)));
@@ -134,7 +135,8 @@ impl Course {
         let at = |course: &Self| course.total(means, sizes);
         let by = |less: Self, more: Self, step: f64| -> Vec<f64> {
             let both = at(&more).into_iter().zip(at(&less));
-            both.map(|(more, less)| (more - less) / (2.0 * step)).collect()
+            both.map(|(more, less)| (more - less) / (2.0 * step))
+                .collect()
         };
         let mut slopes = Vec::new();
         for number in 0..self.settlings.len() {
@@ -212,7 +214,9 @@ impl Fitted {
         const WORTH: f64 = 0.01;
         let mut best = self;
         for _ in 0..STEPS {
-            let better = best.moved(means).and_then(|course| Self::new(means, course));
+            let better = best
+                .moved(means)
+                .and_then(|course| Self::new(means, course));
             match better.filter(|one| one.nats(means) > best.nats(means) + WORTH) {
                 Some(better) => best = better,
                 None => break,

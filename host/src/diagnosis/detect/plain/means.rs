@@ -62,7 +62,13 @@ impl Means {
     /// Every other of them, from the first or the second on.
     pub fn half(&self, parity: usize) -> Self {
         let is_own = |number: usize| number % 2 == parity && self.measured[number];
-        let own = |number: usize| if is_own(number) { self.values[number] } else { 0.0 };
+        let own = |number: usize| {
+            if is_own(number) {
+                self.values[number]
+            } else {
+                0.0
+            }
+        };
         Self {
             values: (0..self.len()).map(own).collect(),
             measured: (0..self.len()).map(is_own).collect(),
@@ -131,7 +137,10 @@ impl Means {
 
 /// Mean of samples with these `weights`, if half of it or more was measured.
 fn mean(samples: &[f64], weights: &[f64]) -> Option<f64> {
-    let known = samples.iter().zip(weights).filter(|(value, _)| value.is_finite());
+    let known = samples
+        .iter()
+        .zip(weights)
+        .filter(|(value, _)| value.is_finite());
     let (sum, weight) = known.fold((0.0, 0.0), |(sum, all), (value, weight)| {
         (sum + weight * value, all + weight)
     });

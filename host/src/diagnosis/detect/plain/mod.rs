@@ -71,7 +71,9 @@ fn shown_by(course: &Course) -> usize {
 fn found(means: &Means) -> Option<Fitted> {
     // A course leaves no less than noise, in as few means as show its slowest.
     let m = means.len() / (RESOLVED as usize * cycle::FEWEST);
-    if LEFT * means.energy(&means.values, m) < means.white(&means.values, 1) * (means.len() / m) as f64 {
+    if LEFT * means.energy(&means.values, m)
+        < means.white(&means.values, 1) * (means.len() / m) as f64
+    {
         return None;
     }
     let [one, two] = settlings::best(means);

@@ -52,7 +52,11 @@ fn held_out_nats(means: &Means, course: &Course, without: &Course) -> Option<f64
     let left = |course: &Course, train: &Means, held: &Means| {
         let sizes = Fitted::new(train, course.clone())?.sizes;
         let total = course.total(held, &sizes);
-        let left = held.values.iter().zip(total).map(|(value, one)| value - one);
+        let left = held
+            .values
+            .iter()
+            .zip(total)
+            .map(|(value, one)| value - one);
         let left: Vec<f64> = left.collect();
         Some(dot(&left, &left))
     };
@@ -109,12 +113,15 @@ impl Told<'_> {
     fn cycle(&self, cycle: Cycle) -> Candidate {
         let rate_hz = self.look.axis.rate_hz;
         let variance = self.covariance.of_shape(self.fitted.course.settlings.len());
-        let noise = self.means.density(&self.fitted.left, cycle.cycles, cycle.cycles);
+        let noise = self
+            .means
+            .density(&self.fitted.left, cycle.cycles, cycle.cycles);
         let sd = (noise * variance).sqrt();
         let base = Value::normal(cycle.cycles * rate_hz, sd * rate_hz);
         let lines = (1..=cycle.multiples).map(|multiple| self.line(cycle, multiple));
         let lines: Vec<Option<(Value, Wave)>> = lines.collect();
-        let freedom = self.fitted.course.freedom() - 2.0 * self.fitted.course.settlings.len() as f64;
+        let freedom =
+            self.fitted.course.freedom() - 2.0 * self.fitted.course.settlings.len() as f64;
         let amplitudes = lines.iter().map(|line| Some(line.as_ref()?.0));
         let effect = if cycle.multiples == 1 {
             let values = [Some(base)].into_iter().chain(amplitudes);
@@ -142,7 +149,10 @@ impl Told<'_> {
         let own = 1.0 - cycle::nats(self.means, self.fitted, multiple).recip();
         let [cosine, sine] = [place, place + 1].map(|place| own * self.fitted.sizes[place]);
         let amplitude = f64::hypot(cosine, sine);
-        let variance = self.covariance.of_size(place).max(self.covariance.of_size(place + 1));
+        let variance = self
+            .covariance
+            .of_size(place)
+            .max(self.covariance.of_size(place + 1));
         let noise = self.means.density(&self.fitted.left, cycles, cycle.cycles);
         let sd = (noise * variance).sqrt();
         let passed = axis.bins.chain_power(cycles * axis.rate_hz).sqrt();

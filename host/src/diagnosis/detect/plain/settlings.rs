@@ -56,7 +56,10 @@ pub fn best(means: &Means) -> [Option<Fitted>; 2] {
     let with_nats = |settlings: Vec<f64>| (nats(of(settlings.clone())), settlings);
     let larger = |a: &(f64, Vec<f64>), b: &(f64, Vec<f64>)| a.0.total_cmp(&b.0);
     let times: Vec<f64> = times(means).collect();
-    let one = times.iter().map(|time| with_nats(vec![*time])).max_by(larger);
+    let one = times
+        .iter()
+        .map(|time| with_nats(vec![*time]))
+        .max_by(larger);
     let pairs = times.iter().enumerate().flat_map(|(number, slow)| {
         let quicker = times[..number].iter();
         let quicker = quicker.filter(move |quick| slow / *quick >= APART);

@@ -51,12 +51,12 @@ fn two_settlings_are_told_with_their_times_and_sizes() {
         for (one, [size, time_s]) in found.into_iter().zip([[quick, 4.0], [slow, 50.0]]) {
             let one = trial::candidate(vec![one]).expect("a settling");
             let values: Vec<_> = one.effect.values.into_iter().flatten().collect();
-            // Four deviations of either number.
+            // Five deviations of either number: the noise is told by parts of what is left.
             let off = (values[0].value - size) / values[0].sd();
-            assert!(off.abs() < 4.0, "seed {seed}: {off} deviations of the size");
+            assert!(off.abs() < 5.0, "seed {seed}: {off} deviations of the size");
             let sd = (values[1].hi.expect("an end") / values[1].value).ln() / 1.96;
             let off = (values[1].value / time_s).ln() / sd;
-            assert!(off.abs() < 4.0, "seed {seed}: {off} deviations of the time");
+            assert!(off.abs() < 5.0, "seed {seed}: {off} deviations of the time");
         }
     }
 }
@@ -66,7 +66,11 @@ fn a_switched_heater_is_a_cycle_with_a_settling() {
     for (seed, period_s, share, lag_s) in [(11, 21.3, 0.4, 6.0), (12, 33.0, 0.5, 9.0)] {
         let mut trial = proposed(seed, heater(period_s, share, lag_s));
         let found = trial.ask(&DETECTOR);
-        assert_eq!(trial::kinds(&found), [warmup::KIND, hum::KIND], "seed {seed}");
+        assert_eq!(
+            trial::kinds(&found),
+            [warmup::KIND, hum::KIND],
+            "seed {seed}"
+        );
         let square = |values: &[f64]| {
             let count = values.len() as f64;
             let mean = values.iter().sum::<f64>() / count;
@@ -94,7 +98,10 @@ fn what_is_no_course_of_few_numbers_is_none() {
     let none: [(&str, Box<dyn Fn(f64) -> f64>); 5] = [
         ("noise alone", Box::new(|_| 0.0)),
         ("one settling", Box::new(|at_s| 80.0 * (-at_s / 20.0).exp())),
-        ("a jump", Box::new(|at_s| if at_s > 70.0 { 50.0 } else { 0.0 })),
+        (
+            "a jump",
+            Box::new(|at_s| if at_s > 70.0 { 50.0 } else { 0.0 }),
+        ),
         ("a parabola", Box::new(|at_s| 1e-2 * (at_s - 90.0).powi(2))),
         (
             "turns that slow down",
@@ -123,7 +130,10 @@ fn a_walk_and_flicker_go_no_such_way() {
         let mut normal = numbers(seed, 0);
         let mut lags = [0.0; 6];
         let flicker = |_| {
-            for (lag, keep) in lags.iter_mut().zip([0.0, 0.9, 0.99, 0.999, 0.9999, 0.99999_f64]) {
+            for (lag, keep) in lags
+                .iter_mut()
+                .zip([0.0, 0.9, 0.99, 0.999, 0.9999, 0.99999_f64])
+            {
                 *lag = keep * *lag + (1.0 - keep * keep).sqrt() * normal.draw();
             }
             lags.iter().sum::<f64>()

@@ -7,10 +7,10 @@ use nalgebra::{DMatrix, DVector};
 use realfft::num_complex::Complex64;
 
 use super::about::About;
-use crate::numeric::simplex::climbed;
 use crate::fft;
 use crate::model::shock::Shock;
 use crate::numeric::product::dot;
+use crate::numeric::simplex::climbed;
 
 /// Decays and lengths that are tried first, each so many times the one before: a choice. The simplex goes on from
 /// there.

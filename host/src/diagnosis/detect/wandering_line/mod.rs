@@ -32,7 +32,7 @@ use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::finding::Rival;
 use crate::diagnosis::result::value::Value;
 use crate::diagnosis::steady::line::IMPERFECT;
-use crate::model::{hum, resonance, shock, sinusoid, wandering_line};
+use crate::model::{burst, hum, resonance, shock, sinusoid, wandering_line};
 
 /// Shortest windows, samples of the band; those of half the length show how its energy grows.
 const SHORTEST: usize = 8;
@@ -172,6 +172,8 @@ pub fn named(look: &Look<'_>, within_hz: &Range<f64>, p_value: f64) -> Option<Pr
     Some(Proposal::Explain(Box::new(Candidate {
         held_out_nats: Some(track.nats(steadiness.energy)),
         supersedes,
+        // Where it went far, what was noise beside it looked louder.
+        reopens: vec![burst::KIND],
         rivals: vec![Rival {
             effect: resonance::KIND,
             log_odds: -steadiness.p_value.max(f64::MIN_POSITIVE).ln(),

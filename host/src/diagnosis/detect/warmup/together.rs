@@ -189,10 +189,14 @@ impl Point {
     fn stepped(&self) -> Option<Vec<Settling>> {
         let steps = self.information.clone().cholesky()?.solve(&self.slopes);
         let count = self.settlings.len();
-        let moved = self.settlings.iter().enumerate().map(|(number, one)| Settling {
-            size: one.size + steps[number],
-            samples: one.samples * steps[count + number].exp(),
-        });
+        let moved = self
+            .settlings
+            .iter()
+            .enumerate()
+            .map(|(number, one)| Settling {
+                size: one.size + steps[number],
+                samples: one.samples * steps[count + number].exp(),
+            });
         Some(moved.collect())
     }
 }
