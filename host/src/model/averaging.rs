@@ -23,9 +23,10 @@ pub struct Averaging {
     pub duration_s: f64,
 }
 
-/// Power at a zero of the response, as a part of the lobes beside it: a choice. A record with a beginning and an end shows
-/// none that is deeper, and nothing is divided by zero.
-const DEEPEST: f64 = 1e-3;
+/// Power at a zero of the response, as a part of the lobes beside it: choices. The second is what a record with a beginning and an
+/// end shows where it is looked at ordinate by ordinate, the first only keeps logarithms finite.
+const DEEPEST: f64 = 1e-9;
+const DEEPEST_SHOWN: f64 = 1e-3;
 
 impl Averaging {
     /// Samples that a mean is over, one or more.
@@ -46,8 +47,13 @@ impl Distortion for Averaging {
         let sine = x.sin();
         let sum = if sine == 0.0 { m } else { (m * x).sin() / sine };
         let power = sum * sum + rest * rest + 2.0 * sum * rest * ((m + 1.0) * x).cos();
-        let lobes = (n * sine).powi(-2).min(1.0);
-        (power / (n * n)).max(DEEPEST * lobes)
+        (power / (n * n)).max(DEEPEST)
+    }
+
+    fn shown(&self, f_hz: f64, rate_hz: f64) -> f64 {
+        let sine = (PI * f_hz / rate_hz).sin();
+        let lobes = (self.samples(rate_hz) * sine).powi(-2).min(1.0);
+        self.power(f_hz, rate_hz).max(DEEPEST_SHOWN * lobes)
     }
 
     fn distorter(&self, rate_hz: f64, _seed: Seed) -> Box<dyn Distorter> {

@@ -109,6 +109,11 @@ pub trait Distortion: Send + Sync {
         1.0
     }
 
+    /// The same as a record shows it that has a beginning and an end: not all of what is shut out is gone from it.
+    fn shown(&self, f_hz: f64, rate_hz: f64) -> f64 {
+        self.power(f_hz, rate_hz)
+    }
+
     /// Autocovariances of the noise that it adds to what its [power](Distortion::power) leaves, from lag zero on: one of white
     /// noise, none where it adds nothing.
     fn adds(&self, _incoming: &Incoming<'_>) -> Vec<f64> {

@@ -16,9 +16,11 @@ impl AxisState {
         sum * self.filters(f_hz)
     }
 
-    /// Power that the laws which filter let through.
+    /// Power that the laws which filter let through, as a record shows it.
     pub fn filters(&self, f_hz: f64) -> f64 {
-        laws::power_of(&laws::filters(&self.laws), f_hz, self.rate_hz)
+        let filters = laws::filters(&self.laws);
+        let shown = filters.iter().map(|one| one.shown(f_hz, self.rate_hz));
+        shown.product()
     }
 
     /// Its part that law number `which` adds, filters not included.

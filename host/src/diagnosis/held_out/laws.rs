@@ -80,7 +80,7 @@ impl<'a> Ordinates<'a> {
             .collect();
         let power = |f_hz: f64| -> f64 {
             let powers = parts.iter().map(|part| match part {
-                Part::Distortion(filter) => filter.power(f_hz, bins.rate_hz()),
+                Part::Distortion(filter) => filter.shown(f_hz, bins.rate_hz()),
                 Part::Term(_) | Part::Clock(_) | Part::Hold(_) | Part::Follows(_) => 1.0,
             });
             powers.product()

@@ -115,7 +115,7 @@ fn weight(axis: &AxisState, which: usize, place: usize, f_hz: f64) -> f64 {
                 })
         }
         Part::Distortion(_) => by_both(&|part| match part {
-            Part::Distortion(filter) => filter.power(f_hz, axis.rate_hz).ln(),
+            Part::Distortion(filter) => filter.shown(f_hz, axis.rate_hz).ln(),
             _ => 0.0,
         }),
         Part::Clock(_) | Part::Hold(_) | Part::Follows(_) => 0.0,

@@ -178,13 +178,21 @@ impl<'a> Search<'a> {
             let own = std::mem::take(&mut self.squared[number]);
             let others = self.expected();
             let band = self.moved(self.bands[place], &others);
-            let local = band.local(&self.bins, self.data);
-            self.bands[place] = band;
-            self.components[number] = band.component(&self.bins);
-            self.squared[number] = match local.best(self.data, &others).0 {
-                0.0 => own,
-                squared => squared,
+            let component = band.component(&self.bins);
+            let squared = band.local(&self.bins, self.data).best(self.data, &others).0;
+            let worth = |component: &[f64], squared: f64| {
+                let mut expected = others.clone();
+                add_mixture(&mut expected, &[component.to_vec()], &[squared]);
+                log_likelihood(self.data, &expected)
             };
+            // Where it is looked at is not all that it does.
+            if worth(&component, squared) > worth(&self.components[number], own) {
+                self.bands[place] = band;
+                self.components[number] = component;
+                self.squared[number] = squared;
+            } else {
+                self.squared[number] = own;
+            }
         }
         let start = std::mem::take(&mut self.squared);
         self.squared = likeliest(self.data, &self.components, start)?.0;
