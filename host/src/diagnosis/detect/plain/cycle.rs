@@ -50,7 +50,7 @@ pub fn best(means: &Means) -> Option<Fitted> {
             one
         }
     })?;
-    let found = with_all(means, found)?;
+    let found = with_all(means, &found)?;
     let few = FEWEST as f64 / (means.len() * means.factor) as f64;
     found.course.cycle.filter(|cycle| cycle.cycles >= few)?;
     Some(found)
@@ -128,7 +128,7 @@ fn at(means: &Means, cycles: f64) -> Option<Fitted> {
 }
 
 /// The same with all multiples that pay for themselves.
-fn with_all(means: &Means, found: Fitted) -> Option<Fitted> {
+fn with_all(means: &Means, found: &Fitted) -> Option<Fitted> {
     let with = |course: &Course, multiples: usize| {
         let cycle = course.cycle.map(|cycle| Cycle { multiples, ..cycle });
         let course = Course {

@@ -95,7 +95,8 @@ fn a_slow_sine_is_one_line() {
 
 #[test]
 fn what_is_no_course_of_few_numbers_is_none() {
-    let none: [(&str, Box<dyn Fn(f64) -> f64>); 5] = [
+    type Level = Box<dyn Fn(f64) -> f64>;
+    let none: [(&str, Level); 5] = [
         ("noise alone", Box::new(|_| 0.0)),
         ("one settling", Box::new(|at_s| 80.0 * (-at_s / 20.0).exp())),
         (
