@@ -4,17 +4,11 @@
 //! record knows it, and what that leaves of a strong one looks like a drift. So it is put back and measured in the noise that
 //! is left now, until that moves it no more.
 
-use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::detect::look::{Look, Proposal};
-use crate::diagnosis::detect::slow_change::MeasuredAgain;
+use crate::diagnosis::detect::slow_change::{LEAST_GAIN, MeasuredAgain, put_back};
 use crate::diagnosis::detect::{thermal, warmup};
 use crate::diagnosis::explanation::Explanation;
-use crate::diagnosis::record::wave::Wave;
 use crate::model::{self, kind::Kind};
-
-/// Gain in log-likelihood from which a change is measured anew, nats: a choice. Its size and its time gain one by what
-/// they follow of the noise.
-pub const LEAST_GAIN: f64 = 3.0;
 
 /// What is to be done about slow changes that are known, where they are known better now.
 pub fn proposals(look: &Look<'_>) -> Vec<Proposal> {
@@ -45,16 +39,6 @@ fn again(
         candidate.p_value = known.p_value;
         Proposal::Explain(candidate)
     })
-}
-
-/// The residual with these waveforms, which were taken out of it.
-pub fn put_back<'a>(axis: &AxisState, waves: impl IntoIterator<Item = &'a Wave>) -> Vec<f64> {
-    let mut less = vec![0.0; axis.filled.len()];
-    for wave in waves {
-        wave.take_out(&mut less);
-    }
-    let pairs = axis.filled.iter().zip(less);
-    pairs.map(|(left, less)| left - less).collect()
 }
 
 #[cfg(test)]

@@ -8,8 +8,8 @@ use std::f64::consts::TAU;
 
 use super::Detector;
 use crate::diagnosis::axis::{AxisState, NoFit};
-use crate::diagnosis::detect::again::LEAST_GAIN;
 use crate::diagnosis::detect::look::{Look, Proposal};
+use crate::diagnosis::detect::slow_change::LEAST_GAIN;
 use crate::diagnosis::explanation::{Candidate, Change};
 use crate::diagnosis::record::envelope::{Envelope, of_share};
 use crate::diagnosis::record::powers::{BLOCK, Powers};

@@ -4,6 +4,10 @@ use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::detect::look::Proposal;
 use crate::diagnosis::record::wave::Wave;
 
+/// Gain in log-likelihood from which a change is measured anew, nats: a choice. Its size and its time gain one by what
+/// they follow of the noise.
+pub const LEAST_GAIN: f64 = 3.0;
+
 /// A waveform that is in the record.
 pub struct SlowChange {
     /// The waveform, with its size, in the unit of the signal.
@@ -53,6 +57,16 @@ pub struct MeasuredAgain {
     pub gained_nats: f64,
     /// Whether it takes more of the noise out with it than was known.
     pub absorbs_more: bool,
+}
+
+/// The residual with these waveforms, which were taken out of it.
+pub fn put_back<'a>(axis: &AxisState, waves: impl IntoIterator<Item = &'a Wave>) -> Vec<f64> {
+    let mut less = vec![0.0; axis.filled.len()];
+    for wave in waves {
+        wave.take_out(&mut less);
+    }
+    let pairs = axis.filled.iter().zip(less);
+    pairs.map(|(left, less)| left - less).collect()
 }
 
 #[cfg(test)]

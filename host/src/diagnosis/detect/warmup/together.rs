@@ -6,8 +6,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::{Settlings, first_sample};
-use crate::diagnosis::detect::again::{LEAST_GAIN, put_back};
 use crate::diagnosis::detect::look::{Look, Proposal};
+use crate::diagnosis::detect::slow_change::{LEAST_GAIN, put_back};
 use crate::diagnosis::explanation::{Candidate, Change, Explanation};
 use crate::diagnosis::record::wave::Wave;
 use crate::diagnosis::result::estimate::Estimate;
