@@ -35,6 +35,9 @@ const OVER_WALK: f64 = 16.0;
 /// fitted noise.
 const OVER_LEFT: f64 = 1.0;
 
+/// Means that a course is measured in, at least: a choice. A 32nd of them, in which its noise is told, is still some of them.
+const FEWEST_MEANS: usize = 1 << 10;
+
 /// Looks for a course that leaves nothing. Its test is that of the level.
 pub static DETECTOR: Detector = Detector {
     tests: 0,
@@ -54,7 +57,9 @@ fn plain(look: &Look<'_>) -> Vec<Proposal> {
         return Vec::new();
     };
     // Noise that rises with the frequency is the smaller the fewer means there are.
-    let coarser = Means::over(&values, shown_by(&found.course).max(means.factor));
+    let most = (values.len() / FEWEST_MEANS).max(means.factor);
+    let factor = shown_by(&found.course).clamp(means.factor, most);
+    let coarser = Means::over(&values, factor);
     let again = Fitted::new(&coarser, found.course).map(|one| one.climbed(&coarser));
     again.map_or_else(Vec::new, |one| proposals::proposals(look, &coarser, &one))
 }

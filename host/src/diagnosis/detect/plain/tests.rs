@@ -88,6 +88,27 @@ fn a_switched_heater_is_a_cycle_with_a_settling() {
 }
 
 #[test]
+fn settlings_as_slow_as_a_record_holds_are_measured_in_means_enough() {
+    for seed in [4, 5] {
+        let duration_s = noise(seed).len() as f64 / RATE_HZ;
+        let course = |at_s: f64| {
+            let settling = |share: f64| (-at_s / (share * duration_s)).exp();
+            -300.0 * settling(0.12) + 200.0 * settling(0.36)
+        };
+        assert_eq!(
+            kinds(&proposed(seed, course)),
+            [warmup::KIND; 2],
+            "seed {seed}"
+        );
+    }
+    // The slowest cycle, with a settling.
+    let duration_s = noise(6).len() as f64 / RATE_HZ;
+    let trial = proposed(6, heater(duration_s / 5.4, 0.5, 0.06 * duration_s));
+    let found = kinds(&trial);
+    assert_eq!(found, [warmup::KIND, hum::KIND], "seed 6");
+}
+
+#[test]
 fn a_slow_sine_is_one_line() {
     let trial = proposed(21, |at_s| 20.0 * (TAU * at_s / 17.0).sin());
     assert_eq!(kinds(&trial), [sinusoid::KIND], "seed 21");
