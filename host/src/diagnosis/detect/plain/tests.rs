@@ -93,7 +93,7 @@ fn settlings_as_slow_as_a_record_holds_are_measured_in_means_enough() {
         let duration_s = noise(seed).len() as f64 / RATE_HZ;
         let course = |at_s: f64| {
             let settling = |share: f64| (-at_s / (share * duration_s)).exp();
-            -300.0 * settling(0.12) + 200.0 * settling(0.36)
+            -300.0 * settling(0.16) + 200.0 * settling(0.38)
         };
         assert_eq!(
             kinds(&proposed(seed, course)),
