@@ -15,6 +15,8 @@ pub struct Local {
     pub first: usize,
     /// Expectations of the bins from there on, for a square of 1.
     pub expected: Vec<f64>,
+    /// Largest square that it may have.
+    pub most: f64,
 }
 
 impl Local {
@@ -46,7 +48,7 @@ impl Local {
             if !(slope > 0.0 && weight > 0.0) {
                 return (0.0, 0.0);
             }
-            squared = slope / weight;
+            squared = (slope / weight).min(self.most);
         }
         let gain = bins().map(|(bin, own)| {
             let (before, after) = (others[bin], others[bin] + squared * own);
@@ -86,6 +88,7 @@ mod tests {
             let local = Local {
                 first: 0,
                 expected: own,
+                most: f64::INFINITY,
             };
             let (squared, gain) = local.best(&data, &floor);
             assert!(

@@ -5,13 +5,13 @@
 //! together; until the best of the dictionary is worth less than it costs (a matching pursuit, S. Mallat and
 //! Z. Zhang, IEEE Trans. Signal Process. 41, 1993, by likelihood).
 
-mod sizes;
 #[cfg(test)]
 mod tests;
 
 use rayon::prelude::*;
 
 use super::dictionary::{Band, Dictionary};
+use super::sizes::Sizes;
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::laws::gain::Local;
 use crate::diagnosis::laws::{self, Law};
@@ -19,7 +19,6 @@ use crate::diagnosis::record::bins::Filtered;
 use crate::fit::likelihood::scoring::maximise_beside;
 use crate::fit::likelihood::{Data, Fit, log_likelihood};
 use crate::numeric::mixture::add_mixture;
-use sizes::likeliest;
 
 /// Bands, at most: a choice, twice what any measured record has needed. Where the pursuit ends here, slow times have to do with what was
 /// taken in for them at first.
@@ -64,30 +63,8 @@ impl Completed {
 /// band is worth its cost.
 pub fn fitted(axis: &AxisState, data: &Data, tones: &[Vec<f64>]) -> Option<Completed> {
     let search = Search::new(axis, data, tones);
-    let dictionary = Dictionary::new(&search.bins, data);
+    let dictionary = Dictionary::new(&search.bins, &search.sizes);
     search.completed(&dictionary)
-}
-
-/// A `completed` model, or a likelier one in which bands take the place of one of the five terms: the pursuit never takes back
-/// what it began with, and a term that is wrong everywhere hides from every single band that they could be right.
-pub fn in_place_of_a_term(
-    axis: &AxisState,
-    data: &Data,
-    tones: &[Vec<f64>],
-    completed: Completed,
-) -> Completed {
-    let dictionary = Dictionary::new(&laws::behind(&axis.bins, &axis.laws), data);
-    let terms = (0..axis.bins.units().len()).into_par_iter();
-    let there = terms.filter(|&term| completed.fit.squared[term] > 0.0);
-    let others = there.filter_map(|term| {
-        let mut search = Search::new(axis, data, tones);
-        search.do_without(term)?;
-        search.completed(&dictionary)
-    });
-    let others: Vec<Completed> = others.collect();
-    let all = std::iter::once(completed).chain(others);
-    let best = all.max_by(|a, b| a.worth_nats().total_cmp(&b.worth_nats()));
-    best.expect("one that was completed")
 }
 
 /// A model with one more band.
@@ -103,14 +80,13 @@ struct Search<'a> {
     /// Its bins behind its filters.
     bins: Filtered<'a>,
     data: &'a Data,
+    sizes: Sizes<'a>,
     /// Number of components that are no bands, and how many of them are tones, the last.
     named: usize,
     tones: usize,
     components: Vec<Vec<f64>>,
     squared: Vec<f64>,
     bands: Vec<Band>,
-    /// A term that bands are searched without, by its number, and its component.
-    without: Option<(usize, Vec<f64>)>,
 }
 
 impl<'a> Search<'a> {
@@ -120,27 +96,19 @@ impl<'a> Search<'a> {
         let mut squared = axis.fit.squared.clone();
         components.extend_from_slice(tones);
         squared.extend(tones.iter().map(|_| 1.0));
+        let sizes = Sizes::beside(data);
+        let squared = sizes.start(&components, squared);
         Self {
             axis,
             bins,
             data,
+            sizes,
             named: components.len(),
             tones: tones.len(),
             components,
             squared,
             bands: Vec::new(),
-            without: None,
         }
-    }
-
-    /// Leaves a term out until bands have been found without it.
-    fn do_without(&mut self, term: usize) -> Option<()> {
-        self.named -= 1;
-        self.squared.remove(term);
-        self.without = Some((term, self.components.remove(term)));
-        let start = std::mem::take(&mut self.squared);
-        self.squared = likeliest(self.data, &self.components, start)?.0;
-        Some(())
     }
 
     /// The model with all bands that are worth their cost.
@@ -179,7 +147,10 @@ impl<'a> Search<'a> {
             let others = self.expected();
             let band = self.moved(self.bands[place], &others);
             let component = band.component(&self.bins);
-            let squared = band.local(&self.bins, self.data).best(self.data, &others).0;
+            let squared = band
+                .local(&self.bins, &self.sizes)
+                .best(self.data, &others)
+                .0;
             let worth = |component: &[f64], squared: f64| {
                 let mut expected = others.clone();
                 add_mixture(&mut expected, &[component.to_vec()], &[squared]);
@@ -194,8 +165,7 @@ impl<'a> Search<'a> {
                 self.squared[number] = own;
             }
         }
-        let start = std::mem::take(&mut self.squared);
-        self.squared = likeliest(self.data, &self.components, start)?.0;
+        self.squared = self.sizes.likeliest(&self.components, &self.squared)?.0;
         self.drop_unneeded();
         Some(())
     }
@@ -239,11 +209,12 @@ impl<'a> Search<'a> {
         let whole = Local {
             first: 0,
             expected: component.clone(),
+            most: self.sizes.most(&component),
         };
         let mut start = self.squared.clone();
         start.push(whole.best(self.data, expected).0);
         let components = [self.components.as_slice(), std::slice::from_ref(&component)].concat();
-        let (squared, log_likelihood) = likeliest(self.data, &components, start)?;
+        let (squared, log_likelihood) = self.sizes.likeliest(&components, &start)?;
         Some(Longer {
             band,
             component,
@@ -254,7 +225,11 @@ impl<'a> Search<'a> {
 
     /// Where a band gains most beside `others`: its middle and its width are moved by turns.
     fn moved(&self, band: Band, others: &[f64]) -> Band {
-        let gain = |band: Band| band.local(&self.bins, self.data).best(self.data, others).1;
+        let gain = |band: Band| {
+            band.local(&self.bins, &self.sizes)
+                .best(self.data, others)
+                .1
+        };
         let (least_hz, most_hz) = (self.data.f_hz[0], 0.5 * self.axis.rate_hz);
         let mut best = (band, gain(band));
         for size in MOVES {
@@ -305,10 +280,6 @@ impl<'a> Search<'a> {
         let own: Vec<Vec<f64>> = self.components.drain(places).collect();
         let mut fixed = vec![0.0; self.data.len()];
         add_mixture(&mut fixed, &own, &tones);
-        if let Some((term, component)) = self.without {
-            self.squared.insert(term, 0.0);
-            self.components.insert(term, component);
-        }
         let start = Some(self.squared.as_slice());
         let mut fit = maximise_beside(self.data, &self.components, &fixed, start)?;
         let pairs = fit.expected.iter_mut().zip(&fixed);

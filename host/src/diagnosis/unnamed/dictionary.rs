@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use super::sizes::Sizes;
 use crate::diagnosis::laws::Law;
 use crate::diagnosis::laws::gain::Local;
 use crate::diagnosis::laws::rise::Rise;
@@ -19,8 +20,8 @@ const SHELVES_PER_OCTAVE: f64 = 2.0;
 /// Bands of the dictionary that look alike: neighbours are half a width apart, and the next width is twice as large.
 const OVERLAP: f64 = 4.0;
 
-/// Share of what is measured, over that where it is largest, below which a band does not count in a bin while it is
-/// searched for.
+/// Share of what is measured, times the degrees of freedom, over that where both come to most, below which a band does not
+/// count in a bin while it is searched for.
 const COUNTS: f64 = 1e-3;
 
 /// A band about `f_hz`.
@@ -56,19 +57,22 @@ impl Band {
     }
 
     /// The same, where it counts beside what is measured.
-    pub fn local(self, bins: &Filtered<'_>, data: &Data) -> Local {
+    pub fn local(self, bins: &Filtered<'_>, sizes: &Sizes<'_>) -> Local {
         let mut all = self.component(bins);
-        // What is far below the peak may stand out of what is measured there.
-        let over = all.iter().zip(&data.psd).map(|(own, psd)| own / psd);
-        let over: Vec<f64> = over.collect();
-        let most = over.iter().copied().fold(0.0, f64::max);
-        let counts = |one: &f64| *one >= COUNTS * most;
-        let first = over.iter().position(counts).unwrap_or(0);
-        let end = over.iter().rposition(counts).map_or(0, |last| last + 1);
+        let most = sizes.most(&all);
+        let Data { psd, dof, .. } = sizes.data;
+        // What is far below the peak may stand out of what is measured there, and a bin of few values is quiet by chance.
+        let weights = all.iter().zip(psd).zip(dof);
+        let weights: Vec<f64> = weights.map(|((own, psd), dof)| dof * own / psd).collect();
+        let greatest = weights.iter().copied().fold(0.0, f64::max);
+        let counts = |one: &f64| *one >= COUNTS * greatest;
+        let first = weights.iter().position(counts).unwrap_or(0);
+        let end = weights.iter().rposition(counts).map_or(0, |last| last + 1);
         all.truncate(end);
         Local {
             first,
             expected: all.split_off(first),
+            most,
         }
     }
 }
@@ -78,8 +82,8 @@ pub struct Dictionary(Vec<(Band, Local)>);
 
 impl Dictionary {
     /// For the spectrum of an axis, its bins behind its filters.
-    pub fn new(bins: &Filtered<'_>, data: &Data) -> Self {
-        let frequencies = &data.f_hz;
+    pub fn new(bins: &Filtered<'_>, sizes: &Sizes<'_>) -> Self {
+        let frequencies = &sizes.data.f_hz;
         let (from_hz, to_hz) = (frequencies[0], frequencies[frequencies.len() - 1]);
         let shelves = (to_hz / from_hz).log2() * SHELVES_PER_OCTAVE;
         let mut bands: Vec<Band> = (0..=shelves as usize)
@@ -99,7 +103,7 @@ impl Dictionary {
             }
         }
         let looks = bands.into_par_iter();
-        Self(looks.map(|band| (band, band.local(bins, data))).collect())
+        Self(looks.map(|band| (band, band.local(bins, sizes))).collect())
     }
 
     /// How many of its bands differ.

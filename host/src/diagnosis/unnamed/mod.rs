@@ -8,6 +8,7 @@
 mod bands;
 mod dictionary;
 pub mod long_times;
+mod sizes;
 #[cfg(test)]
 mod tests;
 
@@ -65,7 +66,6 @@ pub fn complete(axis: &mut AxisState, level: f64) -> Completed {
             let p_value = None;
             return Completed { p_value, withdrawn };
         }
-        let completed = bands::in_place_of_a_term(axis, &found.data, &tones, found.completed);
         // The fit is that of the noise: where tones are, it says nothing by itself. Their sizes stay as they were measured, which is
         // better than a law of how they wander can tell.
         let mut fitted_beside = axis.tones_hz();
@@ -74,7 +74,7 @@ pub fn complete(axis: &mut AxisState, level: f64) -> Completed {
             dof: axis.bins.dof_beside(&fitted_beside),
             ..axis.data.clone()
         };
-        axis.complete(completed.laws, completed.fit, data);
+        axis.complete(found.completed.laws, found.completed.fit, data);
         let p_value = Some(found.p_value);
         return Completed { p_value, withdrawn };
     }

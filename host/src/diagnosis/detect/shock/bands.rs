@@ -205,6 +205,7 @@ pub fn seen(band: Band, groups: &[Range<usize>], len: usize, taper: impl Fn(f64)
     Local {
         first: 0,
         expected: expected.collect(),
+        most: f64::INFINITY,
     }
 }
 

@@ -87,7 +87,12 @@ impl Inside {
         let all = own_shapes(noise, &data.f_hz)
             .into_iter()
             .map(|(above, expected)| {
-                let own = Local { first: 0, expected };
+                let most = f64::INFINITY;
+                let own = Local {
+                    first: 0,
+                    expected,
+                    most,
+                };
                 let (squared, gain_nats) = own.best(data, noise);
                 let share = |bin: usize| {
                     let louder = squared * own.expected[bin];

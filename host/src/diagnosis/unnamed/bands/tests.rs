@@ -83,23 +83,3 @@ fn the_first_bands_are_moved_again_beside_the_later_ones() {
         }
     }
 }
-
-#[test]
-fn bands_take_the_place_of_a_term_that_hides_that_they_could_be_right() {
-    let gain_of = |seed: u64| {
-        let mut axis = axis(seed, short(seed), |_, noise| noise);
-        // A broad peak whose skirt falls as flicker noise does, over a white floor.
-        let shape = |f_hz: &f64| 1.0 + 100.0 / (f_hz + 400.0 / f_hz);
-        let psd = axis.data.f_hz.iter().map(shape).collect();
-        axis.data = axis.data.with_psd(psd);
-        axis.fit = laws::fit(&axis.bins, &axis.data, &[]).expect("a fit");
-        let first = fitted(&axis, &axis.data, &[]).expect("bands");
-        let worth = first.worth_nats();
-        in_place_of_a_term(&axis, &axis.data, &[], first).worth_nats() - worth
-    };
-    let gains: Vec<f64> = (8..24).map(gain_of).collect();
-    // The length of a record decides which bands are tried; where the first are bad ones, those without a term are
-    // twenty times likelier, paid for.
-    let better = gains.iter().filter(|gain| **gain > 3.0).count();
-    assert!(better >= 2, "seeds 8 to 23: {gains:?} nats");
-}
