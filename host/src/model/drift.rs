@@ -145,10 +145,11 @@ impl Effect for Entry {
         );
         let level = |number| {
             Parameter::new(
-                format!("level_{number}"),
+                "level",
                 Quantity::Signal,
                 "level, at even distances in time",
             )
+            .in_row(number)
         };
         let levels = values.len().saturating_sub(1).max(2);
         std::iter::once(duration)

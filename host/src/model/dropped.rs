@@ -79,15 +79,12 @@ impl Effect for Entry {
         let row = |number| {
             [
                 Parameter::new(
-                    format!("time_s_{number}"),
+                    "time_s",
                     Quantity::Instant,
                     "where, counted by the samples that are there",
-                ),
-                Parameter::new(
-                    format!("samples_{number}"),
-                    Quantity::Count,
-                    "how many are missing",
-                ),
+                )
+                .in_row(number),
+                Parameter::new("samples", Quantity::Count, "how many are missing").in_row(number),
             ]
         };
         (1..=values.len().div_ceil(2).max(1))

@@ -87,37 +87,37 @@ impl Effect for Entry {
 
     fn parameters(&self, values: &[f64]) -> Vec<Parameter> {
         let row = |number| {
-            let name = |of: &str| format!("{of}_{number}");
             [
-                Parameter::new(name("time_s"), Quantity::Instant, "when it begins"),
-                Parameter::new(name("duration_s"), Quantity::Second, "how long it lasts"),
+                Parameter::new("time_s", Quantity::Instant, "when it begins"),
+                Parameter::new("duration_s", Quantity::Second, "how long it lasts"),
                 Parameter::new(
-                    name("step"),
+                    "step",
                     Quantity::Signal,
                     "the level afterwards less that before; once where a stretch has several bands",
                 ),
                 Parameter::new(
-                    name("f_hz"),
+                    "f_hz",
                     Quantity::Centre,
                     "middle of the band that moves",
                 ),
                 Parameter::new(
-                    name("width_hz"),
+                    "width_hz",
                     Quantity::Hertz,
                     "its width at half the power",
                 ),
                 Parameter::new(
-                    name("amplitude"),
+                    "amplitude",
                     Quantity::Signal,
                     "its root mean square while it lasts",
                 ),
                 Parameter::new(
-                    name("mean"),
+                    "mean",
                     Quantity::Signal,
                     "the level meanwhile less the middle of those before and afterwards; once where a stretch has several bands",
                 )
                 .or_zero(),
             ]
+            .map(|one| one.in_row(number))
         };
         (1..=values.len().div_ceil(ROW).max(1))
             .flat_map(row)

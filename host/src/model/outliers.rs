@@ -163,15 +163,17 @@ impl Effect for Entry {
         let row = |number| {
             [
                 Parameter::new(
-                    format!("time_s_{number}"),
+                    "time_s",
                     Quantity::Instant,
                     "when it comes, where a record holds few",
-                ),
+                )
+                .in_row(number),
                 Parameter::new(
-                    format!("height_{number}"),
+                    "height",
                     Quantity::Signal,
                     "how much its sample is too large",
-                ),
+                )
+                .in_row(number),
             ]
         };
         let dated = values.len().saturating_sub(law.len()).div_ceil(2);

@@ -15,6 +15,8 @@ pub struct Parameter {
     pub meaning: &'static str,
     /// Whether it may be left out of a model file, and is zero then.
     pub optional: bool,
+    /// Of which row of a table, from 1, where an effect has as many rows as happened; its name ends with it.
+    pub row: Option<usize>,
 }
 
 impl Parameter {
@@ -29,7 +31,24 @@ impl Parameter {
             quantity,
             meaning,
             optional: false,
+            row: None,
         }
+    }
+
+    /// The same in this row of a table.
+    #[must_use]
+    pub fn in_row(self, number: usize) -> Self {
+        Self {
+            name: format!("{}_{number}", self.name).into(),
+            row: Some(number),
+            ..self
+        }
+    }
+
+    /// Its name without the number of its row.
+    pub fn stem(&self) -> &str {
+        let ending = self.row.map_or(0, |row| format!("_{row}").len());
+        &self.name[..self.name.len() - ending]
     }
 
     /// The same, which may be left out of a model file.

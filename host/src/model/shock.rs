@@ -149,22 +149,22 @@ impl Effect for Entry {
 
     fn parameters(&self, values: &[f64]) -> Vec<Parameter> {
         let row = |number| {
-            let name = |of: &str| format!("{of}_{number}");
             [
-                Parameter::new(name("time_s"), Quantity::Instant, "when it begins"),
-                Parameter::new(name("peak"), Quantity::Signal, "its largest deflection"),
-                Parameter::new(name("duration_s"), Quantity::Second, "how long it lasts"),
+                Parameter::new("time_s", Quantity::Instant, "when it begins"),
+                Parameter::new("peak", Quantity::Signal, "its largest deflection"),
+                Parameter::new("duration_s", Quantity::Second, "how long it lasts"),
                 Parameter::new(
-                    name("f_hz"),
+                    "f_hz",
                     Quantity::HertzOrNone,
                     "frequency of its ringing, 0 where it does not ring",
                 ),
                 Parameter::new(
-                    name("decay_s"),
+                    "decay_s",
                     Quantity::SecondOrNone,
                     "time in which the ringing falls to 1/e, 0 where it does not fall",
                 ),
             ]
+            .map(|one| one.in_row(number))
         };
         (1..=values.len().div_ceil(ROW).max(1))
             .flat_map(row)

@@ -84,16 +84,9 @@ impl Effect for Entry {
     fn parameters(&self, values: &[f64]) -> Vec<Parameter> {
         let row = |number| {
             [
-                Parameter::new(
-                    format!("time_s_{number}"),
-                    Quantity::Instant,
-                    "when it jumps",
-                ),
-                Parameter::new(
-                    format!("height_{number}"),
-                    Quantity::Signal,
-                    "new level less the old one",
-                ),
+                Parameter::new("time_s", Quantity::Instant, "when it jumps").in_row(number),
+                Parameter::new("height", Quantity::Signal, "new level less the old one")
+                    .in_row(number),
             ]
         };
         (1..=values.len().div_ceil(2).max(1))

@@ -153,10 +153,11 @@ impl Effect for Entry {
         ];
         let amplitude = |number| {
             Parameter::new(
-                format!("amplitude_{number}"),
+                "amplitude",
                 Quantity::Signal,
                 "half of peak to peak at this multiple of the frequency",
             )
+            .in_row(number)
         };
         frequency
             .into_iter()

@@ -63,7 +63,7 @@ pub(crate) fn describe(
         let whole = last(&axis, &first.noise, ramp, &first.findings, &squares_sd).model;
         let mut points = first.allan.clone();
         views::add_simulated(&mut points, &axis, &whole, covariate);
-        long_times::is_simulated_so(&points, axis.rate_hz)
+        long_times::is_simulated_so(&points)
     };
     let spectrum = || views::densities(&axis, &bare.fit, &first.findings);
     let lacking = long_times::lacking(&first.allan, axis.rate_hz, level, spectrum);

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::value::Value;
+use crate::model::effect::Parameter;
 use crate::model::kind::Kind;
 
 /// An effect of the catalogue with what is known of its parameters.
@@ -38,12 +39,18 @@ impl Estimate {
         self.values.iter().map(plain).collect()
     }
 
-    /// The parameters that are known, by the catalogue's names.
+    /// The parameters that are known, in the catalogue's order.
+    pub fn known(&self) -> impl Iterator<Item = (Parameter, Value)> {
+        let parameters = self.kind.parameters(&self.plain()).into_iter();
+        let pairs = parameters.zip(&self.values);
+        pairs.filter_map(|(parameter, value)| Some((parameter, (*value)?)))
+    }
+
+    /// The same by their names.
     pub fn named(&self) -> BTreeMap<String, Value> {
-        let names = self.kind.parameters(&self.plain()).into_iter();
-        let pairs = names.zip(&self.values);
+        let pairs = self.known();
         pairs
-            .filter_map(|(parameter, value)| Some((parameter.name.into_owned(), (*value)?)))
+            .map(|(parameter, value)| (parameter.name.into_owned(), value))
             .collect()
     }
 }

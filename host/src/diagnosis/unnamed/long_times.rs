@@ -13,7 +13,7 @@ use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::laws;
 use crate::diagnosis::result::verdict::LEAST_INTERVALS;
 use crate::diagnosis::result::views::{AllanPoint, SpectrumPoint};
-use pursuit::{Found, NEEDLESS, Pursuit, by_gain};
+use pursuit::{Found, NEEDLESS, Pursuit, TOLERANCE, by_gain};
 
 /// What a model lacks.
 pub struct Lacking {
@@ -34,7 +34,7 @@ impl Lacking {
 }
 
 /// What the last model lacks at the `points` of an Allan deviation, as far as the `spectrum` of all of the record has room for
-/// it; `None` where chance makes as much at that `level`.
+/// it; `None` where chance makes as much at that `level`, or at [`NEEDLESS`] where the five terms by themselves do better.
 pub fn lacking(
     points: &[AllanPoint],
     rate_hz: f64,
@@ -42,7 +42,13 @@ pub fn lacking(
     spectrum: impl FnOnce() -> Vec<SpectrumPoint>,
 ) -> Option<Lacking> {
     let points = octaves(points);
-    let pursuit = Pursuit::new(&points, rate_hz, 1.0, |point| Some(point.after));
+    // That something is missing is known where the five terms by themselves do better.
+    let level = if points.iter().any(|point| is_worse(point)) {
+        NEEDLESS
+    } else {
+        level
+    };
+    let pursuit = Pursuit::new(&points, rate_hz);
     let known = |found: &Found| found.p_value(pursuit.dictionary.len()) < level;
     let all = pursuit.bands(pursuit.dictionary.len(), level);
     if !known(&all) {
@@ -64,19 +70,28 @@ pub fn lacking(
     (p_value < level && !bands.is_empty()).then_some(Lacking { bands, p_value })
 }
 
-/// Whether the model is quieter than the record at some of the `points` as it is simulated, too, or is not simulated: the law of
-/// what happens to the samples may be rough where numbers are coarse, and then nothing is missing.
-pub fn is_simulated_so(points: &[AllanPoint], rate_hz: f64) -> bool {
-    let points = octaves(points);
-    if points.iter().all(|point| point.simulated.is_none()) {
-        return true;
-    }
-    // Both scatter.
-    let pursuit = Pursuit::new(&points, rate_hz, 0.5, |point| point.simulated);
-    !pursuit
-        .bands(pursuit.dictionary.len(), NEEDLESS)
-        .bands
-        .is_empty()
+/// Whether the simulated model is what its law says at the `points` rather than what the record is, or is not simulated: the law
+/// of what happens to the samples may be rough where numbers are coarse, and then nothing is missing.
+pub fn is_simulated_so(points: &[AllanPoint]) -> bool {
+    let odds = octaves(points).into_iter().filter_map(|point| {
+        let simulated = point.simulated?;
+        let nats = |other: f64, variance: f64| {
+            let variance = variance + (0.5 * TOLERANCE).powi(2);
+            -0.5 * ((simulated / other).ln().powi(2) / variance + variance.ln())
+        };
+        // The logarithm of a deviation has the variance 1 / (2 edf); of two of them both scatter.
+        let as_expected = nats(point.after, 0.5 / point.edf);
+        Some(as_expected - nats(point.adev, point.edf.recip()))
+    });
+    odds.sum::<f64>() >= 0.0
+}
+
+/// Whether the model is quieter than the record at a point, and farther from it than the five terms are, by more than sampling
+/// and what models may be off by.
+fn is_worse(point: &AllanPoint) -> bool {
+    let off = |model: f64| (model / point.adev - 1.0).abs();
+    let sampling = (0.5 / point.edf).sqrt();
+    point.after < point.adev && off(point.after) > off(point.before) + sampling + 0.5 * TOLERANCE
 }
 
 /// The points that are judged, an octave or more apart: nearer ones say the same.
@@ -94,7 +109,6 @@ fn octaves(points: &[AllanPoint]) -> Vec<&AllanPoint> {
 
 #[cfg(test)]
 mod tests {
-    use super::pursuit::TOLERANCE;
     use super::*;
     use crate::model::Term;
 
@@ -140,17 +154,28 @@ mod tests {
     #[test]
     fn what_the_simulation_has_is_not_missing() {
         let mut louder = points(|tau_s| if tau_s > 4.0 { 2.0 } else { 1.0 });
-        assert!(is_simulated_so(&louder, RATE_HZ), "not simulated");
-        let simulated = |points: &mut [AllanPoint], share: f64| {
-            points
-                .iter_mut()
-                .for_each(|point| point.simulated = Some(share * point.adev));
-        };
+        assert!(is_simulated_so(&louder), "not simulated");
         // What models may be off by.
-        simulated(&mut louder, 0.99);
-        assert!(!is_simulated_so(&louder, RATE_HZ));
-        simulated(&mut louder, 0.5);
-        assert!(is_simulated_so(&louder, RATE_HZ));
+        for point in &mut louder {
+            point.simulated = Some(0.99 * point.adev);
+        }
+        assert!(!is_simulated_so(&louder));
+        for point in &mut louder {
+            point.simulated = Some(1.01 * point.after);
+        }
+        assert!(is_simulated_so(&louder));
+    }
+
+    #[test]
+    fn what_the_five_terms_have_is_missing_at_a_lower_level() {
+        // Three variances lack a third: three, two and one and a half standard deviations.
+        let mut quiet = points(|tau_s| if tau_s > 20.0 { 1.25 } else { 1.0 });
+        assert!(lacking(&quiet, RATE_HZ, LEVEL, Vec::new).is_none());
+        for point in &mut quiet {
+            point.before = point.adev;
+        }
+        let found = lacking(&quiet, RATE_HZ, LEVEL, Vec::new).expect("bands");
+        assert!(found.p_value > LEVEL, "{}", found.p_value);
     }
 
     #[test]

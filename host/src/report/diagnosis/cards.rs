@@ -4,12 +4,10 @@ use std::fmt::{Result, Write};
 
 use super::super::number::{estimated, probability, significant};
 use super::super::svg::{escape, typeset};
+use super::numbers::{Numbers, Rows};
 use crate::diagnosis::result::finding::{AxisDiagnosis, Finding, Remark};
 use crate::diagnosis::result::value::Value;
 use crate::model::{Coefficient, PerCoefficient};
-
-/// Numbers of one finding that are listed, at most; JSON has all.
-const MOST_PARAMETERS: usize = 12;
 
 /// Rivals that are named at most.
 const MOST_RIVALS: usize = 3;
@@ -67,32 +65,54 @@ fn with(axis: &AxisDiagnosis, index: usize) -> PerCoefficient<Option<f64>> {
 }
 
 fn parameters(page: &mut String, axis: &AxisDiagnosis, one: &Finding) -> Result {
-    let known = one.effect.parameters(&one.estimate.plain());
-    let parameters = one.estimate.named();
+    let numbers = Numbers::of(&one.estimate);
     write!(
         page,
         "<div class=\"scroll\"><table><tr><th>parameter</th><th class=\"words\">what it is</th>\
          <th>value</th><th>95 % interval</th><th class=\"words\">unit</th></tr>"
     )?;
-    for (name, value) in parameters.iter().take(MOST_PARAMETERS) {
-        let parameter = known.iter().find(|one| one.name == name.as_str());
+    for (parameter, value) in &numbers.alone {
         let [number, interval] = shown(value);
-        let unit = parameter.map_or(String::new(), |one| one.quantity.unit(axis.unit));
         write!(
             page,
             "<tr><td>{}</td><td class=\"words small\">{}</td><td>{number}</td><td>{interval}</td>\
              <td class=\"words unit\">{}</td></tr>",
-            escape(name),
-            escape(parameter.map_or("", |one| one.meaning)),
-            escape(&typeset(&unit))
+            escape(&parameter.name),
+            escape(parameter.meaning),
+            escape(&typeset(&parameter.quantity.unit(axis.unit)))
         )?;
     }
     write!(page, "</table></div>")?;
-    let more = parameters.len().saturating_sub(MOST_PARAMETERS);
-    if more > 0 {
-        write!(page, "<p>and {more} more numbers, in the JSON</p>")?;
+    numbers.rows.map_or(Ok(()), |rows| table(page, axis, &rows))
+}
+
+/// What happened several times, a row each.
+fn table(page: &mut String, axis: &AxisDiagnosis, rows: &Rows) -> Result {
+    write!(page, "<div class=\"scroll\"><table><tr>")?;
+    for column in &rows.columns {
+        let unit = typeset(&column.quantity.unit(axis.unit));
+        write!(
+            page,
+            "<th title=\"{}\">{} <span class=\"unit\">{}</span></th>",
+            escape(column.meaning),
+            escape(column.stem()),
+            escape(&unit)
+        )?;
     }
-    Ok(())
+    write!(page, "</tr>")?;
+    for row in &rows.values {
+        write!(page, "<tr>")?;
+        for value in row {
+            let number = value.map_or("\u{2013}".into(), |one| significant(one.value, 6));
+            write!(page, "<td>{number}</td>")?;
+        }
+        write!(page, "</tr>")?;
+    }
+    write!(page, "</table></div>")?;
+    match rows.more {
+        0 => Ok(()),
+        more => write!(page, "<p>and {more} more, in the JSON</p>"),
+    }
 }
 
 /// The value, and its interval.

@@ -7,6 +7,7 @@ mod allan;
 mod amplitudes;
 mod cards;
 mod course;
+mod numbers;
 pub mod page;
 mod places;
 pub mod sheet;

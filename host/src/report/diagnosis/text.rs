@@ -4,17 +4,22 @@ use std::fmt::Write;
 
 use super::super::number::{estimated, probability, significant};
 use super::super::text::head;
+use super::numbers::{Numbers, Rows};
 use super::summary::summary;
 use super::suspects::suspicion;
 use crate::diagnosis::result::finding::{AxisDiagnosis, Diagnosis, Finding, Remark, SMALL_PERCENT};
 use crate::diagnosis::result::value::Value;
 use crate::model::Coefficient;
+use crate::model::effect::Parameter;
 
 /// Findings that are all printed in full; of more, the small ones in a line each.
 pub(super) const MOST_TOLD: usize = 3;
 
-/// Numbers of one finding that are listed, at most; JSON has all.
+/// Numbers of a small finding that are listed, at most; JSON has all.
 const MOST_PARAMETERS: usize = 12;
+
+/// Values in a line of a column that stands by itself: with four digits a line has less than 80 letters.
+const IN_A_LINE: usize = 6;
 
 /// The whole text, with a newline at the end.
 pub fn render(diagnosis: &Diagnosis) -> String {
@@ -75,13 +80,12 @@ fn axis(text: &mut String, axis: &AxisDiagnosis, level: f64) -> std::fmt::Result
 
 fn finding(text: &mut String, number: u32, finding: &Finding) -> std::fmt::Result {
     writeln!(text, "  {number}. {}: {}", finding.effect, finding.cause)?;
-    let parameters = finding.estimate.named();
-    for (name, value) in parameters.iter().take(MOST_PARAMETERS) {
-        writeln!(text, "       {name:<14} {}", interval(value))?;
+    let numbers = Numbers::of(&finding.estimate);
+    for (parameter, value) in &numbers.alone {
+        writeln!(text, "       {:<14} {}", parameter.name, interval(value))?;
     }
-    if parameters.len() > MOST_PARAMETERS {
-        let more = parameters.len() - MOST_PARAMETERS;
-        writeln!(text, "       and {more} more numbers, in the JSON")?;
+    if let Some(rows) = &numbers.rows {
+        table(text, rows)?;
     }
     write!(text, "     by chance: {}", probability(finding.p_value))?;
     if let Some(nats) = finding.gain.heldout_nats {
@@ -110,13 +114,52 @@ fn finding(text: &mut String, number: u32, finding: &Finding) -> std::fmt::Resul
     writeln!(text, "     check: {}", finding.check)
 }
 
+/// What happened several times, a row each; a column that stands by itself goes on from line to line.
+fn table(text: &mut String, rows: &Rows) -> std::fmt::Result {
+    let [column] = &rows.columns[..] else {
+        let heads = rows.columns.iter().map(Parameter::stem);
+        line(text, heads)?;
+        for row in &rows.values {
+            let cells: Vec<String> = row.iter().map(|one| cell(one.as_ref(), 6)).collect();
+            line(text, cells.iter().map(String::as_str))?;
+        }
+        return more(text, rows);
+    };
+    let all: Vec<String> = rows
+        .values
+        .iter()
+        .map(|row| cell(row[0].as_ref(), 4))
+        .collect();
+    let mut head = format!("{}_1 \u{2026}", column.stem());
+    for values in all.chunks(IN_A_LINE) {
+        writeln!(text, "       {head:<14} {}", values.join("  "))?;
+        head.clear();
+    }
+    more(text, rows)
+}
+
+fn line<'a>(text: &mut String, mut cells: impl Iterator<Item = &'a str>) -> std::fmt::Result {
+    write!(text, "      ")?;
+    cells.try_for_each(|one| write!(text, " {one:>11}"))?;
+    writeln!(text)
+}
+
+fn cell(value: Option<&Value>, digits: usize) -> String {
+    value.map_or("-".into(), |one| significant(one.value, digits))
+}
+
+fn more(text: &mut String, rows: &Rows) -> std::fmt::Result {
+    match rows.more {
+        0 => Ok(()),
+        more => writeln!(text, "       and {more} more, in the JSON"),
+    }
+}
+
 /// In one line.
 fn brief(text: &mut String, number: u32, finding: &Finding) -> std::fmt::Result {
-    let parameters = finding.estimate.named();
-    let values: Vec<String> = parameters
-        .iter()
-        .take(MOST_PARAMETERS)
-        .map(|(name, value)| format!("{name} {}", significant(value.value, 4)))
+    let known = finding.estimate.known().take(MOST_PARAMETERS);
+    let values: Vec<String> = known
+        .map(|(parameter, value)| format!("{} {}", parameter.name, significant(value.value, 4)))
         .collect();
     let colon = if values.is_empty() { "" } else { ": " };
     let size = finding.gain.allan_change_percent;

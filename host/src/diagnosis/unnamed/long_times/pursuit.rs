@@ -92,21 +92,15 @@ pub struct Pursuit {
 }
 
 impl Pursuit {
-    /// For points with a `share` of their degrees of freedom, beside what is expected `of_model`.
-    pub fn new(
-        points: &[&AllanPoint],
-        rate_hz: f64,
-        share: f64,
-        of_model: impl Fn(&AllanPoint) -> Option<f64>,
-    ) -> Self {
-        let of_model = |point: &AllanPoint| of_model(point).unwrap_or(point.adev);
+    /// For these points of a record and its model.
+    pub fn new(points: &[&AllanPoint], rate_hz: f64) -> Self {
         let deviation = |point: &AllanPoint| {
-            let variance = point.adev.max(of_model(point)).powi(2);
-            variance * (2.0 / (share * point.edf)).sqrt().hypot(TOLERANCE)
+            let variance = point.adev.max(point.after).powi(2);
+            variance * (2.0 / point.edf).sqrt().hypot(TOLERANCE)
         };
         let missing: Vec<f64> = points
             .iter()
-            .map(|point| (point.adev.powi(2) - of_model(point).powi(2)) / deviation(point))
+            .map(|point| (point.adev.powi(2) - point.after.powi(2)) / deviation(point))
             .collect();
         let mut pairs = points.iter().zip(&missing);
         let first = pairs.find(|(_, missing)| **missing > LACKS);
