@@ -234,6 +234,34 @@ fn a_capture_holds_the_simulation_in_codes() {
     assert_eq!(read, length);
 }
 
+/// What a record holds once is as large as it was measured, however loud the noise is meanwhile.
+#[test]
+fn a_burst_leaves_what_happened_as_it_is() {
+    for (seed, factor) in [(31, 3.0), (32, 0.2)] {
+        let rms = |effects: &str| {
+            let text = format!(
+                r#"{{ "schema": 1, "rate_hz": 100, "axes": [ {{ "name": "X", "coefficients": {{ "N": 0.001 }},
+                    "effects": [ {{ "effect": "motion", "parameters": {{ "time_s_1": 20, "duration_s_1": 20, "step_1": 0, "f_hz_1": 8,
+                    "width_hz_1": 4, "amplitude_1": 1 }} }}{effects} ] }} ] }}"#
+            );
+            let model = Model::from_json(&text).expect("a model");
+            let mut simulation = Simulation::new(&model, 6000, seed).expect("a model");
+            let column = simulation.next_columns(6000).remove(0);
+            let moved = &column[2200..3800];
+            (moved.iter().map(|one| one * one).sum::<f64>() / moved.len() as f64).sqrt()
+        };
+        let burst = format!(
+            r#", {{ "effect": "burst", "parameters": {{ "from_s": 10, "to_s": 50, "factor": {factor} }} }}"#
+        );
+        let (alone, with) = (rms(""), rms(&burst));
+        // The noise is a hundredth of it.
+        assert!(
+            (with / alone - 1.0).abs() < 0.01,
+            "seed {seed}: {alone}, {with}"
+        );
+    }
+}
+
 /// Effects that are Gaussian, each from anywhere in its range: rates, times and corners over decades, as what is right in the
 /// middle of the band need not be at its ends.
 #[test]

@@ -110,6 +110,11 @@ pub trait Term: Send + Sync {
         false
     }
 
+    /// Whether it is what one record [holds once](once): what makes noise louder leaves it as it is.
+    fn is_once(&self) -> bool {
+        false
+    }
+
     /// How many independent values give its spectrum its shape in a record of `record_s` seconds: without an end for
     /// noise, whose ordinates are independent.
     fn shaped_by(&self, _record_s: f64) -> f64 {

@@ -129,12 +129,17 @@ impl Effect for Entry {
         let strongest = all()
             .max_by(|a, b| a.band.amplitude.total_cmp(&b.band.amplitude))
             .expect("at least one stretch");
+        let (f_hz, width_hz) = (strongest.band.f_hz, strongest.band.width_hz);
+        let place = if f_hz < 0.5 * width_hz {
+            format!("below {:.3}", f_hz + 0.5 * width_hz)
+        } else {
+            format!("about {f_hz:.3}")
+        };
         format!(
-            "recall what went on from {:.2} s to {:.2} s, where it is strongest, about {:.3} Hz; look at the other \
+            "recall what went on from {:.2} s to {:.2} s, where it is strongest, {place} Hz; look at the other \
              axes and at whether the levels came back: what was touched lies otherwise, what was driven by does not",
             strongest.time_s,
             strongest.time_s + strongest.duration_s,
-            strongest.band.f_hz,
         )
     }
 

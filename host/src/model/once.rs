@@ -48,6 +48,10 @@ impl<T: Once> Term for T {
         self.drifts()
     }
 
+    fn is_once(&self) -> bool {
+        true
+    }
+
     fn passing(&self, m: u64, samples: u64, rate_hz: f64) -> f64 {
         self.in_record(m, samples, rate_hz)
     }

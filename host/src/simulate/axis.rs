@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::shaping::{Shape, Shaper};
 use crate::model::axis::ModelAxis;
-use crate::model::effect::{Distorter, Part};
+use crate::model::effect::{Distorter, Part, Stage};
 use crate::model::follows::{Follower, Leader};
 use crate::model::random::Generator;
 use crate::model::{Coefficient, Seed, Term};
@@ -23,6 +23,10 @@ const EFFECTS_PER_AXIS: u64 = 1 << 16;
 /// Makes the samples of one axis.
 pub struct AxisSimulation {
     generators: Vec<Box<dyn Generator>>,
+    /// What happens to the noise as it arises.
+    louder: Vec<Box<dyn Distorter>>,
+    /// What joins it behind that, since the record holds it once.
+    joining: Vec<Box<dyn Generator>>,
     distorters: Vec<Box<dyn Distorter>>,
     followers: Vec<Follower>,
     temperature: Arc<[f64]>,
@@ -81,41 +85,34 @@ impl AxisSimulation {
         let values = axis.values_hz(rate_hz) / rate_hz;
         let rate_hz = axis.clock() * axis.values_hz(rate_hz);
         let mut parts = Parts::new(axis, rate_hz);
-        for (term_index, coefficient) in (0..).zip(Coefficient::ALL) {
-            let value = *axis.coefficients.get(coefficient);
-            if value == 0.0 {
-                continue;
-            }
-            let stream = |source: u64| Seed {
-                seed,
-                stream: source * STREAMS_PER_AXIS + term_index,
-            };
-            if coefficient == Coefficient::R {
-                // Nothing random in it.
-                parts.add(&*coefficient.term(value), stream(index));
-                continue;
-            }
-            // Every term is linear in its random numbers: weights on them are weights on it.
-            for (source, weight) in (0..).zip(mixing).filter(|(_, weight)| **weight != 0.0) {
-                let term = coefficient.term(value * weight);
-                parts.add(&*term, stream(source));
-            }
-        }
-        let mut distorters = Vec::new();
+        parts.add_coefficients(axis, index, mixing, seed);
+        let mut joining = Parts::new(axis, rate_hz);
+        let (mut louder, mut distorters): (Vec<_>, Vec<_>) = Default::default();
         for (effect_index, effect) in (0..).zip(&axis.effects) {
             let stream = Seed {
                 seed,
                 stream: EFFECT_STREAMS + index * EFFECTS_PER_AXIS + effect_index,
             };
             match effect.part() {
+                Part::Term(term) if term.is_once() => joining.add(&*term, stream),
                 Part::Term(term) => parts.add(&*term, stream),
-                Part::Distortion(one) => distorters.push(one.distorter(rate_hz, stream)),
+                Part::Distortion(one) => {
+                    let is_first = one.stage() == Stage::Noise && distorters.is_empty();
+                    let all = if is_first {
+                        &mut louder
+                    } else {
+                        &mut distorters
+                    };
+                    all.push(one.distorter(rate_hz, stream));
+                }
                 // Clock and hold are in the rate. What follows something needs a leader.
                 Part::Clock(_) | Part::Hold(_) | Part::Follows(_) => {}
             }
         }
         Self {
             generators: parts.generators(),
+            louder,
+            joining: joining.generators(),
             distorters,
             followers: Vec::new(),
             temperature: Arc::default(),
@@ -178,6 +175,12 @@ impl AxisSimulation {
                 follower.add_to(left, &mut block);
             }
             self.made += BLOCK;
+            for distorter in &mut self.louder {
+                distorter.apply(&mut block);
+            }
+            for generator in &mut self.joining {
+                generator.add_to(&mut block);
+            }
             for distorter in &mut self.distorters {
                 distorter.apply(&mut block);
             }
@@ -203,6 +206,30 @@ impl<'a> Parts<'a> {
             shaper: axis.chain.as_ref().map(|chain| Shaper::new(chain, rate_hz)),
             plain: Vec::new(),
             shaped: Vec::new(),
+        }
+    }
+
+    /// The coefficients of axis `index`; `mixing` weighs the random numbers of the axes up to this one.
+    fn add_coefficients(&mut self, axis: &ModelAxis, index: u64, mixing: &[f64], seed: u64) {
+        for (term_index, coefficient) in (0..).zip(Coefficient::ALL) {
+            let value = *axis.coefficients.get(coefficient);
+            if value == 0.0 {
+                continue;
+            }
+            let stream = |source: u64| Seed {
+                seed,
+                stream: source * STREAMS_PER_AXIS + term_index,
+            };
+            if coefficient == Coefficient::R {
+                // Nothing random in it.
+                self.add(&*coefficient.term(value), stream(index));
+                continue;
+            }
+            // Every term is linear in its random numbers: weights on them are weights on it.
+            for (source, weight) in (0..).zip(mixing).filter(|(_, weight)| **weight != 0.0) {
+                let term = coefficient.term(value * weight);
+                self.add(&*term, stream(source));
+            }
         }
     }
 
