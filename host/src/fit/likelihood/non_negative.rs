@@ -54,14 +54,16 @@ fn descend(g: &DMatrix<f64>, h: &DVector<f64>, x: &mut DVector<f64>, free: &mut 
             break;
         }
         // As far towards the plain solution as all stay positive.
-        let step = free
-            .iter()
-            .zip(&plain)
-            .filter(|&(_, &value)| value <= 0.0)
-            .map(|(&i, &value)| x[i] / (x[i] - value))
-            .fold(1.0, f64::min);
+        let ends = free.iter().zip(&plain).filter(|&(_, &value)| value <= 0.0);
+        let steps = ends.map(|(&i, &value)| (i, x[i] / (x[i] - value)));
+        let first = steps.min_by(|a, b| a.1.total_cmp(&b.1));
+        let step = first.map_or(1.0, |(_, step)| step);
         for (&i, &value) in free.iter().zip(&plain) {
             x[i] += step * (value - x[i]);
+        }
+        // The one that ends first is there, even where the step to it is too small to be told from none.
+        if let Some((ended, _)) = first {
+            x[ended] = 0.0;
         }
         let tiny = 1e-14 * x.amax();
         free.retain(|&i| x[i] > tiny);
@@ -114,6 +116,15 @@ mod tests {
     use super::super::super::least_squares;
     use super::*;
     use rand_distr::{Distribution, StandardNormal};
+
+    #[test]
+    fn what_is_hardly_above_zero_ends_there() {
+        // From the smallest number there is, a step towards -2 is none.
+        let gram = DMatrix::from_element(1, 1, 1.0);
+        let right = DVector::from_element(1, -2.0);
+        let near = DVector::from_element(1, 5e-324);
+        assert_eq!(solve_from(&gram, &right, &near)[0], 0.0);
+    }
 
     #[test]
     fn agrees_with_trying_every_choice() {
