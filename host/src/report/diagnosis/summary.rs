@@ -145,9 +145,9 @@ fn without_name(unnamed: &Unnamed) -> String {
     )
 }
 
-/// By how much less a deviation is that is `change` percent more with something.
+/// By how much less a deviation is that is `change` percent more with something; all of it where nothing else is there.
 fn lower(change: f64) -> f64 {
-    100.0 * change / (100.0 + change)
+    100.0 * (1.0 - (1.0 + 0.01 * change).recip())
 }
 
 fn percent(error: f64) -> String {
@@ -155,5 +155,16 @@ fn percent(error: f64) -> String {
         format!("less than {LEAST_PERCENT} %")
     } else {
         format!("{} %", significant(error, 2))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::lower;
+
+    #[test]
+    fn what_is_nothing_without_a_part_is_all_lower() {
+        assert!((lower(25.0) - 20.0).abs() < 1e-12);
+        assert!((lower(f64::INFINITY) - 100.0).abs() < 1e-12);
     }
 }
