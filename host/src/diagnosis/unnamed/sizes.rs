@@ -17,6 +17,10 @@ const WORTH: f64 = 1.0;
 /// hundreds of components.
 const HARDLY: f64 = 1e-6;
 
+/// Share of the room for it that a size starts at which was zero: multiplied, zero stays what it is. A choice: it
+/// hardly shows where it is not needed.
+const HARDLY_THERE: f64 = 1e-6;
+
 /// Halvings of the logarithm of what a bin hardly falls short of: to a thousandth of it where that is 300 orders of magnitude.
 const HALVINGS: u32 = 20;
 
@@ -32,6 +36,7 @@ pub struct Sizes<'a> {
 }
 
 impl<'a> Sizes<'a> {
+    /// Beside this spectrum.
     pub fn beside(data: &'a Data) -> Self {
         let bins = data.dof.iter().zip(&data.psd);
         let most = bins.map(|(&dof, psd)| psd / least_share(dof));
@@ -47,13 +52,13 @@ impl<'a> Sizes<'a> {
             .fold(f64::INFINITY, f64::min)
     }
 
-    /// Squares of `components` to start from that leave room; those at zero are raised to a millionth of it.
+    /// Squares of `components` to start from that leave room; those at zero are raised to [`HARDLY_THERE`] of it.
     pub fn start(&self, components: &[Vec<f64>], squared: Vec<f64>) -> Vec<f64> {
         let pairs = squared.into_iter().zip(components);
         let within = pairs.map(|(own, component)| {
             let most = self.most(component);
             if most.is_finite() {
-                own.clamp(1e-6 * most, most)
+                own.clamp(HARDLY_THERE * most, most)
             } else {
                 own
             }
@@ -61,8 +66,8 @@ impl<'a> Sizes<'a> {
         within.collect()
     }
 
-    /// The likeliest squares of `components`, from a start, and their log-likelihood. Scoring may fail to get anywhere from a
-    /// start that is far off: then the sizes are first multiplied towards the data, which never loses, and both as often as that gains.
+    /// The likeliest squares of `components`, from a start, and their log-likelihood. The start leaves room. Scoring may fail to get
+    /// anywhere from one that is far off: then the sizes are first multiplied towards the data, which never loses, and both as often as that gains.
     pub fn likeliest(&self, components: &[Vec<f64>], squared: &[f64]) -> Option<(Vec<f64>, f64)> {
         let nothing = vec![0.0; self.data.len()];
         let most: Vec<f64> = components.iter().map(|one| self.most(one)).collect();
@@ -72,11 +77,7 @@ impl<'a> Sizes<'a> {
             let mut pairs = sizes.0.iter().zip(&most);
             pairs.all(|(own, most)| own <= most).then_some(sizes)
         };
-        let mut start: Vec<f64> = squared
-            .iter()
-            .zip(&most)
-            .map(|(own, most)| own.min(*most))
-            .collect();
+        let mut start = squared.to_vec();
         let mut best: Option<(Vec<f64>, f64)> = scored(&start);
         for _ in 0..ROUNDS {
             let multiplied = self.multiplied(components, &most, start);

@@ -7,6 +7,7 @@ use super::super::svg::{escape, typeset};
 use super::numbers::{Numbers, Rows};
 use crate::diagnosis::result::finding::{AxisDiagnosis, Finding, Remark};
 use crate::diagnosis::result::value::Value;
+use crate::model::effect::Parameter;
 use crate::model::{Coefficient, PerCoefficient};
 
 /// Rivals that are named at most.
@@ -66,12 +67,20 @@ fn with(axis: &AxisDiagnosis, index: usize) -> PerCoefficient<Option<f64>> {
 
 fn parameters(page: &mut String, axis: &AxisDiagnosis, one: &Finding) -> Result {
     let numbers = Numbers::of(&one.estimate);
+    if !numbers.alone.is_empty() {
+        alone(page, axis, &numbers.alone)?;
+    }
+    numbers.rows.map_or(Ok(()), |rows| table(page, axis, &rows))
+}
+
+/// What stands for itself, a number a line, with its interval.
+fn alone(page: &mut String, axis: &AxisDiagnosis, numbers: &[(Parameter, Value)]) -> Result {
     write!(
         page,
         "<div class=\"scroll\"><table><tr><th>parameter</th><th class=\"words\">what it is</th>\
          <th>value</th><th>95 % interval</th><th class=\"words\">unit</th></tr>"
     )?;
-    for (parameter, value) in &numbers.alone {
+    for (parameter, value) in numbers {
         let [number, interval] = shown(value);
         write!(
             page,
@@ -82,8 +91,7 @@ fn parameters(page: &mut String, axis: &AxisDiagnosis, one: &Finding) -> Result 
             escape(&typeset(&parameter.quantity.unit(axis.unit)))
         )?;
     }
-    write!(page, "</table></div>")?;
-    numbers.rows.map_or(Ok(()), |rows| table(page, axis, &rows))
+    write!(page, "</table></div>")
 }
 
 /// What happened several times, a row each.

@@ -1,7 +1,5 @@
 //! The numbers of a finding as they are listed: one by one, and as rows where the same happened several times.
 
-use std::collections::BTreeMap;
-
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
 use crate::model::effect::Parameter;
@@ -19,6 +17,7 @@ const MOST_IN_LINES: usize = 48;
 pub struct Numbers {
     /// Those that stand for themselves.
     pub alone: Vec<(Parameter, Value)>,
+    /// Those of what happened several times, where they are more than [`FEW`].
     pub rows: Option<Rows>,
 }
 
@@ -26,13 +25,14 @@ pub struct Numbers {
 pub struct Rows {
     /// A parameter of each column.
     pub columns: Vec<Parameter>,
-    /// Values by row and column, the first rows of all; `None` where one is not known.
+    /// Values by row and column, the first rows of all; `None` where one is not known, as of a multiple that was not found.
     pub values: Vec<Vec<Option<Value>>>,
     /// How many rows are not among them.
     pub more: usize,
 }
 
 impl Numbers {
+    /// What is known of an effect, in the catalogue's order.
     pub fn of(estimate: &Estimate) -> Self {
         let of_rows = estimate.known().filter(|(one, _)| one.row.is_some());
         if of_rows.count() <= FEW {
@@ -48,11 +48,13 @@ impl Numbers {
 impl Rows {
     fn of(numbers: Vec<(Parameter, Value)>) -> Self {
         let mut columns: Vec<Parameter> = Vec::new();
-        let mut values: BTreeMap<usize, Vec<Option<Value>>> = BTreeMap::new();
+        let mut values: Vec<Vec<Option<Value>>> = Vec::new();
         for (parameter, value) in numbers {
             let is_own = |column: &Parameter| column.stem() == parameter.stem();
             let column = columns.iter().position(is_own).unwrap_or(columns.len());
-            let row = values.entry(parameter.row.unwrap_or(0)).or_default();
+            let number = parameter.row.unwrap_or(1);
+            values.resize(values.len().max(number), Vec::new());
+            let row = &mut values[number - 1];
             row.resize(row.len().max(column + 1), None);
             row[column] = Some(value);
             if column == columns.len() {
@@ -66,11 +68,10 @@ impl Rows {
             MOST_IN_LINES
         };
         let more = values.len().saturating_sub(most);
-        let values = values.into_values().take(most).map(|mut row| {
-            row.resize(columns.len(), None);
-            row
-        });
-        let values = values.collect();
+        values.truncate(most);
+        values
+            .iter_mut()
+            .for_each(|row| row.resize(columns.len(), None));
         Self {
             columns,
             values,
@@ -83,7 +84,7 @@ impl Rows {
 mod tests {
     use super::*;
     use crate::model::kind::Kind;
-    use crate::model::{drift, motion, steps};
+    use crate::model::{drift, hum, motion, steps};
 
     fn of(kind: Kind, values: &[f64]) -> Numbers {
         let known = |value: &f64| Value::told(*value);
@@ -121,6 +122,18 @@ mod tests {
             (rows.columns.len(), rows.values.len(), rows.more),
             (1, 33, 0)
         );
+    }
+
+    #[test]
+    fn a_multiple_that_was_not_found_keeps_its_place() {
+        let mut values = vec![Some(Value::told(1.0)); hum::KIND.parameters(&[1.0; 15]).len()];
+        let frequency = hum::KIND.parameters(&[1.0; 15]);
+        let second = frequency.iter().position(|one| one.row == Some(2));
+        values[second.expect("a second multiple")] = None;
+        let kind = hum::KIND;
+        let rows = Numbers::of(&Estimate { kind, values }).rows.expect("rows");
+        let known: Vec<bool> = rows.values.iter().map(|row| row[0].is_some()).collect();
+        assert_eq!(known[..3], [true, false, true]);
     }
 
     #[test]
