@@ -28,6 +28,7 @@ fn scene(base: Base, samples: usize) -> Scene {
         declared: true,
         relative: false,
         missing: 0.0,
+        measured: None,
     }
 }
 
@@ -273,6 +274,7 @@ fn what_missing_samples_take_away_is_what_the_rest_says() {
     for (seed, base, least) in [(1, WHITE, 0.9), (2, rough, 0.8), (3, rougher, 0.45)] {
         let scene = Scene {
             missing: MISSING,
+            measured: None,
             ..scene(base, SAMPLES)
         };
         let mut draw = Draw::new(seed, "missing");

@@ -91,6 +91,9 @@ usage: cargo xtask <command>
              whether `inm diagnose` finds effects hidden in records; hours for 200 seeds
   study everyday [--seeds N] [--kind KIND]
              whether `inm diagnose` says what happened: a knock, a door, a fan, a logger that averages
+  study added --records LIST [--seeds N] [--kind KIND]
+             whether `inm diagnose` names effects added to stretches of real records, and nothing beside;
+             LIST is JSON: docs/explanation/judge.md says what is in it
   study robust [--records N] [--first-seed S]
              whether `inm diagnose` keeps its head on records of any length, type and content; an hour
              for 5000
@@ -126,6 +129,7 @@ fn main() -> ExitCode {
         ["study", "intervals"] => study::intervals(),
         ["study", "diagnose", ref options @ ..] => study::diagnose(options),
         ["study", "everyday", ref options @ ..] => study::everyday(options),
+        ["study", "added", ref options @ ..] => study::added(options),
         ["study", "robust", ref options @ ..] => study::robust(options),
         ["study", "live"] => study::live(None),
         ["study", "live", "--minutes", minutes] => study::live(Some(minutes)),

@@ -50,6 +50,15 @@ pub fn everyday(options: &[&str]) -> Result<()> {
     judge("study_everyday", options)
 }
 
+/// Whether `inm diagnose` names effects that are added to stretches of real records; prints tables. `options` go to the
+/// study.
+///
+/// # Errors
+/// It does not build, or the options are wrong.
+pub fn added(options: &[&str]) -> Result<()> {
+    judge("study_added", options)
+}
+
 /// Whether tabs in a browser cost a sample, and hold more with time; prints what each held. `minutes` are the
 /// board's; ten if `None`.
 ///

@@ -12,6 +12,7 @@
 //! ```
 //! `noise` makes the records' noise; `ideal` says what an ideal detector could find in it.
 
+pub mod added;
 pub mod axis;
 pub mod case;
 pub mod draw;

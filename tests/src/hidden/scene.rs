@@ -1,8 +1,12 @@
 //! What a record is like apart from what is hidden in it.
 
+use std::sync::Arc;
+
 use super::draw::Draw;
+use super::noise::allan;
 use super::noise::base::{Base, densities};
 use super::noise::chain::Chain;
+use super::noise::measured::Measured;
 
 /// Samples a second, unless a test says otherwise.
 pub const RATE_HZ: f64 = 2000.0;
@@ -28,6 +32,9 @@ pub struct Scene {
     pub relative: bool,
     /// Share of the samples that is missing, one here and one there.
     pub missing: f64,
+    /// The law of the noise, where the record is a real one: then `axes` are about as strong at both ends of the
+    /// spectrum.
+    pub measured: Option<Arc<Measured>>,
 }
 
 impl Scene {
@@ -42,6 +49,7 @@ impl Scene {
             declared: true,
             relative: false,
             missing: 0.0,
+            measured: None,
         }
     }
 
@@ -66,14 +74,32 @@ impl Scene {
 
     /// Two-sided density of an axis' noise behind the chain, per hertz.
     pub fn density(&self, axis: usize, f_hz: f64) -> f64 {
+        if let Some(measured) = &self.measured {
+            return measured.density(f_hz);
+        }
         let squares = self.axes[axis].squares();
         let parts = self.parts(f_hz);
         parts.iter().zip(squares).map(|(part, s)| part * s).sum()
     }
 
+    /// Allan variance of an axis' noise ahead of the chain, without the ramp, averages over `tau_s`.
+    pub fn allan_variance(&self, axis: usize, tau_s: f64) -> f64 {
+        match &self.measured {
+            None => self.axes[axis].allan_variance(tau_s),
+            Some(measured) => {
+                let samples = (tau_s * self.rate_hz).round().max(1.0) as u64;
+                let law = |f_hz: f64| measured.density(f_hz);
+                allan::of_law(self.rate_hz, &[samples], law)[0]
+            }
+        }
+    }
+
     /// Two-sided density behind the chain of the two terms that have no memory beyond a sample:
-    /// white and quantisation.
+    /// white and quantisation. Of a real record, of what is fast ([`Measured::short`]).
     pub fn short_density(&self, axis: usize, f_hz: f64) -> f64 {
+        if let Some(measured) = &self.measured {
+            return measured.density(f_hz) * measured.short(f_hz);
+        }
         let squares = self.axes[axis].squares();
         let parts = self.parts(f_hz);
         parts[2] * squares[2] + parts[3] * squares[3]

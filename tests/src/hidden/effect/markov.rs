@@ -61,7 +61,7 @@ impl Effect for Markov {
             parts
         });
         let rival = contrast_nearest(&truth, powers, &grid).error();
-        let noise = scene.axes[scene.target].allan_variance(self.time_s);
+        let noise = scene.allan_variance(scene.target, self.time_s);
         let blocks = scene.duration_s() / (2.0 * self.time_s);
         let levels = levels::contrast(2.0 * self.amplitude, noise, blocks, Data::Gaussian);
         Evidence {

@@ -51,7 +51,7 @@ impl Effect for Telegraph {
                 + 0.25 * self.height.powi(2) * lorentzian(f_hz, 0.0, width_hz, scene) * passed
         });
         let seen = contrast(&truth, &grid.base(scene, |_| 1.0), &grid);
-        let noise = scene.axes[scene.target].allan_variance(0.5 * self.dwell_s);
+        let noise = scene.allan_variance(scene.target, 0.5 * self.dwell_s);
         let blocks = scene.duration_s() / self.dwell_s;
         let levels = levels::contrast(self.height, noise, blocks, Data::TwoLevels);
         Evidence {

@@ -63,10 +63,11 @@ impl Grid {
         self.f_hz.iter().map(|&f_hz| law(f_hz)).collect()
     }
 
-    /// The base's terms at every bin, each per unit square, times `power`.
+    /// The base's terms at every bin, each per unit square, times `power`; of a real record also what was measured.
     pub fn base(&self, scene: &Scene, power: impl Fn(f64) -> f64) -> Vec<Vec<f64>> {
-        (0..4)
-            .map(|part| self.at(|f_hz| scene.parts(f_hz)[part] * power(f_hz)))
-            .collect()
+        let terms = (0..4).map(|part| self.at(|f_hz| scene.parts(f_hz)[part] * power(f_hz)));
+        let measured = scene.measured.iter();
+        let measured = measured.map(|law| self.at(|f_hz| law.density(f_hz) * power(f_hz)));
+        terms.chain(measured).collect()
     }
 }

@@ -4,3 +4,4 @@ pub mod allan;
 pub mod base;
 pub mod chain;
 pub mod gaussian;
+pub mod measured;
