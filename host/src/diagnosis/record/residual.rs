@@ -52,8 +52,9 @@ impl Residual {
             ..Self::new(Arc::clone(&self.measured), Arc::clone(&self.whole))
         };
         left.spread = spread.map_or_else(Vec::new, |samples| left.about_jumps(samples).collect());
+        let samples = left.measured.len();
         let of_switching = left.taken.waves.iter().filter_map(|wave| match wave {
-            Wave::Switching(switching) => Some(switching.unsure()),
+            Wave::Switching(switching) => Some(switching.unsure(samples)),
             _ => None,
         });
         left.spread.extend(of_switching.flatten());

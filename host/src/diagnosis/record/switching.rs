@@ -47,10 +47,11 @@ impl Switching {
         }
     }
 
-    /// Samples that a jump may leave anything of, where jumps differ.
-    pub fn unsure(&self) -> impl Iterator<Item = std::ops::Range<usize>> {
+    /// Samples of a record of so many that a jump may leave anything of, where jumps differ.
+    pub fn unsure(&self, samples: usize) -> impl Iterator<Item = std::ops::Range<usize>> {
         let reach = self.edge.unsure;
-        let about = move |moment: &usize| moment.saturating_sub(reach)..moment + reach;
+        let about =
+            move |moment: &usize| moment.saturating_sub(reach)..(moment + reach).min(samples);
         self.moments.iter().filter(move |_| reach > 0).map(about)
     }
 }
@@ -76,7 +77,21 @@ mod tests {
         assert_eq!(up_to(&values[..5]), [2.0, 2.0, 1.0, -1.0, -2.0]);
         assert_eq!(up_to(&values[8..12]), [-2.0, -1.0, 1.0, 2.0]);
         assert_eq!(up_to(&values[17..]), [2.0, 1.0, -1.0]);
-        let unsure: Vec<_> = switching.unsure().collect();
+        let unsure: Vec<_> = switching.unsure(values.len()).collect();
         assert_eq!(unsure, [2..4, 9..11, 18..20]);
+    }
+
+    #[test]
+    fn what_is_unsure_of_the_last_jump_ends_with_the_record() {
+        let switching = Switching {
+            moments: vec![3, 50, 96],
+            first: 1.0,
+            edge: Edge {
+                beside: Vec::new(),
+                unsure: 8,
+            },
+        };
+        let unsure: Vec<_> = switching.unsure(100).collect();
+        assert_eq!(unsure, [0..11, 42..58, 88..100]);
     }
 }
