@@ -14,6 +14,7 @@ use crate::diagnosis::held_out::laws::Ordinates;
 use crate::diagnosis::laws;
 use crate::diagnosis::laws::departure::departure;
 use crate::diagnosis::laws::spread::Spread;
+use crate::diagnosis::loser::Loser;
 use crate::diagnosis::options::Options;
 use crate::diagnosis::progress::{Progress, Step};
 use crate::diagnosis::recognised;
@@ -32,14 +33,12 @@ use crate::fit::likelihood::components::SEEN;
 use crate::fit::likelihood::ramp::Ramp;
 use crate::fit::likelihood::terms::{self, LikelihoodFit};
 use crate::model::PerCoefficient;
-use crate::model::kind::Kind;
 use crate::numeric::mixture::add_mixture;
 use crate::signal::Axis;
 use crate::source::Values;
 
-/// Effects that may be refused before the rest is taken as it is: a choice. Each refusal costs
-/// another search of the axis.
-const MOST_REFUSED: usize = 4;
+/// Times that something is refused before the rest is taken as it is: a choice. Each costs another search of the axis.
+const MOST_REFUSALS: usize = 5;
 
 /// An axis whose effects are found, and how it came to that.
 pub struct Explained {
@@ -177,37 +176,40 @@ pub fn explain(
     })
 }
 
-/// Explains the axis called `name` by an `attempt` that is told which kinds are refused, and does so anew from its
+/// Explains the axis called `name` by an `attempt` that is told what is refused, and does so anew from its
 /// beginning without what gained nothing, and without what left nothing to fit. The axis, what came of the last
 /// attempt, and the gain of each explanation on held-out data.
 fn without_losers<T>(
     name: &str,
     first: AxisState,
     begin: impl Fn() -> Result<AxisState, Refused>,
-    attempt: impl Fn(&mut AxisState, &[Kind]) -> Result<T, Spoilt>,
+    attempt: impl Fn(&mut AxisState, &[Loser]) -> Result<T, Spoilt>,
 ) -> Result<(AxisState, T, Vec<Option<f64>>), Refused> {
-    let mut refused: Vec<Kind> = Vec::new();
+    let mut refused: Vec<Loser> = Vec::new();
     let mut axis = first;
-    loop {
+    for further in (0..=MOST_REFUSALS).rev() {
         match attempt(&mut axis, &refused) {
             Ok(done) => {
                 let held_out_nats = held_out(&axis);
-                let losers = losers(&axis, &held_out_nats);
-                if losers.is_empty() || refused.len() > MOST_REFUSED {
+                let losers = Loser::among(axis.explanations(), &held_out_nats);
+                if losers.is_empty() || further == 0 {
                     return Ok((axis, done, held_out_nats));
                 }
                 refused.extend(losers);
             }
             // What was taken in last left nothing that can be fitted: the rest is explained without it.
             Err(Spoilt { latest }) => {
-                let spoils = latest.filter(|_| refused.len() <= MOST_REFUSED);
-                refused.push(spoils.ok_or_else(|| Refused::Unfitted {
-                    axis: name.to_owned(),
-                })?);
+                let Some(latest) = latest.filter(|_| further > 0) else {
+                    break;
+                };
+                refused.push(Loser::all(latest));
             }
         }
         axis = begin()?;
     }
+    Err(Refused::Unfitted {
+        axis: name.to_owned(),
+    })
 }
 
 impl Bare {
@@ -277,15 +279,6 @@ fn with_intervals(axis: &mut AxisState) -> Vec<f64> {
         }
     });
     squares_sd
-}
-
-/// What gains nothing on data that it was not fitted to is no effect.
-fn losers(axis: &AxisState, held_out_nats: &[Option<f64>]) -> Vec<Kind> {
-    let pairs = axis.explanations().iter().zip(held_out_nats);
-    pairs
-        .filter(|(_, nats)| nats.is_some_and(|nats| nats <= 0.0))
-        .map(|(one, _)| one.kind())
-        .collect()
 }
 
 /// Why there is no spectrum of these samples.

@@ -9,6 +9,7 @@ pub mod explanation;
 pub mod family;
 pub mod held_out;
 pub mod laws;
+pub mod loser;
 pub mod options;
 pub mod progress;
 pub mod recognised;

@@ -11,6 +11,7 @@ use crate::diagnosis::axis::{AxisState, NoFit};
 use crate::diagnosis::detect::look::{Character, Context, Look, Proposal};
 use crate::diagnosis::detect::{self, Detector};
 use crate::diagnosis::explanation::{Candidate, Change};
+use crate::diagnosis::loser::Loser;
 use crate::diagnosis::room;
 use crate::model::kind::Kind;
 
@@ -184,7 +185,8 @@ impl<'a> Search<'a> {
     /// Takes a candidate in, unless it is refused.
     fn explain(&mut self, candidate: Candidate) -> Result<Changed, NoFit> {
         let kind = candidate.effect.kind;
-        if self.context.refused.contains(&kind) || !room::holds(self.axis, &candidate) {
+        let is_refused = |loser: &Loser| loser.is(&candidate.effect, &candidate.change);
+        if self.context.refused.iter().any(is_refused) || !room::holds(self.axis, &candidate) {
             return Ok(Changed::Nothing);
         }
         let is_only_law = matches!(candidate.change, Change::Law(_))

@@ -2,6 +2,7 @@
 
 use crate::diagnosis::axis::{AxisState, Excluded};
 use crate::diagnosis::explanation::{Candidate, Explanation};
+use crate::diagnosis::loser::Loser;
 use crate::diagnosis::record::reading::Reading;
 use crate::diagnosis::values::ValueFindings;
 use crate::model::kind::Kind;
@@ -15,8 +16,8 @@ pub struct Context<'a> {
     pub covariate: Option<&'a Reading>,
     /// What the values themselves say.
     pub values: &'a ValueFindings,
-    /// Kinds that are not proposed any more: they gained nothing on held-out data.
-    pub refused: &'a [Kind],
+    /// What is not proposed any more.
+    pub refused: &'a [Loser],
     /// Called with the kind of each effect that is taken in.
     pub found: &'a (dyn Fn(Kind) + Sync),
 }
@@ -55,7 +56,8 @@ impl Look<'_> {
 
     /// Whether a kind may still be proposed.
     pub fn is_open(&self, kind: Kind) -> bool {
-        !self.context.refused.contains(&kind)
+        let mut refused = self.context.refused.iter();
+        !refused.any(|one| one.is_all_of(kind))
     }
 
     /// Number of the explanation of a kind.

@@ -8,6 +8,7 @@ use super::Detector;
 use super::look::{Character, Context, Lesson, Look, Proposal};
 use crate::diagnosis::axis::{AxisState, Excluded};
 use crate::diagnosis::explanation::{Candidate, Change};
+use crate::diagnosis::loser::Loser;
 use crate::diagnosis::record::reading::Reading;
 use crate::diagnosis::record::wave::{Jump, Outlier, Wave};
 use crate::diagnosis::result::estimate::Estimate;
@@ -70,7 +71,7 @@ pub struct Trial {
     /// A covariate.
     pub covariate: Option<Reading>,
     /// Kinds that are not proposed any more.
-    pub refused: Vec<Kind>,
+    pub refused: Vec<Loser>,
 }
 
 impl Trial {
@@ -86,6 +87,11 @@ impl Trial {
             covariate: None,
             refused: Vec::new(),
         }
+    }
+
+    /// Lets a kind be refused.
+    pub fn refuse(&mut self, kind: Kind) {
+        self.refused.push(Loser::all(kind));
     }
 
     /// Lets something look at the axis.

@@ -20,7 +20,7 @@ type Outcome = Result<(Character, Option<Kind>), Spoilt>;
 /// What comes of a search by detectors that are made up, `refused` kinds aside, and what was told of it.
 fn search(
     axis: &mut AxisState,
-    refused: &[Kind],
+    refused: &[Loser],
     before_rounds: &[&Detector],
     round: &[&Detector],
 ) -> (Outcome, Vec<Kind>) {
@@ -164,7 +164,7 @@ fn what_the_values_say_is_asked_before_all_rounds_until_nothing_is_new() {
 #[test]
 fn a_kind_that_is_refused_is_not_taken_in() {
     let mut axis = noise(3);
-    let refused = [burst::KIND];
+    let refused = [Loser::all(burst::KIND)];
     let (done, told) = search(&mut axis, &refused, &[], &[&STUBBORN, &PATIENT]);
     assert_eq!(kinds(&axis), [sinusoid::KIND], "seed 3");
     assert_eq!(told, [sinusoid::KIND], "seed 3");

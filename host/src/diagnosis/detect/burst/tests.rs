@@ -194,7 +194,7 @@ fn a_long_stretch_beside_a_long_burst_is_another() {
 #[test]
 fn a_burst_that_is_refused_is_not_proposed() {
     let mut trial = Trial::new(values(0, 9000..11_000, 2.0));
-    trial.refused.push(KIND);
+    trial.refuse(KIND);
     assert!(trial.ask(&DETECTOR).is_empty(), "seed 0");
 }
 

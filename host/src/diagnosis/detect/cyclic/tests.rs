@@ -132,7 +132,7 @@ fn a_swing_is_proposed_once_and_not_on_a_grid() {
     assert_eq!(found.effect.kind, KIND, "seed 3");
     // Its loud parts may have passed for them.
     assert_eq!(found.supersedes, [burst::KIND, outliers::KIND], "seed 3");
-    trial.refused.push(KIND);
+    trial.refuse(KIND);
     assert!(trial.ask(&DETECTOR).is_empty(), "seed 3: refused");
     let mut coarse = swung(3, factor);
     let grid = Change::Grid { decides: false };

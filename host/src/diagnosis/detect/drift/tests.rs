@@ -141,7 +141,7 @@ fn a_course_is_looked_for_once_and_not_where_it_was_refused() {
     each.for_each(|(n, value)| *value += truth(n));
     let mut trial = Trial::new(values);
     assert!(trial.look(find).is_some(), "seed {seed}");
-    trial.refused.push(KIND);
+    trial.refuse(KIND);
     assert!(trial.look(find).is_none(), "seed {seed}: refused");
     trial.refused.clear();
     // Known, but nothing of it was taken out.

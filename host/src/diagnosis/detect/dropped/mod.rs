@@ -155,7 +155,7 @@ mod tests {
         let mut kinds = trial::kinds(&trial.ask(&DETECTOR));
         assert_eq!(kinds.pop(), Some(KIND), "seed 0");
         assert_eq!(kinds, [sinusoid::KIND; 3], "seed 0");
-        trial.refused.push(KIND);
+        trial.refuse(KIND);
         assert!(trial.ask(&DETECTOR).is_empty(), "seed 0: refused");
         trial.refused.clear();
         let out = Change::Waves(vec![trial::line(30.0, 0.0)]);

@@ -206,7 +206,7 @@ fn what_is_left_beside_a_line_is_no_second_one() {
     let out = Change::Waves(vec![trial::line(12.0, 0.0)]);
     trial.know(sinusoid::KIND, [12.0, 0.0], out);
     assert_eq!(single_hz(&trial, &[12.02, 13.0]), [13.0], "seed 2");
-    trial.refused.push(sinusoid::KIND);
+    trial.refuse(sinusoid::KIND);
     assert!(single_hz(&trial, &[13.0]).is_empty(), "seed 2: refused");
 }
 

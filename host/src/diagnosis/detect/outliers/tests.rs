@@ -39,7 +39,7 @@ fn large_samples_are_named_where_they_are() {
         let mut trial = with(seed, 9.0, &APART);
         let proposals = trial.ask(&DETECTOR);
         assert_eq!(named_at(proposals), APART, "seed {seed}");
-        trial.refused.push(KIND);
+        trial.refuse(KIND);
         assert!(trial.ask(&DETECTOR).is_empty(), "seed {seed}: refused");
         assert!(
             Trial::new(noise(seed)).ask(&DETECTOR).is_empty(),

@@ -192,7 +192,7 @@ fn shocks_are_told_once_and_not_where_they_were_refused() {
     add(&mut values, &[ringing(100.0, 30.0)]);
     let mut trial = Trial::new(values);
     assert!(!trial.ask(&DETECTOR).is_empty(), "seed 60");
-    trial.refused.push(KIND);
+    trial.refuse(KIND);
     assert!(trial.ask(&DETECTOR).is_empty(), "seed 60: refused");
     trial.refused.clear();
     let nothing = Change::Happened {

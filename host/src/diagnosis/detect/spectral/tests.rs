@@ -30,7 +30,7 @@ fn the_likeliest_law_is_named_if_it_is_open() {
         [resonance::KIND],
         "seed 0"
     );
-    trial.refused.push(resonance::KIND);
+    trial.refuse(resonance::KIND);
     let others = trial::kinds(&trial.ask(&DETECTOR));
     assert!(!others.contains(&resonance::KIND), "seed 0: refused");
     let steady = trial::kinds(&Trial::new(noise(0)).ask(&DETECTOR));
@@ -132,7 +132,7 @@ fn two_levels_are_named_once_and_not_where_they_were_refused() {
     assert!(anywhere(&switching(false)), "seed 7");
     assert!(!anywhere(&switching(true)), "seed 7: known");
     let mut refused = switching(false);
-    refused.refused.push(two_levels::KIND);
+    refused.refuse(two_levels::KIND);
     assert!(!anywhere(&refused), "seed 7: refused");
     assert_eq!(
         trial::kinds(&refused.ask(&DETECTOR)),
@@ -179,7 +179,7 @@ fn jumps_that_belong_to_a_switching_are_put_back() {
     assert!(trial::teaches(&proposals, &Lesson::LevelSwitches), "seed 6");
     assert_eq!(trial::kinds(&proposals), [two_levels::KIND], "seed 6");
     let mut refused = with(&jumps, steps::KIND);
-    refused.refused.push(two_levels::KIND);
+    refused.refuse(two_levels::KIND);
     assert!(
         !trial::withdraws(&refused.ask(&DETECTOR), steps::KIND),
         "seed 6: refused"

@@ -155,7 +155,7 @@ fn more_jumps_than_can_be_named_are_a_level_that_switches() {
 #[test]
 fn refused_jumps_are_not_named_again() {
     let mut trial = Trial::new(values(7, &[trial::jump(9000, 4.0)]));
-    trial.refused.push(KIND);
+    trial.refuse(KIND);
     assert!(trial.ask(&level::IN_FITTED_NOISE).is_empty(), "seed 7");
 }
 

@@ -36,7 +36,7 @@ fn what_follows_a_covariate_is_found_once() {
         "seed 0: follows nothing"
     );
     let mut refused = following(0, 2.0);
-    refused.refused.push(KIND);
+    refused.refuse(KIND);
     assert!(find(&refused).is_none(), "seed 0: refused");
     let mut alone = following(0, 2.0);
     alone.covariate = None;

@@ -162,7 +162,7 @@ fn a_multiple_within_an_excluded_band_is_none_of_it_and_what_is_refused_is_not_n
     assert_eq!(lines(&trial), Some(both), "seed 1");
     trial.exclude(38.0, 42.0);
     assert_eq!(lines(&trial), Some(both - 1), "seed 1: excluded");
-    trial.refused.push(wandering_line::KIND);
+    trial.refuse(wandering_line::KIND);
     assert_eq!(lines(&trial), None, "seed 1: refused");
 }
 

@@ -105,7 +105,7 @@ fn a_settling_is_found_once_and_not_where_it_was_refused() {
     let mut trial = Trial::new(values);
     let is_found = |trial: &Trial| trial.look(|look| find(look, Noise::Anew)).is_some();
     assert!(is_found(&trial), "seed 1");
-    trial.refused.push(KIND);
+    trial.refuse(KIND);
     assert!(!is_found(&trial), "seed 1: refused");
     trial.refused.clear();
     trial.know(KIND, [4.0, 30.0], trial::steps(&[]));

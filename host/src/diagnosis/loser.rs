@@ -1,0 +1,139 @@
+//! What gained nothing on data that it was not fitted to, and is not proposed any more.
+
+use crate::diagnosis::explanation::{Change, Explanation};
+use crate::diagnosis::result::estimate::Estimate;
+use crate::model::kind::Kind;
+use crate::model::marks::Mark;
+
+/// Share of a frequency by which what is found in its place may differ, at most: a choice. The next line or peak of a
+/// record is farther off, and what is found again is nearer.
+const SAME: f64 = 0.01;
+
+/// An effect that is not proposed any more: of its kind at all, or where it was found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Loser {
+    kind: Kind,
+    /// Its frequency, hertz, where others of its kind stand.
+    at_hz: Option<f64>,
+}
+
+impl Loser {
+    /// All of a kind.
+    pub const fn all(kind: Kind) -> Self {
+        Self { kind, at_hz: None }
+    }
+
+    /// Those of some explanations that gained nothing, as `held_out_nats` say. A line or a peak among others that gained
+    /// is refused by itself: they are there whatever it is.
+    pub fn among(explanations: &[Explanation], held_out_nats: &[Option<f64>]) -> Vec<Self> {
+        let pairs = || explanations.iter().zip(held_out_nats);
+        let gained = |kind| {
+            let mut of_kind = pairs().filter(|(one, _)| one.kind() == kind);
+            of_kind.any(|(_, nats)| nats.is_some_and(|nats| nats > 0.0))
+        };
+        let losers = pairs().filter(|(_, nats)| nats.is_some_and(|nats| nats <= 0.0));
+        let losers = losers.map(|(one, _)| Self {
+            kind: one.kind(),
+            at_hz: frequency(&one.effect, &one.change).filter(|_| gained(one.kind())),
+        });
+        losers.collect()
+    }
+
+    /// Whether a kind is out altogether.
+    pub fn is_all_of(&self, kind: Kind) -> bool {
+        self.kind == kind && self.at_hz.is_none()
+    }
+
+    /// Whether an effect is what is not proposed any more.
+    pub fn is(&self, effect: &Estimate, change: &Change) -> bool {
+        let is_there = |at_hz: f64| {
+            let f_hz = frequency(effect, change);
+            f_hz.is_some_and(|f_hz| (f_hz / at_hz - 1.0).abs() < SAME)
+        };
+        self.kind == effect.kind && self.at_hz.is_none_or(is_there)
+    }
+}
+
+/// Where the line or peak of an effect is, hertz.
+fn frequency(effect: &Estimate, change: &Change) -> Option<f64> {
+    let values = match change {
+        Change::Law(law) => law.values.clone(),
+        _ => effect.plain(),
+    };
+    let marks = effect.kind.marks(&values).into_iter();
+    marks.into_iter().find_map(|mark| match mark {
+        Mark::Line { f_hz, multiple: 1 } => Some(f_hz),
+        _ => None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::explanation::Candidate;
+    use crate::diagnosis::trial::{NOTHING, axis, law, line, made_up, short};
+    use crate::model::{resonance, sinusoid, steps};
+
+    /// Candidates with their gains, taken into an axis of white noise; what loses of them.
+    fn among(all: Vec<(Candidate, f64)>) -> Vec<Loser> {
+        let mut axis = axis(1, short(1), |_, noise| noise);
+        let nats: Vec<Option<f64>> = all.iter().map(|(_, nats)| Some(*nats)).collect();
+        for (candidate, _) in all {
+            axis.accept(candidate).expect("a fit");
+        }
+        Loser::among(axis.explanations(), &nats)
+    }
+
+    fn sinusoid_at(f_hz: f64) -> Candidate {
+        let mut one = made_up(sinusoid::KIND, line(f_hz, 0.3).into());
+        one.effect = Estimate::new(
+            sinusoid::KIND,
+            [f_hz, 0.3].map(crate::diagnosis::result::value::Value::told),
+        );
+        one
+    }
+
+    #[test]
+    fn a_line_that_loses_leaves_those_that_gain() {
+        let losers = among(vec![
+            (sinusoid_at(50.0), 600.0),
+            (sinusoid_at(80.0), -1.0),
+            (made_up(steps::KIND, NOTHING), -1.0),
+        ]);
+        let is_out = |one: Candidate| {
+            losers
+                .iter()
+                .any(|loser| loser.is(&one.effect, &one.change))
+        };
+        assert!(!is_out(sinusoid_at(50.0)));
+        assert!(is_out(sinusoid_at(80.1)));
+        assert!(is_out(made_up(steps::KIND, NOTHING)));
+        let is_all = |kind| losers.iter().any(|loser| loser.is_all_of(kind));
+        assert!(is_all(steps::KIND) && !is_all(sinusoid::KIND));
+    }
+
+    #[test]
+    fn a_line_that_loses_alone_takes_its_kind_with_it() {
+        let losers = among(vec![(sinusoid_at(80.0), -1.0)]);
+        assert_eq!(losers, [Loser::all(sinusoid::KIND)]);
+    }
+
+    #[test]
+    fn a_peak_is_where_its_law_is() {
+        let peak = |f_hz: f64| {
+            let law = law(resonance::KIND, &[f_hz, 2.0, 1.0]);
+            (Estimate::of_law(resonance::KIND), law)
+        };
+        let at_hz = |f_hz: f64| {
+            let (effect, law) = peak(f_hz);
+            frequency(&effect, &law)
+        };
+        assert_eq!((at_hz(100.0), at_hz(200.0)), (Some(100.0), Some(200.0)));
+        let loser = Loser {
+            kind: resonance::KIND,
+            at_hz: at_hz(200.0),
+        };
+        let is_out = |(effect, law): (Estimate, Change)| loser.is(&effect, &law);
+        assert!(!is_out(peak(100.0)) && is_out(peak(200.5)) && !is_out(peak(203.0)));
+    }
+}
