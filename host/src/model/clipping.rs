@@ -3,6 +3,7 @@
 use super::Seed;
 use super::effect::{Distorter, Distortion, Effect, Parameter, Part, Quantity, Stage};
 use super::kind::Kind;
+use crate::numeric::written::significant;
 
 /// What is beyond a level is held at it. How much that takes from the noise depends on how far
 /// the mean is from the level, which wanders; the law leaves it at 1, which is right as long as
@@ -65,9 +66,9 @@ impl Effect for Entry {
 
     fn check(&self, values: &[f64]) -> String {
         format!(
-            "compare {:.6e} with the converter's full scale, then with the amplifier's swing and \
+            "compare {} with the converter's full scale, then with the amplifier's swing and \
              the sensor's range: reduce the gain or move the offset {}",
-            values[0],
+            significant(values[0], 7),
             if values[1] > 0.0 { "down" } else { "up" }
         )
     }

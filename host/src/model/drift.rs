@@ -5,6 +5,7 @@ use super::effect::{Effect, Parameter, Part, Quantity};
 use super::kind::Kind;
 use super::once::Once;
 use super::random::Generator;
+use crate::numeric::written::significant;
 
 /// A natural cubic spline through levels at even distances, the first at the start of the record; after the last the
 /// level stays. It is the smoothest curve through them: of all with these levels it has the least mean square of the
@@ -162,9 +163,9 @@ impl Effect for Entry {
         let least = levels.iter().copied().fold(f64::INFINITY, f64::min);
         let most = levels.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         format!(
-            "record the temperature with it and give the column as --temperature: a drift of {:.3e} that follows it is \
+            "record the temperature with it and give the column as --temperature: a drift of {} that follows it is \
              `thermal`; of two boards side by side both drift if it is the room",
-            most - least
+            significant(most - least, 4)
         )
     }
 

@@ -19,6 +19,17 @@ impl Kind {
     pub(super) const fn of(entry: &'static dyn Effect) -> Self {
         Self(entry)
     }
+
+    /// Its name behind the article that it takes.
+    pub fn with_article(self) -> String {
+        let name = self.name();
+        let article = if name.starts_with(['a', 'e', 'i', 'o']) {
+            "an"
+        } else {
+            "a"
+        };
+        format!("{article} {name}")
+    }
 }
 
 impl Deref for Kind {

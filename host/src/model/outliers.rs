@@ -1,5 +1,6 @@
 //! Outliers: single samples that are far off.
 
+use crate::numeric::written::significant;
 use rand_distr::{Distribution, Exp1};
 use rand_pcg::Pcg64;
 
@@ -187,10 +188,10 @@ impl Effect for Entry {
 
     fn check(&self, values: &[f64]) -> String {
         format!(
-            "short the converter's input: outliers that still come, {:.3e} a second, are words \
+            "short the converter's input: outliers that still come, {} a second, are words \
              torn on the way to the host, so look at their codes for shifted bits; else look for \
              what switches near the sensor",
-            values[0]
+            significant(values[0], 4)
         )
     }
 

@@ -4,6 +4,7 @@
 use super::Seed;
 use super::effect::{Distorter, Distortion, Effect, Incoming, Parameter, Part, Quantity, Stage};
 use super::kind::Kind;
+use crate::numeric::written::significant;
 
 /// Samples are rounded to multiples of a step, counted from zero and not from the mean.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,9 +79,9 @@ impl Effect for Entry {
 
     fn check(&self, values: &[f64]) -> String {
         format!(
-            "compare the step of {:.6e} with one code of the converter: as much is its resolution, \
+            "compare the step of {} with one code of the converter: as much is its resolution, \
              a power of two times as much is bits lost in a conversion or a file format",
-            values[0].abs()
+            significant(values[0].abs(), 7)
         )
     }
 

@@ -6,6 +6,7 @@ use super::kind::Kind;
 use super::marks::Mark;
 use super::once::Once;
 use super::random::Generator;
+use crate::numeric::written::significant;
 
 /// Jumps of the level at given times. Not random, and no two records have them alike: what they
 /// add to an Allan variance depends on where in the record they are, so the law says zero. Whoever
@@ -100,9 +101,10 @@ impl Effect for Entry {
             .max_by(|a, b| a[1].abs().total_cmp(&b[1].abs()))
             .expect("at least one step");
         format!(
-            "recall what happened {:.2} s into the record, at the largest step of {:.3e}; jumps in \
+            "recall what happened {:.2} s into the record, at the largest step of {}; jumps in \
              all axes at once are the block or the supply, jumps in one are its sensor or joint",
-            largest[0], largest[1]
+            largest[0],
+            significant(largest[1], 4)
         )
     }
 

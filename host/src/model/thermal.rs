@@ -3,6 +3,7 @@
 use super::effect::{Effect, Parameter, Part, Quantity};
 use super::follows::Follows;
 use super::kind::Kind;
+use crate::numeric::written::significant;
 
 /// The signal follows the temperature column, behind a lag.
 struct Entry;
@@ -33,9 +34,9 @@ impl Effect for Entry {
 
     fn check(&self, values: &[f64]) -> String {
         format!(
-            "compare {:.3e} a kelvin with the data sheet's zero drift, then change the temperature \
+            "compare {} a kelvin with the data sheet's zero drift, then change the temperature \
              by 10 K and wait {:.0} s: the level follows, or it is chance",
-            values[0],
+            significant(values[0], 4),
             (5.0 * values[1]).max(1.0)
         )
     }

@@ -3,7 +3,6 @@
 use std::fmt::{Result, Write};
 
 use super::allan_plot;
-use super::number::{grouped, significant};
 use super::page;
 use super::plot::frame::WIDTH;
 use super::spectrum_plot;
@@ -11,6 +10,7 @@ use super::svg::{PAGE, escape, typeset};
 use super::verdict::{self, Trust};
 use crate::analyse::{Analysis, AxisAnalysis, LikelihoodValue, PublishedValue};
 use crate::model::Coefficient;
+use crate::numeric::written::{grouped, significant};
 
 /// The page.
 pub fn render(analysis: &Analysis) -> String {

@@ -6,7 +6,6 @@ pub mod bitmap;
 pub mod diagnosis;
 pub mod html;
 pub mod json;
-pub mod number;
 pub mod page;
 pub mod plot;
 pub mod png;

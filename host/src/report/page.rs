@@ -3,11 +3,11 @@
 
 use std::fmt::{Result, Write};
 
-use super::number::{duration, grouped, plain, significant};
 use super::rate;
 use super::svg::escape;
 use super::text::unusable_words;
 use crate::analyse::{GapSummary, SourceSummary};
+use crate::numeric::written::{duration, grouped, plain, significant};
 
 /// Colours, light and dark, and tables.
 pub const STYLE: &str = include_str!("page.css");

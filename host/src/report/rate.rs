@@ -1,8 +1,8 @@
 //! The data rate by the clocks that were there, in words.
 
-use super::number::significant;
 use crate::analyse::SourceSummary;
 use crate::clocks::{CRYSTALS, Measured};
+use crate::numeric::written::significant;
 
 /// The rate by each clock beside the board with its 95 % interval, where the record has one: by which, and what.
 pub(super) fn by_clocks(source: &SourceSummary) -> Vec<(&'static str, String)> {

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use super::number::{estimated, significant};
 use crate::diagnosis::result::finding::{Diagnosis, Finding};
+use crate::numeric::written::{estimated, significant};
 use crate::virtual_board::Hidden;
 
 /// What was hidden and what was found, with a newline at the end.

@@ -2,13 +2,13 @@
 
 use std::fmt::Write;
 
-use super::number::{duration, grouped, plain, significant};
 use super::{rate, verdict};
 use crate::analyse::{
     Analysis, AxisAnalysis, CurvePoint, LikelihoodValue, PublishedValue, SourceSummary,
     UnusableSummary,
 };
 use crate::model::Coefficient;
+use crate::numeric::written::{duration, grouped, plain, significant};
 use crate::plain::on_a_line;
 
 /// Rows of the Allan table at most; JSON and HTML have every point.

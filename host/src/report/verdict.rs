@@ -1,11 +1,11 @@
 //! In plain words: how far a coefficient can be trusted.
 
-use super::number::{duration, significant};
 use crate::analyse::{AxisAnalysis, LikelihoodFit, LikelihoodValue, PublishedValue};
 use crate::chain::Chain;
 use crate::data_sheet;
 use crate::model::Coefficient;
 use crate::navigate::{ALIGNMENT_S, Growth};
+use crate::numeric::written::{duration, significant};
 
 /// Half widths of the interval, relative to the value, up to which a coefficient counts as
 /// well known and as roughly known.

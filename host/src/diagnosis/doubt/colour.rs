@@ -57,13 +57,7 @@ pub fn of_law(
     }
     let change = law::change_of_law(axis, which);
     let change = change.filter(|one| one.p_value < level)?;
-    let name = kind.to_string();
-    let article = if name.starts_with(['a', 'e', 'i', 'o', 'u']) {
-        "an"
-    } else {
-        "a"
-    };
-    let what = format!("as {article} {name} whose {}", change.parameter);
+    let what = format!("as {} whose {}", kind.with_article(), change.parameter);
     Some((changing(&change, band_hz, &what), change.log_sd))
 }
 

@@ -115,8 +115,8 @@ fn remark(axis: &AxisState, one: &Explanation, which: usize, factor: f64) -> Rem
         place: band.unwrap_or(0.0..0.5 * axis.rate_hz).into(),
         p_value: one.p_value,
         description: format!(
-            "power that a {} explains, of which the record says too little for a name: a 95 % interval {how}",
-            one.kind()
+            "power that {} explains, of which the record says too little for a name: a 95 % interval {how}",
+            one.kind().with_article()
         ),
     }
 }

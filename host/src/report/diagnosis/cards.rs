@@ -2,13 +2,13 @@
 
 use std::fmt::{Result, Write};
 
-use super::super::number::{estimated, probability, significant};
 use super::super::svg::{escape, typeset};
 use super::numbers::{Numbers, Rows};
 use crate::diagnosis::result::finding::{AxisDiagnosis, Finding, Remark};
 use crate::diagnosis::result::value::Value;
 use crate::model::effect::Parameter;
 use crate::model::{Coefficient, PerCoefficient};
+use crate::numeric::written::{estimated, probability, significant};
 
 /// Rivals that are named at most.
 const MOST_RIVALS: usize = 3;

@@ -1,7 +1,6 @@
 //! The record in time: extremes of its samples and of the model's deterministic part, and in the
 //! strip the means of both, which show what the noise hides.
 
-use super::super::number::significant;
 use super::super::plot::Stroke;
 use super::super::plot::frame::{Field, Frame, Title, Titles};
 use super::super::plot::legend::Mark;
@@ -10,6 +9,7 @@ use super::super::svg::{Theme, escape, typeset};
 use super::{DIFFERS, WITH_STRIP};
 use crate::diagnosis::result::finding::AxisDiagnosis;
 use crate::diagnosis::result::views::{Column, Course, Extent};
+use crate::numeric::written::significant;
 
 /// Opacity of extremes.
 const EXTREMES: f64 = 0.4;

@@ -2,7 +2,6 @@
 
 use std::fmt::{Result, Write};
 
-use super::super::number::significant;
 use super::super::page;
 use super::super::plot::frame::WIDTH;
 use super::super::svg::{PAGE, escape, typeset};
@@ -12,6 +11,7 @@ use super::text::MOST_TOLD;
 use super::{HEIGHT, cards, pictures};
 use crate::diagnosis::result::finding::{AxisDiagnosis, Diagnosis};
 use crate::diagnosis::result::views::VelocityError;
+use crate::numeric::written::significant;
 
 /// The page.
 pub fn render(diagnosis: &Diagnosis) -> String {

@@ -2,7 +2,7 @@
 
 use crate::diagnosis::result::finding::{AxisDiagnosis, Finding};
 use crate::model::marks::Mark;
-use crate::report::number::plain;
+use crate::numeric::written::plain;
 
 /// A name at a frequency or an averaging time.
 pub type Label = (f64, String);

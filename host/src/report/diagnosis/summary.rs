@@ -1,11 +1,11 @@
 //! What an axis comes to, in a few sentences: may one simulate with the model, what happened when, what has no name.
 
-use super::super::number::{grouped, significant};
 use crate::chain::Chain;
 use crate::diagnosis::result::finding::{AxisDiagnosis, Finding, Unnamed, UnnamedBand};
 use crate::diagnosis::result::verdict::Verdict;
 use crate::model::marks::Mark;
 use crate::model::rolloff;
+use crate::numeric::written::{grouped, significant};
 
 /// Moments and stretches that are listed, at most; the findings have all.
 const MOST_EVENTS: usize = 6;

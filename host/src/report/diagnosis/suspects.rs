@@ -1,7 +1,7 @@
 //! What was suspected and not found, in sentences.
 
-use super::super::number::{probability, significant};
 use crate::diagnosis::result::suspicion::{Best, Limit, Suspicion};
+use crate::numeric::written::{probability, significant};
 use crate::signal::Unit;
 
 /// Of the limits one in so many is told: they stand an octave apart, and JSON has all.

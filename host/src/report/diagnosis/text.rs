@@ -2,7 +2,6 @@
 
 use std::fmt::Write;
 
-use super::super::number::{estimated, probability, significant};
 use super::super::text::head;
 use super::numbers::{Numbers, Rows};
 use super::summary::summary;
@@ -11,6 +10,7 @@ use crate::diagnosis::result::finding::{AxisDiagnosis, Diagnosis, Finding, Remar
 use crate::diagnosis::result::value::Value;
 use crate::model::Coefficient;
 use crate::model::effect::Parameter;
+use crate::numeric::written::{estimated, probability, significant};
 
 /// Findings that are all printed in full; of more, the small ones in a line each.
 pub(super) const MOST_TOLD: usize = 3;

@@ -6,6 +6,7 @@ use crate::diagnosis::detect::Detector;
 use crate::diagnosis::detect::look::{Look, Proposal};
 use crate::diagnosis::result::finding::Remark;
 use crate::diagnosis::result::place::Place;
+use crate::numeric::written::significant;
 
 /// Excludes the lines that wander, once no resonance can be what makes them. Their tests are those of
 /// [`DETECTOR`](super::DETECTOR).
@@ -43,8 +44,8 @@ fn excluded(look: &Look<'_>, one: &Measured) -> Excluded {
             place: Place::Line(f_hz),
             p_value: one.line.false_alarm,
             description: format!(
-                "a line of amplitude {:.3e} that does not keep its size and phase: {}",
-                one.line.amplitude,
+                "a line of amplitude {} that does not keep its size and phase: {}",
+                significant(one.line.amplitude, 4),
                 wandering(f_hz)
             ),
         },
