@@ -7,13 +7,18 @@
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::explanation::{Candidate, Change};
 use crate::model::effect::{Part, Quantity};
+use crate::model::warmup;
 
 /// Share by which a size may be beyond the range of the values: a choice. An estimate of what fills all
 /// of it has its own error.
 const BEYOND: f64 = 0.05;
 
+/// How many times as large as the range of the values a settling may be: of two against each other, the one's time constant twice the
+/// other's or more, a quarter of each is left at least.
+const OPPOSED: f64 = 4.0;
+
 /// Whether a record like that of `axis` has room for a candidate: instants within it, waves no larger
-/// than the range of its values, factors above zero.
+/// than the range of its values, but for settlings that may go against each other, factors above zero.
 pub fn holds(axis: &AxisState, candidate: &Candidate) -> bool {
     let values = candidate.effect.plain();
     let parameters = candidate.effect.kind.parameters(&values);
@@ -26,12 +31,16 @@ pub fn holds(axis: &AxisState, candidate: &Candidate) -> bool {
         true => range(axis.residual.measured()),
         false => f64::INFINITY,
     };
+    let most = match candidate.effect.kind == warmup::KIND {
+        true => OPPOSED,
+        false => 1.0 + BEYOND,
+    };
     parameters
         .iter()
         .zip(&values)
         .all(|(parameter, value)| match parameter.quantity {
             Quantity::Instant => (0.0..=duration_s).contains(value),
-            Quantity::Signal => value.abs() <= range * (1.0 + BEYOND),
+            Quantity::Signal => value.abs() <= range * most,
             Quantity::Factor => *value > 0.0,
             _ => value.is_finite(),
         })
@@ -53,6 +62,7 @@ mod tests {
 
     use super::*;
     use crate::chain::Chain;
+    use crate::diagnosis::record::wave::Wave;
     use crate::diagnosis::result::estimate::Estimate;
     use crate::diagnosis::result::value::Value;
     use crate::diagnosis::trial::{RATE_HZ, axis, jump, law, line, numbers, short};
@@ -78,6 +88,20 @@ mod tests {
         assert!(!step(0.5 * end_s, -1e3));
         assert!(!step(1.01 * end_s, 1.0));
         assert!(!step(0.5 * end_s, f64::NAN));
+    }
+
+    #[test]
+    fn a_settling_may_go_against_another() {
+        let settles = |amplitude: f64| {
+            let wave = Wave::WarmUp {
+                amplitude,
+                samples: 500.0,
+            };
+            is_held(warmup::KIND, [amplitude, 0.5], Change::Waves(vec![wave]))
+        };
+        // Some thousand normal numbers span six to nine.
+        assert!(settles(20.0) && settles(-20.0));
+        assert!(!settles(50.0) && !settles(-50.0));
     }
 
     #[test]
