@@ -171,9 +171,11 @@ impl Effect for Entry {
 
     fn starts(&self, band: &Band) -> Vec<Vec<f64>> {
         // Up to far above half the rate, where only the beginning of the fall shows: from a corner that is
-        // too low by more than the root of two the likelihood would not rise.
+        // too low by more than the root of two the likelihood would not rise. What falls from less than half of a fiftieth of
+        // the rate on is a process that is slow: whoever reads a hundred samples in the time that a filter takes to
+        // answer has noise of the reading as well, which no filter has touched.
         Band {
-            from_hz: band.to_hz / 64.0,
+            from_hz: band.to_hz / 25.0,
             to_hz: 16.0 * band.to_hz,
         }
         .steps(2.0)
