@@ -145,19 +145,22 @@ mod tests {
 
     const LEVEL: f64 = 1e-4;
 
+    /// Noise whose variance is the part `feeds` of the last square, the part `lasts` of itself, and a constant.
+    fn feeding(seed: u64, feeds: f64, lasts: f64) -> Vec<f64> {
+        let mut normal = Gaussian::new(Seed { seed, stream: 0 }, 1.0);
+        let mut variance = 1.0;
+        let values = (0..70_001).map(|_| {
+            let value = f64::sqrt(variance) * normal.draw();
+            variance = 1.0 - feeds - lasts + feeds * value * value + lasts * variance;
+            value
+        });
+        values.collect()
+    }
+
     /// Of noise whose variance feeds on itself, whether it foretells a hundred samples about its largest one, or, where
     /// something is added, about its middle.
     fn foretells(seed: u64, added: f64, is_whole: bool) -> Option<bool> {
-        let feeds = 0.15;
-        let mut normal = Gaussian::new(Seed { seed, stream: 0 }, 1.0);
-        let mut variance = 1.0;
-        let mut values: Vec<f64> = (0..70_001)
-            .map(|_| {
-                let value = f64::sqrt(variance) * normal.draw();
-                variance = 1.0 - feeds - 0.82 + feeds * value * value + 0.82 * variance;
-                value
-            })
-            .collect();
+        let mut values = feeding(seed, 0.15, 0.82);
         let inside = 100..69_900;
         let largest = inside.max_by(|&a, &b| values[a].abs().total_cmp(&values[b].abs()));
         let at = if added > 0.0 {
@@ -195,17 +198,8 @@ mod tests {
     #[test]
     fn what_grows_slowly_is_not_foretold_by_its_own_beginning() {
         for seed in 50..54 {
-            // A third of the variance feeds on itself, as where a machine is heard now and then.
-            let feeds = 0.15;
-            let mut normal = Gaussian::new(Seed { seed, stream: 0 }, 1.0);
-            let mut variance = 1.0;
-            let mut values: Vec<f64> = (0..70_001)
-                .map(|_| {
-                    let value = f64::sqrt(variance) * normal.draw();
-                    variance = 0.7 - feeds + feeds * value * value + 0.3 * variance;
-                    value
-                })
-                .collect();
+            // Little of the variance feeds on itself, as where a machine is heard now and then.
+            let mut values = feeding(seed, 0.15, 0.3);
             // A hand that comes and goes: up to six times as loud, by a tenth in 16 samples.
             let event = 35_000..35_600;
             for (n, value) in values[event.clone()].iter_mut().enumerate() {

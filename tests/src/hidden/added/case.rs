@@ -73,7 +73,8 @@ pub fn kinds(stretch: &Stretch, held: &[String]) -> Vec<&'static Kind> {
 }
 
 impl Case {
-    /// Adds an effect of this kind to a stretch that has the names `held` already. None where an ideal detector sees none of them at any strength.
+    /// Adds an effect of this kind to a stretch that has the names `held` already. None where an ideal detector sees none
+    /// of them at any strength.
     pub fn draw(stretch: &Stretch, held: &[String], kind: &'static Kind) -> Option<Self> {
         let scene = &stretch.scene;
         let mut draw = Draw::new(stretch.seed, &format!("{} added", kind.name));
