@@ -14,6 +14,7 @@ use inm_tests::hidden::added::score::{Score, names, score};
 use inm_tests::hidden::added::stretch::Stretch;
 use inm_tests::hidden::added::tally::{Trial, tables};
 use inm_tests::hidden::effect::{self, Kind};
+use inm_tests::hidden::judge::answer::Answer;
 use inm_tests::hidden::judge::program::{Diagnose as _, Failure, Program};
 use inm_tests::hidden::judge::trial::each;
 
@@ -53,7 +54,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .iter()
         .find(|name| effect::find(name).is_none())
     {
-        return Err(format!("--kind {name}: no such kind").into());
+        let all: Vec<&str> = effect::KINDS.iter().map(|kind| kind.name).collect();
+        return Err(format!("--kind {name}: no such kind; one of {}", all.join(", ")).into());
     }
     let recordings = list::read(&arguments.records)?;
     let seeds: Vec<u64> = (arguments.first_seed..)
@@ -93,10 +95,15 @@ fn one_stretch(
     );
     let program = Program(arguments.inm.clone());
     let bare = match said(&stretch.samples, &stretch, &program, arguments, "bare") {
-        Ok((names, _)) => names,
+        Ok(answer) => names(&answer),
         Err(failure) => {
             eprintln!("{place}: FAILED bare, {failure}");
-            return Ok(Vec::new());
+            return Ok(vec![Trial {
+                kind: "bare",
+                record: stretch.record.clone(),
+                strength: 0.0,
+                result: Err(failure),
+            }]);
         }
     };
     let is_wanted = |kind: &&Kind| {
@@ -107,7 +114,7 @@ fn one_stretch(
     let trial = |case: Case| {
         let name = format!("{}-{:.1}", case.kind.name, case.strength);
         let said = said(&case.samples, &stretch, &program, arguments, &name);
-        let result = said.map(|(_, answer)| score(&case, &stretch, &bare, &answer));
+        let result = said.map(|answer| score(&case, &stretch, &bare, &answer));
         // A line a case, so that a study that is stopped early has still said what it found.
         match &result {
             Ok(score) => eprintln!("{place}: {} {}", name, verdict(score, &bare)),
@@ -135,14 +142,14 @@ fn verdict(score: &Score, bare: &[String]) -> String {
     }
 }
 
-/// What the program says of samples: names, and all of it.
+/// What the program says of samples of a stretch.
 fn said(
     samples: &[f64],
     stretch: &Stretch,
     program: &Program,
     arguments: &Arguments,
     name: &str,
-) -> Result<(Vec<String>, inm_tests::hidden::judge::answer::Answer), Failure> {
+) -> Result<Answer, Failure> {
     let temporary = tempfile::tempdir()?;
     let folder = match &arguments.keep {
         Some(folder) => folder.join(format!("{}-{name}", stretch.seed)),
@@ -153,6 +160,5 @@ fn said(
     if arguments.keep.is_some() {
         println!("{} {}", files.record.display(), files.arguments.join(" "));
     }
-    let answer = program.diagnose(&files)?.answer;
-    Ok((names(&answer), answer))
+    Ok(program.diagnose(&files)?.answer)
 }

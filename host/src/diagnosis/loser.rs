@@ -56,11 +56,10 @@ impl Loser {
 
 /// Where the line or peak of an effect is, hertz.
 fn frequency(effect: &Estimate, change: &Change) -> Option<f64> {
-    let values = match change {
-        Change::Law(law) => law.values.clone(),
-        _ => effect.plain(),
+    let marks = match change {
+        Change::Law(law) => effect.kind.marks(&law.values),
+        _ => effect.kind.marks(&effect.plain()),
     };
-    let marks = effect.kind.marks(&values).into_iter();
     marks.into_iter().find_map(|mark| match mark {
         Mark::Line { f_hz, multiple: 1 } => Some(f_hz),
         _ => None,

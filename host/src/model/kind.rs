@@ -23,7 +23,7 @@ impl Kind {
     /// Its name behind the article that it takes.
     pub fn with_article(self) -> String {
         let name = self.name();
-        let article = if name.starts_with(['a', 'e', 'i', 'o']) {
+        let article = if name.starts_with(['a', 'e', 'i', 'o', 'u']) {
             "an"
         } else {
             "a"

@@ -1,6 +1,5 @@
 //! Outliers: single samples that are far off.
 
-use crate::numeric::written::significant;
 use rand_distr::{Distribution, Exp1};
 use rand_pcg::Pcg64;
 
@@ -9,6 +8,7 @@ use super::effect::{Distorter, Distortion, Effect, Incoming, Parameter, Part, Qu
 use super::kind::Kind;
 use super::marks::Mark;
 use super::random::{self, Gaussian};
+use crate::numeric::written::significant;
 
 /// Impulses one sample long on top of what is there: at random times and of Gaussian height, or, where a record holds
 /// few, the very ones that it holds.

@@ -119,6 +119,10 @@ struct Entry;
 /// The same by its identity.
 pub const KIND: Kind = Kind::of(&Entry);
 
+/// Corner below which a sensor is seldom read so fast, as a share of the rate: fifty samples in the
+/// time that it takes to answer tell no more than five.
+const SELDOM: f64 = 0.02;
+
 impl Effect for Entry {
     fn name(&self) -> &'static str {
         "rolloff"
@@ -156,9 +160,6 @@ impl Effect for Entry {
     }
 
     fn surprise_nats(&self, values: &[f64], rate_hz: f64) -> f64 {
-        /// Corner below which a sensor is seldom read so fast, as a share of the rate: fifty samples in the
-        /// time that it takes to answer tell no more than five.
-        const SELDOM: f64 = 0.02;
         /// What that costs: one instrument in seven, a choice. It decides where noise with a correlation time
         /// and a pole on all noise differ by less than the record can distinguish.
         const NATS: f64 = 2.0;
@@ -171,11 +172,11 @@ impl Effect for Entry {
 
     fn starts(&self, band: &Band) -> Vec<Vec<f64>> {
         // Up to far above half the rate, where only the beginning of the fall shows: from a corner that is
-        // too low by more than the root of two the likelihood would not rise. What falls from less than half of a fiftieth of
-        // the rate on is a process that is slow: whoever reads a hundred samples in the time that a filter takes to
+        // too low by more than the root of two the likelihood would not rise. What is found at less than half of
+        // where a search begins is none, but a process that is slow: whoever reads a hundred samples in the time that a filter takes to
         // answer has noise of the reading as well, which no filter has touched.
         Band {
-            from_hz: band.to_hz / 25.0,
+            from_hz: SELDOM * 2.0 * band.to_hz,
             to_hz: 16.0 * band.to_hz,
         }
         .steps(2.0)

@@ -70,7 +70,7 @@ pub struct Trial {
     pub level: f64,
     /// A covariate.
     pub covariate: Option<Reading>,
-    /// Kinds that are not proposed any more.
+    /// What is not proposed any more.
     pub refused: Vec<Loser>,
 }
 

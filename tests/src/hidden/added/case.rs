@@ -138,10 +138,8 @@ fn add(
 /// Whether the effect adds noise.
 fn has_law(effect: &dyn Effect, stretch: &Stretch) -> bool {
     let scene = &stretch.scene;
-    let places = (1..64).map(|place| 0.5 * scene.rate_hz * f64::from(place) / 64.0);
-    places
-        .into_iter()
-        .any(|f_hz| effect.density(f_hz, scene) > 0.0)
+    let mut places = (1..64).map(|place| 0.5 * scene.rate_hz * f64::from(place) / 64.0);
+    places.any(|f_hz| effect.density(f_hz, scene) > 0.0)
 }
 
 /// Multiplies what is fast of the samples.

@@ -120,7 +120,7 @@ fn columns(source: &mut dyn Source, entry: &Entry) -> Result<Vec<Vec<f64>>, Sour
     let mut axes: Vec<Vec<f64>> = vec![Vec::new(); entry.columns.len()];
     let mut begin = None;
     while let Some(chunk) = source.next_chunk()? {
-        // A gap of no known length ends what is one record.
+        // Gaps show in the numbers of the samples.
         let Chunk::Samples(block) = chunk else {
             continue;
         };

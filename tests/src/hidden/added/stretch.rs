@@ -29,7 +29,7 @@ pub struct Stretch {
     pub from: usize,
     /// The samples.
     pub samples: Vec<f64>,
-    /// Size of a code, where there are few different numbers.
+    /// Size of a code, where all numbers are multiples of one.
     pub code: Option<f64>,
     /// Its rate, length and law.
     pub scene: Scene,
@@ -53,12 +53,19 @@ impl Stretch {
         }
         let count = draw.log_uniform(SHORTEST as f64, longest as f64 + 1.0) as usize;
         let from = draw.index(all.len() - count + 1);
-        let samples = &all[from..from + count];
+        let mut samples = all[from..from + count].to_vec();
         if !samples.iter().all(|sample| sample.is_finite()) {
             return None;
         }
-        let measured = Measured::of(samples, recording.rate_hz)?;
+        let measured = Measured::of(&samples, recording.rate_hz)?;
         let (n, k) = measured.ends();
+        let code = code(&samples);
+        if let Some(code) = code {
+            // Codes count from the lowest.
+            let lowest = samples.iter().copied().fold(f64::INFINITY, f64::min);
+            samples.iter_mut().for_each(|sample| *sample -= lowest);
+            round(&mut samples, code);
+        }
         let mean = samples.iter().sum::<f64>() / count as f64;
         let base = Base {
             r: 0.0,
@@ -68,13 +75,13 @@ impl Stretch {
             q: 0.0,
             mean,
         };
-        let mut stretch = Self {
+        Some(Self {
             seed,
             record: recording.name.clone(),
             axis,
             from,
-            samples: samples.to_vec(),
-            code: code(samples),
+            samples,
+            code,
             scene: Scene {
                 rate_hz: recording.rate_hz,
                 samples: count,
@@ -86,20 +93,7 @@ impl Stretch {
                 missing: 0.0,
                 measured: Some(Arc::new(measured)),
             },
-        };
-        if stretch.code.is_some() {
-            // Codes count from the lowest.
-            let lowest = stretch
-                .samples
-                .iter()
-                .copied()
-                .fold(f64::INFINITY, f64::min);
-            let mut samples = std::mem::take(&mut stretch.samples);
-            samples.iter_mut().for_each(|sample| *sample -= lowest);
-            stretch.round(&mut samples);
-            stretch.samples = samples;
-        }
-        Some(stretch)
+        })
     }
 }
 
@@ -123,10 +117,15 @@ impl Stretch {
 
     /// Puts `samples` on the grid of the codes, where there are codes.
     pub fn round(&self, samples: &mut [f64]) {
-        let Some(code) = self.code else { return };
-        for sample in samples {
-            *sample = (*sample / code).round() * code;
+        if let Some(code) = self.code {
+            round(samples, code);
         }
+    }
+}
+
+fn round(samples: &mut [f64], code: f64) {
+    for sample in samples {
+        *sample = (*sample / code).round() * code;
     }
 }
 

@@ -12,7 +12,7 @@ const STRENGTHS: [f64; 4] = [2.0, 5.0, 15.0, 40.0];
 /// What came of one effect in one stretch.
 #[derive(Debug)]
 pub struct Trial {
-    /// The kind.
+    /// The kind, or `bare` where the program failed on the stretch itself.
     pub kind: &'static str,
     /// The record that the stretch is of.
     pub record: String,

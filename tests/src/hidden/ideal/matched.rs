@@ -1,10 +1,6 @@
 //! The matched filter: how far a known waveform shifts the mean of coloured noise.
 
-use std::f64::consts::PI;
-
-use realfft::RealFftPlanner;
-use realfft::num_complex::Complex;
-
+use crate::hidden::noise::cosines::cosines;
 use crate::hidden::scene::Scene;
 
 /// Cosine coefficients (DCT-II) of a waveform over the noise's deviation at each. The cosine
@@ -16,17 +12,7 @@ impl Whitened {
     /// `waveform`, ahead of the chain, in the noise of `axis`.
     pub fn new(waveform: &[f64], scene: &Scene, axis: usize) -> Self {
         let n = waveform.len();
-        let mut planner = RealFftPlanner::<f64>::new();
-        let forward = planner.plan_fft_forward(2 * n);
-        let mut mirrored: Vec<f64> = waveform
-            .iter()
-            .chain(waveform.iter().rev())
-            .copied()
-            .collect();
-        let mut spectrum = forward.make_output_vec();
-        forward
-            .process(&mut mirrored, &mut spectrum)
-            .expect("the buffers are the plan's");
+        let cosines = cosines(waveform);
         let spacing_hz = scene.rate_hz / (2 * n) as f64;
         let lost = scene.lost_density(axis);
         let coefficients = (1..n).map(|k| {
@@ -34,11 +20,9 @@ impl Whitened {
             if !scene.passes(f_hz) {
                 return 0.0;
             }
-            let turn = Complex::from_polar(1.0, -PI * k as f64 / (2 * n) as f64);
-            let cosine = (turn * spectrum[k]).re / (2.0 * n as f64).sqrt();
             let passed = scene.chain.power(f_hz, scene.rate_hz);
             let noise = (scene.density(axis, f_hz) + lost) * scene.rate_hz;
-            cosine * (passed / noise).sqrt()
+            cosines[k] * (passed / noise).sqrt()
         });
         Self(coefficients.collect())
     }

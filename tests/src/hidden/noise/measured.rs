@@ -1,9 +1,8 @@
 //! The law of a stretch of a real record: its own spectrum, smoothed.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
-use realfft::RealFftPlanner;
-use realfft::num_complex::Complex;
+use super::cosines::cosines;
 
 /// Ordinates of a point at least: the mean of sixteen logarithms is known to 0.55, 2.4 dB.
 const ORDINATES: usize = 16;
@@ -27,8 +26,7 @@ pub struct Measured {
 }
 
 impl Measured {
-    /// From the cosine transform of `samples`, whose coefficients are those of noise of any law as steep as a walk
-    /// ([`Whitened`](crate::hidden::ideal::matched::Whitened)). Means are over logarithms, which single lines and events
+    /// From the [cosine transform](cosines) of `samples`. Means are over logarithms, which single lines and events
     /// move little. None where a stretch of the spectrum is empty: a constant.
     pub fn of(samples: &[f64], rate_hz: f64) -> Option<Self> {
         let n = samples.len();
@@ -84,23 +82,4 @@ impl Measured {
         let walk = bottom.map_or(0.0, |(f, density)| (TAU * f.exp()).powi(2) * density.exp());
         (white.sqrt(), walk.sqrt())
     }
-}
-
-/// Coefficients of the orthonormal cosine transform (DCT-II).
-fn cosines(samples: &[f64]) -> Vec<f64> {
-    let n = samples.len();
-    let mut mirrored: Vec<f64> = samples
-        .iter()
-        .chain(samples.iter().rev())
-        .copied()
-        .collect();
-    let forward = RealFftPlanner::<f64>::new().plan_fft_forward(2 * n);
-    let mut spectrum = forward.make_output_vec();
-    forward
-        .process(&mut mirrored, &mut spectrum)
-        .expect("the buffers are the plan's");
-    let turned = |k: usize| Complex::from_polar(1.0, -PI * k as f64 / (2 * n) as f64) * spectrum[k];
-    (0..n)
-        .map(|k| turned(k).re / (2.0 * n as f64).sqrt())
-        .collect()
 }

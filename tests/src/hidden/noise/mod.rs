@@ -3,5 +3,6 @@
 pub mod allan;
 pub mod base;
 pub mod chain;
+pub mod cosines;
 pub mod gaussian;
 pub mod measured;

@@ -5,7 +5,7 @@ use crate::diagnosis::detect::trial::{self, Trial, noise};
 use crate::diagnosis::laws::Law;
 use crate::diagnosis::record::envelope::Envelope;
 use crate::model::random::{Gaussian, Seed};
-use crate::model::{cyclic, sinusoid, steps, telegraph as two_levels};
+use crate::model::{cyclic, rolloff, sinusoid, steps, telegraph as two_levels};
 
 /// Noise with a steady band about 20 Hz.
 fn with_band(seed: u64, deviation: f64) -> Trial {
@@ -265,5 +265,42 @@ fn a_mean_over_any_number_of_samples_is_found_and_lines_are_asked_anew() {
         for kind in [sinusoid::KIND, hum::KIND] {
             assert!(candidate.reopens.contains(&kind), "seed {seed}: {kind}");
         }
+    }
+}
+
+/// White noise behind a pole at this share of the rate.
+fn behind_a_pole(seed: u64, share: f64) -> Trial {
+    let mut normal = Gaussian::new(Seed { seed, stream: 3 }, 1.0);
+    let kept = (-std::f64::consts::TAU * share).exp();
+    let mut level = 0.0;
+    let values = (0..40_001).map(|_| {
+        level = kept * level + (1.0 - kept) * normal.draw();
+        level
+    });
+    Trial::new(values.collect())
+}
+
+#[test]
+fn what_falls_from_below_a_hundredth_of_the_rate_is_no_rolloff() {
+    for seed in 0..3 {
+        // The corner that a search finds, as a share of the rate.
+        let corner = |share: f64| {
+            let trial = behind_a_pole(seed, share);
+            let found = trial
+                .look(significant)
+                .expect("a record that can be fitted");
+            let mut found = found.into_iter();
+            let rolloff = found.find(|one| one.law.effect == rolloff::KIND)?;
+            Some(rolloff.law.values[0] / trial::RATE_HZ)
+        };
+        let found = [0.03, 0.006].map(corner);
+        assert!(
+            found[0].is_some_and(|at| at > 0.02),
+            "seed {seed}: {found:?}"
+        );
+        assert!(
+            found[1].is_none_or(|at| at > 0.01),
+            "seed {seed}: {found:?}"
+        );
     }
 }
