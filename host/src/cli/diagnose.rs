@@ -59,6 +59,9 @@ pub struct DiagnoseCommand {
     /// Write the extended model to this file, as `inm simulate --model` reads it.
     #[arg(long, value_name = "OUT.json", alias = "model")]
     save_model: Option<String>,
+    /// Print every decision of the search to standard error: what was taken in, declined, taken back, and searched anew.
+    #[arg(long)]
+    trace: bool,
     #[command(flatten)]
     results: ResultOptions,
 }
@@ -108,7 +111,10 @@ impl DiagnoseCommand {
         let bar = progress(source.signal().axes.len());
         let diagnosis = diagnose(&mut *source, options, &|axis, step| match step {
             Step::Begun => bar.set_message(format!("axis {axis}")),
-            Step::Found(effect) => bar.set_message(format!("axis {axis}: {effect}")),
+            Step::Decided(decision) if self.trace => {
+                bar.suspend(|| eprintln!("axis {axis}: {decision}"));
+            }
+            Step::Decided(decision) => bar.set_message(format!("axis {axis}: {decision}")),
             Step::Done => bar.inc(1),
         })
         .map_err(|error| match error {

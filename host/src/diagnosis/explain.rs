@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use crate::chain::Chain;
 use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::decision::Decision;
 use crate::diagnosis::detect::look::Context;
 use crate::diagnosis::detect::telegraph;
 use crate::diagnosis::doubt;
@@ -111,17 +112,20 @@ pub fn explain(
         || begin_with(signal.chain.as_ref()),
     );
     let covariate = options.covariate.as_deref().map(Reading::of);
-    let found = |kind| progress(&signal.name, Step::Found(kind));
+    let decided = |decision| progress(&signal.name, Step::Decided(decision));
     let from = |first: AxisState, chain: Option<&Chain>| {
         let base = Bare::of(&first, level, options);
         let begin = || begin_with(chain);
         let explained = without_losers(&signal.name, first, begin, |axis, refused| {
+            if !refused.is_empty() {
+                decided(Decision::Anew(refused.to_vec()));
+            }
             let context = Context {
                 level,
                 covariate: covariate.as_ref(),
                 values: &values,
                 refused,
-                found: &found,
+                decided: &decided,
             };
             attempt(axis, &context)
         });
@@ -133,7 +137,7 @@ pub fn explain(
             covariate: None,
             values: &values,
             refused: &[],
-            found: &|_| (),
+            decided: &|_| (),
         };
         search::take_events_out(&mut axis, &context).ok()?;
         Some(axis)
@@ -159,7 +163,11 @@ pub fn explain(
         recognised = Some(chain);
     }
     let (mut axis, unexplained, mut held_out_nats) = explained;
+    let before = axis.kinds();
     let completed = unnamed::complete(&mut axis, level);
+    if let Some(withdrawn) = Decision::withdrawn(&before, axis.explanations()) {
+        decided(withdrawn);
+    }
     for number in completed.withdrawn {
         held_out_nats.remove(number);
     }
@@ -253,7 +261,7 @@ fn of_squares(axis: &AxisState, squares: &PerCoefficient<f64>) -> Fit {
 /// What no effect explains, once all that has a name is found.
 fn attempt(axis: &mut AxisState, context: &Context<'_>) -> Result<Vec<Remark>, Spoilt> {
     let (character, latest) = search::search(axis, context)?;
-    let doubts = doubt::hear(axis, context.level, &character);
+    let doubts = doubt::hear(axis, context, &character);
     doubts.map_err(|_| Spoilt { latest })
 }
 

@@ -1,9 +1,12 @@
 //! What gained nothing on data that it was not fitted to, and is not proposed any more.
 
+use std::fmt;
+
 use crate::diagnosis::explanation::{Change, Explanation};
 use crate::diagnosis::result::estimate::Estimate;
 use crate::model::kind::Kind;
 use crate::model::marks::Mark;
+use crate::numeric::written::plain;
 
 /// Share of a frequency by which what is found in its place may differ, at most: a choice. The next line or peak of a
 /// record is farther off, and what is found again is nearer.
@@ -15,6 +18,15 @@ pub struct Loser {
     kind: Kind,
     /// Its frequency, hertz, where others of its kind stand.
     at_hz: Option<f64>,
+}
+
+impl fmt::Display for Loser {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.at_hz {
+            Some(at_hz) => write!(f, "{} at {} Hz", self.kind, plain(at_hz)),
+            None => write!(f, "{}", self.kind),
+        }
+    }
 }
 
 impl Loser {

@@ -1,6 +1,7 @@
 //! What a model gets wrong about a record, why, and what the extended model gains.
 
 pub mod axis;
+pub mod decision;
 pub mod describe;
 pub mod detect;
 pub mod doubt;

@@ -1,14 +1,14 @@
 //! What a diagnosis says on its way.
 
-use crate::model::kind::Kind;
+use crate::diagnosis::decision::Decision;
 
 /// What has come of an axis meanwhile.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Step {
     /// The axis is begun with.
     Begun,
-    /// An effect was found in it, which may be given back later.
-    Found(Kind),
+    /// Something was decided of it; what was taken in may be taken back later.
+    Decided(Decision),
     /// The axis is done.
     Done,
 }

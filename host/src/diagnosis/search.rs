@@ -7,10 +7,11 @@
 //! another shows. A law hides other laws rather than anything local, so who found one looks for more
 //! of them first. Detectors only look; what they propose is done here.
 
-use crate::diagnosis::axis::{AxisState, NoFit};
+use crate::diagnosis::axis::{AxisState, Excluded, NoFit};
+use crate::diagnosis::decision::{Decision, Declined};
 use crate::diagnosis::detect::look::{Character, Context, Look, Proposal};
 use crate::diagnosis::detect::{self, Detector};
-use crate::diagnosis::explanation::{Candidate, Change};
+use crate::diagnosis::explanation::{Candidate, Change, Explanation};
 use crate::diagnosis::loser::Loser;
 use crate::diagnosis::room;
 use crate::model::kind::Kind;
@@ -153,25 +154,27 @@ impl<'a> Search<'a> {
         match proposal {
             Proposal::Explain(candidate) => return self.explain(*candidate),
             Proposal::Exclude(band, kinds) => {
+                self.say_excluded(&band);
                 self.axis.exclude(band);
-                self.axis
-                    .withdraw_where(|one| one.law().is_some() || kinds.contains(&one.kind()));
+                self.withdraw_where(|one| one.law().is_some() || kinds.contains(&one.kind()));
                 self.character.level_switches = false;
                 self.axis.refresh()?;
             }
             Proposal::ExcludeLine(line) => {
+                self.say_excluded(&line);
                 self.axis.exclude_line(line);
                 self.axis.refresh()?;
             }
             Proposal::Withdraw(kinds) => {
-                let any = self.axis.withdraw_where(|one| kinds.contains(&one.kind()));
-                if !any {
+                if !self.withdraw_where(|one| kinds.contains(&one.kind())) {
                     return Ok(Changed::Nothing);
                 }
                 self.axis.refresh()?;
             }
             Proposal::WithdrawLaw(number) => {
+                let before = self.axis.kinds();
                 self.axis.withdraw_law(number);
+                self.say_withdrawn(&before);
                 self.axis.refresh()?;
             }
             Proposal::Learn(lesson) => {
@@ -185,15 +188,22 @@ impl<'a> Search<'a> {
     /// Takes a candidate in, unless it is refused.
     fn explain(&mut self, candidate: Candidate) -> Result<Changed, NoFit> {
         let kind = candidate.effect.kind;
+        let p_value = candidate.p_value;
         let is_refused = |loser: &Loser| loser.is(&candidate.effect, &candidate.change);
-        if self.context.refused.iter().any(is_refused) || !room::holds(self.axis, &candidate) {
+        let declined = match () {
+            () if self.context.refused.iter().any(is_refused) => Some(Declined::GainedNothing),
+            () if !room::holds(self.axis, &candidate) => Some(Declined::NoRoom),
+            () => None,
+        };
+        if let Some(why) = declined {
+            self.say(Decision::Declined { kind, p_value, why });
             return Ok(Changed::Nothing);
         }
         let is_only_law = matches!(candidate.change, Change::Law(_))
             && candidate.supersedes.is_empty()
             && candidate.reopens.is_empty();
         if candidate.amends.is_none() {
-            (self.context.found)(kind);
+            self.say(Decision::Taken { kind, p_value });
             self.latest = Some(kind);
         }
         self.axis.accept(candidate)?;
@@ -202,6 +212,29 @@ impl<'a> Search<'a> {
         } else {
             Changed::Record
         })
+    }
+
+    /// Takes explanations back; whether there were any.
+    fn withdraw_where(&mut self, is_out: impl Fn(&Explanation) -> bool) -> bool {
+        let before = self.axis.kinds();
+        let any = self.axis.withdraw_where(is_out);
+        self.say_withdrawn(&before);
+        any
+    }
+
+    fn say(&self, decision: Decision) {
+        (self.context.decided)(decision);
+    }
+
+    fn say_excluded(&self, excluded: &Excluded) {
+        let (from_hz, to_hz) = (excluded.band_hz.start, excluded.band_hz.end);
+        self.say(Decision::Excluded { from_hz, to_hz });
+    }
+
+    fn say_withdrawn(&self, before: &[Kind]) {
+        if let Some(withdrawn) = Decision::withdrawn(before, self.axis.explanations()) {
+            self.say(withdrawn);
+        }
     }
 }
 

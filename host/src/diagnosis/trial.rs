@@ -163,11 +163,6 @@ pub fn take_in(axis: &mut AxisState, kind: Kind, change: Change) {
     axis.accept(made_up(kind, change)).expect("a fit with it");
 }
 
-/// The kinds of an axis's explanations, in their order.
-pub fn kinds(axis: &AxisState) -> Vec<Kind> {
-    axis.explanations().iter().map(|one| one.kind()).collect()
-}
-
 /// A band that is excluded, for no reason.
 pub fn excluded(from_hz: f64, to_hz: f64) -> Excluded {
     Excluded {

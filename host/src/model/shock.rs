@@ -2,12 +2,15 @@
 
 use std::f64::consts::{PI, TAU};
 
+use rustfft::num_complex::Complex64;
+
 use super::Seed;
 use super::effect::{Effect, Parameter, Part, Quantity};
 use super::kind::Kind;
 use super::marks::Mark;
 use super::once::Once;
 use super::random::Generator;
+use crate::numeric::turning::turning;
 
 /// Numbers that describe one shock.
 const ROW: usize = 5;
@@ -56,12 +59,16 @@ impl Shock {
         if self.f_hz == 0.0 {
             return (PI * t_s / self.duration_s).sin();
         }
-        let left = if self.decay_s > 0.0 {
-            (-t_s / self.decay_s).exp()
+        (-self.fall_per_s() * t_s).exp() * (TAU * self.f_hz * t_s).sin()
+    }
+
+    /// What its logarithm falls by in a second.
+    fn fall_per_s(&self) -> f64 {
+        if self.decay_s > 0.0 {
+            self.decay_s.recip()
         } else {
-            1.0
-        };
-        left * (TAU * self.f_hz * t_s).sin()
+            0.0
+        }
     }
 
     /// The largest value of its shape, which it reaches within the first quarter of a period.
@@ -90,10 +97,18 @@ impl Shock {
             return;
         }
         let size = self.peak / self.highest();
-        for index in from..to.min(end) {
-            let t_s = index as f64 / rate_hz - self.time_s;
-            if !self.outside(t_s) {
-                samples[(index - first) as usize] += size * self.shape(t_s);
+        let begins = number(self.time_s);
+        let rate_per_s = match self.f_hz {
+            0.0 => Complex64::new(0.0, PI / self.duration_s),
+            f_hz => Complex64::new(-self.fall_per_s(), TAU * f_hz),
+        };
+        let t_s = |index: u64| index as f64 / rate_hz - self.time_s;
+        let course = turning(from - begins, (rate_per_s / rate_hz).exp(), |passed| {
+            (rate_per_s * t_s(begins + passed)).exp()
+        });
+        for (index, course) in (from..to.min(end)).zip(course) {
+            if !self.outside(t_s(index)) {
+                samples[(index - first) as usize] += size * course.im;
             }
         }
     }

@@ -16,6 +16,7 @@ use super::markov;
 use super::marks::Mark;
 use super::random::{Gaussian, Generator};
 use super::{Frequencies, Seed, Term};
+use crate::numeric::turning::turning;
 
 /// Noise about a frequency.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,6 +52,15 @@ impl Band {
     /// Its covariance at a distance of `lag_s` seconds.
     pub fn covariance(&self, lag_s: f64) -> f64 {
         self.bound(lag_s) * (TAU * self.f_hz * lag_s).cos()
+    }
+
+    /// Its covariances at a distance of nothing and of all multiples of `lag_s` seconds.
+    pub fn covariances(&self, lag_s: f64) -> impl Iterator<Item = f64> {
+        let rate = Complex64::new(-self.decay_per_s(), TAU * self.f_hz) * lag_s;
+        let square = self.amplitude.powi(2);
+        let turned = turning(0, rate.exp(), move |lag| (rate * lag as f64).exp());
+        let lags = (0_u64..).zip(turned);
+        lags.map(move |(lag, turned)| square * (1.0 - rate.re * lag as f64) * turned.re)
     }
 
     /// What the covariance is at most at that distance and beyond.

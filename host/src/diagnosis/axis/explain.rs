@@ -24,6 +24,11 @@ impl AxisState {
         &self.explanations
     }
 
+    /// The kinds of its explanations, in their order.
+    pub fn kinds(&self) -> Vec<Kind> {
+        self.explanations.iter().map(Explanation::kind).collect()
+    }
+
     /// The first explanation of a kind.
     pub fn explanation(&self, kind: Kind) -> Option<&Explanation> {
         self.explanations.iter().find(|one| one.kind() == kind)

@@ -8,8 +8,8 @@ use super::*;
 use crate::diagnosis::explanation::{Change, Snapshot};
 use crate::diagnosis::record::wave::{Replaced, Side, Wave};
 use crate::diagnosis::trial::{
-    NOTHING, RATE_HZ, axis, excluded, jump, kinds, law, line, made_up, numbers, ringing, short,
-    spike, take_in,
+    NOTHING, RATE_HZ, axis, excluded, jump, law, line, made_up, numbers, ringing, short, spike,
+    take_in,
 };
 use crate::model::effect::Part;
 use crate::model::{
@@ -45,7 +45,7 @@ fn snapshots(axis: &AxisState) -> Vec<[Vec<Wave>; 2]> {
 #[test]
 fn what_is_taken_in_is_taken_out_of_the_record() {
     let axis = explained();
-    assert_eq!(kinds(&axis), [steps::KIND, burst::KIND, sinusoid::KIND]);
+    assert_eq!(axis.kinds(), [steps::KIND, burst::KIND, sinusoid::KIND]);
     let values = axis.residual.values();
     let mut expected = axis.residual.measured().to_vec();
     jump(5000, 1.0).take_out(&mut expected);
@@ -73,7 +73,7 @@ fn withdrawing_removes_waves_from_the_residual_and_all_snapshots() {
     assert!(axis.withdraw(steps::KIND));
     assert!(!axis.withdraw(steps::KIND), "there is no other");
     axis.refresh().expect("a fit");
-    assert_eq!(kinds(&axis), [burst::KIND, sinusoid::KIND]);
+    assert_eq!(axis.kinds(), [burst::KIND, sinusoid::KIND]);
     let line = line(50.0, 0.1);
     assert_eq!(axis.residual.waves(), std::slice::from_ref(&line));
     let left = [[vec![], vec![]], [vec![], vec![line]]];
@@ -118,7 +118,7 @@ fn what_takes_the_place_of_others_moves_up_as_they_go() {
     amending.amends = Some(1);
     amending.supersedes = vec![outliers::KIND, sinusoid::KIND];
     axis.accept(amending).expect("a fit");
-    assert_eq!(kinds(&axis), [telegraph::KIND, warmup::KIND]);
+    assert_eq!(axis.kinds(), [telegraph::KIND, warmup::KIND]);
     assert_eq!(*axis.residual.waves(), [jump(5000, 2.0), jump(7000, 0.1)]);
 }
 
@@ -128,7 +128,7 @@ fn what_may_have_been_found_for_another_is_looked_for_again() {
     let mut reopening = made_up(outliers::KIND, spike(6000, 1.0).into());
     reopening.reopens = vec![steps::KIND, burst::KIND];
     axis.accept(reopening).expect("a fit");
-    assert_eq!(kinds(&axis), [sinusoid::KIND, outliers::KIND]);
+    assert_eq!(axis.kinds(), [sinusoid::KIND, outliers::KIND]);
     assert_eq!(*axis.residual.waves(), [line(50.0, 0.1), spike(6000, 1.0)]);
     assert_eq!(axis.residual.left_out().count(), 0);
 }
@@ -142,7 +142,7 @@ fn single_waves_go_and_an_explanation_with_its_last() {
     assert!(axis.withdraw_waves(|wave| *wave == line(50.0, 0.1)));
     assert_eq!(axis.explanations()[0].waves(), [line(60.0, 0.1)]);
     assert!(axis.withdraw_waves(|_| true));
-    assert_eq!(kinds(&axis), []);
+    assert_eq!(axis.kinds(), []);
 }
 
 #[test]
@@ -161,7 +161,7 @@ fn laws_are_withdrawn_by_their_own_numbers() {
     assert_eq!([0, 1, 3].map(number), [None, Some(0), Some(2)]);
     axis.withdraw_laws(&[0, 2]);
     axis.refresh().expect("a fit");
-    assert_eq!(kinds(&axis), [steps::KIND, resonance::KIND]);
+    assert_eq!(axis.kinds(), [steps::KIND, resonance::KIND]);
     assert_eq!(axis.laws.len(), 1);
     // The fit moves it by a share of its width.
     let f_hz = axis.laws[0].values[0];

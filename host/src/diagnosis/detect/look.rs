@@ -1,6 +1,7 @@
 //! What detectors see, and what they may propose.
 
 use crate::diagnosis::axis::{AxisState, Excluded};
+use crate::diagnosis::decision::Decision;
 use crate::diagnosis::explanation::{Candidate, Explanation};
 use crate::diagnosis::loser::Loser;
 use crate::diagnosis::record::reading::Reading;
@@ -18,8 +19,8 @@ pub struct Context<'a> {
     pub values: &'a ValueFindings,
     /// What is not proposed any more.
     pub refused: &'a [Loser],
-    /// Called with the kind of each effect that is taken in.
-    pub found: &'a (dyn Fn(Kind) + Sync),
+    /// Called with each decision.
+    pub decided: &'a (dyn Fn(Decision) + Sync),
 }
 
 /// What was learnt of an axis that explains nothing, yet decides what may be an explanation.

@@ -101,7 +101,7 @@ impl Trial {
             covariate: self.covariate.as_ref(),
             values: &self.values,
             refused: &self.refused,
-            found: &|_| {},
+            decided: &|_| {},
         };
         at(&Look {
             axis: &self.axis,

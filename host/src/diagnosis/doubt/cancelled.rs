@@ -121,7 +121,7 @@ mod tests {
     use crate::diagnosis::explanation::{Candidate, Change};
     use crate::diagnosis::result::estimate::Estimate;
     use crate::diagnosis::result::value::Value;
-    use crate::diagnosis::trial::{RATE_HZ, axis, heard, jump, kinds, line, short, take_in};
+    use crate::diagnosis::trial::{RATE_HZ, axis, heard, jump, line, short, take_in};
     use crate::model::{sinusoid, steps};
 
     /// Noise about a level that rises by 3 in the middle, with a step of this height taken out there.
@@ -146,7 +146,7 @@ mod tests {
         let mut axis = stepped(1, 6.0);
         take_in(&mut axis, sinusoid::KIND, line(50.0, 0.01).into());
         heard(&DOUBT, &mut axis, false);
-        assert_eq!(kinds(&axis), [sinusoid::KIND], "seed 1");
+        assert_eq!(axis.kinds(), [sinusoid::KIND], "seed 1");
     }
 
     #[test]
@@ -166,7 +166,7 @@ mod tests {
             axis.accept(candidate).expect("a fit");
             heard(&DOUBT, &mut axis, false);
             // It happened, wherever the sensor lay afterwards.
-            assert_eq!(kinds(&axis), [motion::KIND], "seed 1, {taken}");
+            assert_eq!(axis.kinds(), [motion::KIND], "seed 1, {taken}");
             let waves = axis.explanations()[0].waves();
             assert_eq!(!waves.is_empty(), are_there, "seed 1, {taken}");
         }

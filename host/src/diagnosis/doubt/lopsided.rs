@@ -107,7 +107,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use crate::diagnosis::trial::{NOTHING, axis, heard, kinds, short, spike, take_in};
+    use crate::diagnosis::trial::{NOTHING, axis, heard, short, spike, take_in};
     use crate::model::random::Gaussian;
     use crate::model::random::Seed;
 
@@ -169,7 +169,7 @@ mod tests {
             assert_eq!(remarks.len(), 1, "seed {seed}: {remarks:?}");
             assert_eq!(remarks[0].test, "amplitude", "seed {seed}");
             assert_eq!(remarks[0].place, side, "seed {seed}");
-            assert_eq!(kinds(&axis), [], "seed {seed}");
+            assert_eq!(axis.kinds(), [], "seed {seed}");
             assert_eq!(*axis.residual.waves(), [], "seed {seed}");
         }
     }
@@ -178,7 +178,7 @@ mod tests {
     fn outliers_of_symmetric_noise_stay() {
         let mut axis = bent(3, 0.0);
         assert_eq!(heard(&DOUBT, &mut axis, false), [], "seed 3");
-        assert_eq!(kinds(&axis), [outliers::KIND], "seed 3");
+        assert_eq!(axis.kinds(), [outliers::KIND], "seed 3");
     }
 
     #[test]
@@ -187,7 +187,7 @@ mod tests {
             let mut axis = bent(1, 0.1);
             take_in(&mut axis, kind, NOTHING);
             assert_eq!(heard(&DOUBT, &mut axis, false), [], "{kind}, seed 1");
-            assert_eq!(kinds(&axis), [outliers::KIND, kind], "seed 1");
+            assert_eq!(axis.kinds(), [outliers::KIND, kind], "seed 1");
         }
     }
 }

@@ -15,7 +15,8 @@ pub mod unbounded;
 mod undated;
 
 use crate::diagnosis::axis::{AxisState, NoFit};
-use crate::diagnosis::detect::look::Character;
+use crate::diagnosis::decision::Decision;
+use crate::diagnosis::detect::look::{Character, Context};
 use crate::diagnosis::result::finding::Remark;
 
 /// Speaks against names of one sort.
@@ -57,17 +58,25 @@ pub struct Hearing<'a> {
 ///
 /// # Errors
 /// [`NoFit`] where what is left without a name cannot be fitted.
-pub fn hear(axis: &mut AxisState, level: f64, character: &Character) -> Result<Vec<Remark>, NoFit> {
+pub fn hear(
+    axis: &mut AxisState,
+    context: &Context<'_>,
+    character: &Character,
+) -> Result<Vec<Remark>, NoFit> {
     let excluded = axis.excluded().iter().map(|one| one.remark.clone());
     let mut hearing = Hearing {
         remarks: excluded.collect(),
         axis,
-        level,
+        level: context.level,
         strength_moves: character.strength_moves,
         large_samples_in_groups: character.large_samples_in_groups,
     };
     for doubt in DOUBTS {
+        let before = hearing.axis.kinds();
         (doubt.hear)(&mut hearing)?;
+        if let Some(withdrawn) = Decision::withdrawn(&before, hearing.axis.explanations()) {
+            (context.decided)(withdrawn);
+        }
     }
     Ok(hearing.remarks)
 }

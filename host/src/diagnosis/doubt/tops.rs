@@ -62,9 +62,7 @@ fn strongest(axis: &AxisState, level: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::diagnosis::explanation::Change;
-    use crate::diagnosis::trial::{
-        axis, heard, jump, kinds, law, line, ringing, short, spike, take_in,
-    };
+    use crate::diagnosis::trial::{axis, heard, jump, law, line, ringing, short, spike, take_in};
     use crate::model::{hum, outliers, resonance, sinusoid, steps};
 
     const SEED: u64 = 1;
@@ -84,7 +82,7 @@ mod tests {
         assert_eq!(heard(&DOUBT, &mut axis, false), [], "seed {SEED}");
         // An explanation goes with its last line.
         let left = [resonance::KIND, hum::KIND, steps::KIND, outliers::KIND];
-        assert_eq!(kinds(&axis), left, "seed {SEED}");
+        assert_eq!(axis.kinds(), left, "seed {SEED}");
         let waves = [line(250.0, 0.1), jump(5000, 0.1), spike(6000, 0.1)];
         assert_eq!(*axis.residual.waves(), waves, "seed {SEED}");
     }
@@ -100,7 +98,7 @@ mod tests {
         take_in(&mut axis, sinusoid::KIND, line(101.0, 0.14).into());
         take_in(&mut axis, hum::KIND, line(99.0, 1.6).into());
         heard(&DOUBT, &mut axis, false);
-        assert_eq!(kinds(&axis), [resonance::KIND, hum::KIND], "seed {SEED}");
+        assert_eq!(axis.kinds(), [resonance::KIND, hum::KIND], "seed {SEED}");
     }
 
     #[test]
@@ -108,6 +106,6 @@ mod tests {
         let mut axis = axis(SEED, short(SEED), |_, noise| noise);
         take_in(&mut axis, sinusoid::KIND, line(80.0, 0.1).into());
         heard(&DOUBT, &mut axis, false);
-        assert_eq!(kinds(&axis), [sinusoid::KIND], "seed {SEED}");
+        assert_eq!(axis.kinds(), [sinusoid::KIND], "seed {SEED}");
     }
 }

@@ -126,7 +126,7 @@ mod tests {
     use super::*;
     use crate::diagnosis::explanation::{Candidate, Change};
     use crate::diagnosis::result::estimate::Estimate;
-    use crate::diagnosis::trial::{axis, heard, kinds, law, ringing, short, take_in};
+    use crate::diagnosis::trial::{axis, heard, law, ringing, short, take_in};
     use crate::model::{clipping, markov, resonance, shock, sinusoid, steps};
 
     #[test]
@@ -179,7 +179,7 @@ mod tests {
         let candidate = Candidate::new(effect, 1e-9, 5.0, change);
         axis.accept(candidate).expect("a fit");
         assert_eq!(heard(&DOUBT, &mut axis, false), [], "seed 3");
-        assert_eq!(kinds(&axis), [shock::KIND], "seed 3");
+        assert_eq!(axis.kinds(), [shock::KIND], "seed 3");
     }
 
     #[test]
@@ -192,7 +192,7 @@ mod tests {
             law(resonance::KIND, &[100.0, 10.0, 1.0]),
         );
         assert_eq!(heard(&DOUBT, &mut there, false), [], "seed 1");
-        assert_eq!(kinds(&there), [resonance::KIND], "seed 1");
+        assert_eq!(there.kinds(), [resonance::KIND], "seed 1");
         let mut nothing = axis(2, short(2), |_, noise| noise);
         take_in(
             &mut nothing,
@@ -201,7 +201,7 @@ mod tests {
         );
         // Nothing is lost with it, and nothing is left to be said.
         assert_eq!(heard(&DOUBT, &mut nothing, false), [], "seed 2");
-        assert_eq!(kinds(&nothing), [], "seed 2");
+        assert_eq!(nothing.kinds(), [], "seed 2");
     }
 
     #[test]

@@ -53,7 +53,7 @@ fn is_undated(axis: &AxisState) -> bool {
 mod tests {
     use super::*;
     use crate::diagnosis::explanation::Change;
-    use crate::diagnosis::trial::{axis, heard, jump, kinds, short, take_in};
+    use crate::diagnosis::trial::{axis, heard, jump, short, take_in};
     use crate::model::kind::Kind;
 
     /// Kinds that are left of a level that is 2 higher between two steps, the first of which is dated so well, samples; the second
@@ -78,7 +78,7 @@ mod tests {
             Change::Waves(vec![Wave::Steps(waves.to_vec())]),
         );
         heard(&DOUBT, &mut axis, false);
-        kinds(&axis)
+        axis.kinds()
     }
 
     #[test]

@@ -5,8 +5,8 @@ use std::cell::RefCell;
 use super::*;
 use crate::diagnosis::statistic::matched_filter::Transformer;
 use crate::diagnosis::trial::{
-    LEVEL, NOTHING, axis, jump, kinds, law, line, made_up, markov as wander, numbers, ringing,
-    short, spike, take_in,
+    LEVEL, NOTHING, axis, jump, law, line, made_up, markov as wander, numbers, ringing, short,
+    spike, take_in,
 };
 use crate::model::kind::Kind;
 use crate::model::{
@@ -29,7 +29,11 @@ fn tried<T>(
         first,
         || Ok(again.clone()),
         |axis, refused| {
-            assert_eq!(kinds(axis), [], "begun with something, refused {refused:?}");
+            assert_eq!(
+                axis.kinds(),
+                [],
+                "begun with something, refused {refused:?}"
+            );
             all.borrow_mut().push(refused.to_vec());
             attempt(axis, refused)
         },
@@ -65,7 +69,7 @@ fn what_gains_nothing_is_refused_and_the_search_begins_anew() {
         }
         Ok(())
     });
-    assert_eq!(outcome.map(|axis| kinds(&axis)), Ok(vec![steps::KIND]));
+    assert_eq!(outcome.map(|axis| axis.kinds()), Ok(vec![steps::KIND]));
     let (one, both) = ([outliers::KIND], [outliers::KIND, burst::KIND]);
     assert_eq!(refused, [vec![], all_of(&one), all_of(&both)]);
 }
@@ -77,7 +81,7 @@ fn a_fit_that_fails_costs_the_effect_that_was_taken_in_last() {
         let latest = Some(burst::KIND).filter(|kind| !is_out(refused, *kind));
         latest.map_or(Ok(()), |_| Err(Spoilt { latest }))
     });
-    assert_eq!(outcome.map(|axis| kinds(&axis)), Ok(vec![steps::KIND]));
+    assert_eq!(outcome.map(|axis| axis.kinds()), Ok(vec![steps::KIND]));
     assert_eq!(refused, [vec![], all_of(&[burst::KIND])]);
 }
 
@@ -109,7 +113,7 @@ fn after_some_refusals_the_rest_is_taken_as_it_is() {
         Ok(())
     });
     let last = MOST_REFUSALS;
-    assert_eq!(outcome.map(|axis| kinds(&axis)), Ok(vec![MANY[last]]));
+    assert_eq!(outcome.map(|axis| axis.kinds()), Ok(vec![MANY[last]]));
     assert_eq!(refused.last(), Some(&all_of(&MANY[..last])));
 }
 
@@ -241,5 +245,5 @@ fn behind_a_converter_that_is_recognised_the_record_is_explained_anew() {
     assert_eq!(explained.recognised.as_ref(), Some(&chain), "seed {SEED}");
     assert_eq!(explained.axis.chain, Some(chain), "seed {SEED}");
     // Noise as white as any, once the filter is known.
-    assert_eq!(kinds(&explained.axis), [], "seed {SEED}");
+    assert_eq!(explained.axis.kinds(), [], "seed {SEED}");
 }

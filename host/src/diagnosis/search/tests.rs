@@ -8,7 +8,7 @@ use crate::diagnosis::explanation::Change;
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
 use crate::diagnosis::trial::{
-    LEVEL, axis, excluded, jump, kinds, law, line, made_up, short, spike, take_in,
+    LEVEL, axis, excluded, jump, law, line, made_up, short, spike, take_in,
 };
 use crate::diagnosis::values::ValueFindings;
 use crate::model::{burst, markov, outliers, resonance, sinusoid, steps};
@@ -25,14 +25,18 @@ fn search(
     round: &[&Detector],
 ) -> (Outcome, Vec<Kind>) {
     let told = Mutex::new(Vec::new());
-    let found = |kind| told.lock().expect("no panic").push(kind);
+    let decided = |decision| {
+        if let Decision::Taken { kind, .. } = decision {
+            told.lock().expect("no panic").push(kind);
+        }
+    };
     let values = ValueFindings::default();
     let context = Context {
         level: LEVEL,
         covariate: None,
         values: &values,
         refused,
-        found: &found,
+        decided: &decided,
     };
     let plan = Plan {
         before_rounds,
@@ -104,7 +108,7 @@ fn what_the_record_has_no_room_for_is_not_taken_in() {
     let mut axis = noise(9);
     let (done, told) = search(&mut axis, &[], &[], &[&BOUNDLESS, &PATIENT]);
     assert_eq!(told, [sinusoid::KIND], "seed 9");
-    assert_eq!(kinds(&axis), told, "seed 9");
+    assert_eq!(axis.kinds(), told, "seed 9");
     assert!(done.is_ok(), "seed 9");
 }
 
@@ -118,7 +122,7 @@ fn a_round_ends_with_the_first_change() {
         [steps::KIND, outliers::KIND, sinusoid::KIND],
         "seed 1"
     );
-    assert_eq!(kinds(&axis), told, "seed 1");
+    assert_eq!(axis.kinds(), told, "seed 1");
     assert_eq!(done.map(|(_, latest)| latest), Ok(Some(sinusoid::KIND)));
 }
 
@@ -166,7 +170,7 @@ fn a_kind_that_is_refused_is_not_taken_in() {
     let mut axis = noise(3);
     let refused = [Loser::all(burst::KIND)];
     let (done, told) = search(&mut axis, &refused, &[], &[&STUBBORN, &PATIENT]);
-    assert_eq!(kinds(&axis), [sinusoid::KIND], "seed 3");
+    assert_eq!(axis.kinds(), [sinusoid::KIND], "seed 3");
     assert_eq!(told, [sinusoid::KIND], "seed 3");
     assert!(done.is_ok(), "seed 3: {done:?}");
 }
@@ -267,7 +271,7 @@ fn a_band_is_excluded_with_all_laws_and_the_kinds_that_were_found_for_it() {
     take_in(&mut axis, outliers::KIND, spike(6000, 0.1).into());
     take_in(&mut axis, sinusoid::KIND, line(50.0, 0.1).into());
     let (done, _) = search(&mut axis, &[], &[], &[&EXCLUDING]);
-    assert_eq!(kinds(&axis), [sinusoid::KIND], "seed 7");
+    assert_eq!(axis.kinds(), [sinusoid::KIND], "seed 7");
     assert!(axis.laws.is_empty(), "seed 7: {:?}", axis.laws);
     assert_eq!(axis.excluded_hz(), [100.0..150.0], "seed 7");
     // What was learnt of the band while it was in does not count.
@@ -295,7 +299,7 @@ fn a_line_is_excluded_by_itself() {
     let (done, _) = search(&mut axis, &[], &[], &[&EXCLUDING]);
     assert!(done.is_ok(), "seed 8: {done:?}");
     assert_eq!(axis.excluded_hz(), [100.0..101.0, 101.0..102.0], "seed 8");
-    assert_eq!(kinds(&axis), [resonance::KIND], "seed 8");
+    assert_eq!(axis.kinds(), [resonance::KIND], "seed 8");
 }
 
 #[test]
@@ -309,6 +313,6 @@ fn what_is_withdrawn_is_looked_for_again() {
     let (done, told) = search(&mut axis, &[], &[], &[&WITHDRAWING, &PATIENT]);
     // Where there is none of it any more the round goes on.
     assert_eq!(told, [sinusoid::KIND], "seed 9: {done:?}");
-    assert_eq!(kinds(&axis), [sinusoid::KIND], "seed 9");
+    assert_eq!(axis.kinds(), [sinusoid::KIND], "seed 9");
     assert_eq!(*axis.residual.waves(), [line(50.0, 0.1)], "seed 9");
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::*;
 use crate::diagnosis::record::wave::Wave;
-use crate::diagnosis::trial::{LEVEL, RATE_HZ, axis, kinds, law, long, markov, ringing, take_in};
+use crate::diagnosis::trial::{LEVEL, RATE_HZ, axis, law, long, markov, ringing, take_in};
 use crate::model::drift::{self, Drift};
 use crate::model::kind::Kind;
 use crate::model::{markov as markov_noise, resonance};
@@ -26,7 +26,7 @@ fn left(seed: u64, kind: Kind, values: &[f64], also: &mut dyn FnMut() -> f64) ->
         completed.p_value.is_some(),
         "seed {seed}: bands are missing"
     );
-    kinds(&axis)
+    axis.kinds()
 }
 
 #[test]

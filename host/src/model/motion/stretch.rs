@@ -86,14 +86,14 @@ impl Sums {
         const NOTHING: f64 = 1e-12;
         let first = band.covariance(0.0);
         let (mut squares, mut square, mut growth) = (vec![0.0], 0.0, first);
+        let mut covariances = band.covariances(rate_hz.recip()).skip(1);
         let mut is_over = false;
         for lag in 1..=length {
             square += growth;
             squares.push(square);
-            let lag_s = lag as f64 / rate_hz;
-            is_over |= band.bound(lag_s) < NOTHING * first;
+            is_over = is_over || band.bound(lag as f64 / rate_hz) < NOTHING * first;
             if !is_over {
-                growth += 2.0 * band.covariance(lag_s);
+                growth += 2.0 * covariances.next().unwrap_or_default();
             }
         }
         Self { squares }

@@ -93,9 +93,11 @@ pub fn data(periodogram: &[f64], groups: &[Range<usize>]) -> Option<Data> {
 /// where there are none.
 pub fn bands(data: &Data, noise: &[f64], groups: &[Range<usize>]) -> Option<(Vec<Band>, f64)> {
     let len = 2 * groups.last()?.end;
+    let taper = lags(len, taper_covariance);
+    let tried = |band: Band| seen(band, groups, &taper);
     let dictionary: Vec<(Band, Local)> = dictionary(len as f64)
         .into_par_iter()
-        .map(|band| (band, seen(band, groups, len, taper_covariance)))
+        .map(|band| (band, tried(band)))
         .collect();
     let cost_nats = (dictionary.len() as f64 / (OVERLAP * NEEDLESS)).ln();
     let mut bands: Vec<Band> = Vec::new();
@@ -110,7 +112,6 @@ pub fn bands(data: &Data, noise: &[f64], groups: &[Range<usize>]) -> Option<(Vec
         let Some((band, _, (_, gain))) = best.filter(|best| best.2.1 > cost_nats) else {
             break;
         };
-        let tried = |band: Band| seen(band, groups, len, taper_covariance);
         let band = settled((*band, gain), |band| tried(band).best(data, &others).1);
         let local = tried(band);
         squared.push(local.best(data, &others).0);
@@ -185,16 +186,18 @@ fn dictionary(len: f64) -> Vec<Band> {
 }
 
 /// What the groups of ordinates are expected to be for a band that is let in for so many samples: the transform of its
-/// covariance times that of the `taper` with itself a part of the stretch later, with what the ordinates fold.
-pub fn seen(band: Band, groups: &[Range<usize>], len: usize, taper: impl Fn(f64) -> f64) -> Local {
-    let of_taper = |lag: usize| taper(lag as f64 / len as f64);
-    let covariance = |lag: usize| of_taper(lag) * band.covariance(lag as f64);
-    let fft = fft::real_forward(len);
+/// covariance times that of the `taper` with itself so many samples later, with what the ordinates fold.
+pub fn seen(band: Band, groups: &[Range<usize>], taper: &[f64]) -> Local {
+    let covariances = band.covariances(1.0).zip(taper);
+    let covariances: Vec<f64> = covariances.map(|(band, taper)| band * taper).collect();
+    let fft = fft::real_forward(taper.len());
     let (mut lags, mut ordinates) = (fft.make_input_vec(), fft.make_output_vec());
-    lags[0] = covariance(0);
-    for (lag, one) in lags.iter_mut().enumerate().skip(1) {
-        *one = covariance(lag) + covariance(len - lag);
-    }
+    lags.copy_from_slice(&covariances);
+    let later = covariances[1..].iter().rev();
+    lags[1..]
+        .iter_mut()
+        .zip(later)
+        .for_each(|(one, later)| *one += later);
     // The lengths are those that it was planned for.
     let done = fft.process(&mut lags, &mut ordinates);
     debug_assert!(done.is_ok());
@@ -207,6 +210,13 @@ pub fn seen(band: Band, groups: &[Range<usize>], len: usize, taper: impl Fn(f64)
         expected: expected.collect(),
         most: f64::INFINITY,
     }
+}
+
+/// What is known of a taper at a `part` of its length, at each lag of so many.
+pub fn lags(len: usize, covariance: impl Fn(f64) -> f64) -> Vec<f64> {
+    let lags = 0..len;
+    lags.map(|lag| covariance(lag as f64 / len as f64))
+        .collect()
 }
 
 /// Sum of the products of Hann's taper with itself a `part` of its length later, over that without a lag.

@@ -10,7 +10,7 @@
 use std::f64::consts::PI;
 use std::ops::Range;
 
-use super::bands::{mean, seen};
+use super::bands::{lags, mean, seen};
 use crate::fft;
 use crate::model::unnamed::Band;
 use crate::numeric::mixture::add_mixture;
@@ -56,6 +56,7 @@ fn taper_covariance(part: f64) -> f64 {
 pub fn give(bands: &mut [Band], values: &[f64], groups: &[Range<usize>], noise: &[f64]) {
     let len = values.len();
     let measured = density(values);
+    let taper = lags(len, taper_covariance);
     let measured: Vec<f64> = groups
         .iter()
         .map(|group| mean(&measured[group.clone()]))
@@ -65,7 +66,7 @@ pub fn give(bands: &mut [Band], values: &[f64], groups: &[Range<usize>], noise: 
             amplitude: 1.0,
             ..*band
         };
-        seen(unit, groups, len, taper_covariance).expected
+        seen(unit, groups, &taper).expected
     };
     let shapes: Vec<Vec<f64>> = bands.iter().map(shape).collect();
     let mut squared: Vec<f64> = bands.iter().map(|band| band.amplitude.powi(2)).collect();

@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use super::*;
 use crate::diagnosis::trial::{
-    LEVEL, RATE_HZ, axis, excluded, heard, kinds, law, long, made_up, markov as wander, ringing,
-    swinging, take_in,
+    LEVEL, RATE_HZ, axis, excluded, heard, law, long, made_up, markov as wander, ringing, swinging,
+    take_in,
 };
 use crate::model::{markov, rolloff};
 
@@ -236,7 +236,7 @@ fn of_several_laws_the_one_that_is_spoken_against_goes() {
         &[250.0, 10.0, 1.0],
     );
     let (_, remarks) = verdict(&mut axis, false);
-    assert_eq!(kinds(&axis), [resonance::KIND], "seed 8: {remarks:?}");
+    assert_eq!(axis.kinds(), [resonance::KIND], "seed 8: {remarks:?}");
     let f_hz = axis.laws[0].values[0];
     assert!((f_hz - 250.0).abs() < 3.0, "seed 8: {f_hz}");
     // Fitted without: the model holds what has a name, and no more.

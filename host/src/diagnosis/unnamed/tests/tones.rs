@@ -43,7 +43,7 @@ fn a_tone_of_another_size_than_it_was_named_with_is_taken_back() {
             let mut axis = with_tone(seed, 0.1, named, 1.0);
             let completed = complete(&mut axis, LEVEL);
             assert!(completed.p_value.is_some(), "seed {seed}, {named}");
-            kinds(&axis)
+            axis.kinds()
         };
         assert_eq!(left(1.0), [wandering_line::KIND], "seed {seed}");
         assert_eq!(left(3.0), [], "seed {seed}");
@@ -66,6 +66,6 @@ fn a_tone_that_wandered_a_few_times_is_not_held_to_its_law() {
     for seed in 34..38 {
         let mut axis = with_tone(seed, 10.0, 1.0, 0.0);
         complete(&mut axis, LEVEL);
-        assert_eq!(kinds(&axis), [wandering_line::KIND], "seed {seed}");
+        assert_eq!(axis.kinds(), [wandering_line::KIND], "seed {seed}");
     }
 }

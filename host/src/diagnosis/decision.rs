@@ -1,0 +1,88 @@
+//! What a search decides on its way, for those who want to follow it.
+
+use std::fmt;
+
+use crate::diagnosis::explanation::Explanation;
+use crate::diagnosis::loser::Loser;
+use crate::model::kind::Kind;
+use crate::numeric::written::plain;
+
+/// One decision of a search.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Decision {
+    /// A candidate was taken in as an explanation, or in place of what it amends.
+    Taken {
+        /// Its kind.
+        kind: Kind,
+        /// Its p-value.
+        p_value: f64,
+    },
+    /// A candidate was declined.
+    Declined {
+        /// Its kind.
+        kind: Kind,
+        /// Its p-value.
+        p_value: f64,
+        /// Why.
+        why: Declined,
+    },
+    /// Explanations of these kinds were taken back.
+    Withdrawn(Vec<Kind>),
+    /// A band was excluded from the fits.
+    Excluded {
+        /// Its lower end, hertz.
+        from_hz: f64,
+        /// Its upper end, hertz.
+        to_hz: f64,
+    },
+    /// The axis is searched from its beginning, without these.
+    Anew(Vec<Loser>),
+}
+
+/// Why a candidate is declined.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Declined {
+    /// It gained nothing on held-out data before.
+    GainedNothing,
+    /// The record has no room for its parameters.
+    NoRoom,
+}
+
+impl Decision {
+    /// That what there was `before` and is not among the `left` was taken back; `None` where all is left.
+    pub fn withdrawn(before: &[Kind], left: &[Explanation]) -> Option<Self> {
+        let mut gone = before.to_vec();
+        for one in left {
+            if let Some(number) = gone.iter().position(|kind| *kind == one.kind()) {
+                gone.remove(number);
+            }
+        }
+        (!gone.is_empty()).then_some(Self::Withdrawn(gone))
+    }
+}
+
+impl fmt::Display for Decision {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Taken { kind, p_value } => write!(f, "taken in: {kind}, by chance {p_value:.1e}"),
+            Self::Declined { kind, p_value, why } => {
+                let why = match why {
+                    Declined::GainedNothing => "gained nothing on held-out data",
+                    Declined::NoRoom => "larger than the record",
+                };
+                write!(f, "declined: {kind}, by chance {p_value:.1e}: {why}")
+            }
+            Self::Withdrawn(kinds) => write!(f, "taken back: {}", joined(kinds)),
+            Self::Excluded { from_hz, to_hz } => {
+                let (from, to) = (plain(*from_hz), plain(*to_hz));
+                write!(f, "left out of the fits: {from} to {to} Hz")
+            }
+            Self::Anew(losers) => write!(f, "searched anew without: {}", joined(losers)),
+        }
+    }
+}
+
+fn joined<T: fmt::Display>(all: &[T]) -> String {
+    let all: Vec<String> = all.iter().map(ToString::to_string).collect();
+    all.join(", ")
+}
