@@ -42,6 +42,11 @@ impl AxisState {
         self.short_gaps().map_or(0.0, ShortGaps::share)
     }
 
+    /// Share of the record that was measured, or drawn where it was not.
+    pub fn present_share(&self) -> f64 {
+        (self.measured_share() / (1.0 - self.filled_share())).min(1.0)
+    }
+
     /// Whether a sample that was filled lies no more than so many samples from this one.
     pub fn is_beside_filled(&self, index: usize, samples: usize) -> bool {
         let places = self.short_gaps().map_or(&[][..], ShortGaps::places);

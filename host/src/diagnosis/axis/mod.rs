@@ -62,6 +62,8 @@ pub struct AxisState {
     pub filled: Arc<Vec<f64>>,
     /// What is missing of the residual and was filled, ascending.
     bridged: Vec<Range<usize>>,
+    /// Bands of the tones that were known when that was filled, hertz.
+    filled_with_hz: Vec<Range<f64>>,
     /// Ranges excluded from tests of single moments, ascending and disjoint.
     unusable: Vec<Range<usize>>,
     /// What the bins are made for: ranges that are excluded from the record.
@@ -109,6 +111,7 @@ impl AxisState {
             fit,
             filled: Arc::default(),
             bridged: Vec::new(),
+            filled_with_hz: Vec::new(),
             unusable: Vec::new(),
             left_out: Vec::new(),
             fast: Arc::new(fast),

@@ -39,6 +39,7 @@ impl AxisState {
             self.fill_long(Arc::make_mut(&mut values).as_mut_slice())
         };
         self.bridged.clone_from(&gaps);
+        self.filled_with_hz = self.tones_hz();
         gaps.extend(self.residual.about_jumps(0));
         let guard = self.guard();
         let widened = |gap: &Range<usize>| {
@@ -78,7 +79,12 @@ impl AxisState {
         let starts = [0].into_iter().chain(gaps.iter().map(|gap| gap.end));
         let ends = gaps.iter().map(|gap| gap.start).chain([values.len()]);
         let mut there = starts.zip(ends);
-        if self.bridged == gaps && there.all(|(start, end)| (start..end).all(|n| is_same(&n))) {
+        // A tone without a name was in no law that one could draw by, and what it left there is a cut at either end.
+        let knows_as_many = self.filled_with_hz == self.tones_hz();
+        if knows_as_many
+            && self.bridged == gaps
+            && there.all(|(start, end)| (start..end).all(|n| is_same(&n)))
+        {
             for gap in &gaps {
                 values[gap.clone()].copy_from_slice(&self.filled[gap.clone()]);
             }

@@ -24,7 +24,7 @@ const NEEDLESS: f64 = 0.05;
 const OVERLAP: f64 = 4.0;
 
 /// Frequency of a group of ordinates over that of the one before.
-const NEXT: f64 = 1.15;
+pub const NEXT: f64 = 1.15;
 
 /// Two-sided density of some samples in cycles a sample, from zero on, under Hann's taper: what the ends cut off would
 /// else stand above all that is far from the bands.

@@ -26,6 +26,8 @@ mod trial;
 mod usual;
 mod windows;
 
+pub use bands::NEXT as NEXT_GROUP;
+
 use std::ops::Range;
 
 use super::Detector;

@@ -9,7 +9,6 @@ use realfft::num_complex::Complex64;
 use super::window;
 use crate::diagnosis::axis::{AxisState, Whitened};
 use crate::diagnosis::statistic::matched_filter::smooth_len;
-use crate::diagnosis::steady::tiles::counting;
 use crate::fft;
 use crate::numeric::order::median;
 use crate::numeric::top::golden_section;
@@ -46,7 +45,7 @@ pub struct Band {
     pub step_hz: f64,
     /// Length of the record, seconds.
     pub duration_s: f64,
-    /// Share of the record that was measured: the mean power of the ordinates of noise.
+    /// Share of the record that was measured or drawn: the mean power of the ordinates of noise.
     pub share: f64,
 }
 
@@ -78,7 +77,7 @@ impl Band {
         if len < LEAST_SIDE {
             return None;
         }
-        let share = axis.measured_share();
+        let share = axis.present_share();
         let floor = floor(axis, seen, &(first..first + len))?.map(|one| one / share);
         let step_hz = seen.transform.frequency(1);
         let all = &seen.transform.ordinates()[first..first + len];
@@ -121,14 +120,21 @@ impl Band {
         at(self.floor, k, self.values.len())
     }
 
-    /// Which of its windows of `length` samples are of measured samples.
+    /// Which of its windows of `length` samples hold as many measured samples as most do, but for a few.
     pub fn counting(&self, axis: &AxisState, length: usize) -> Vec<bool> {
+        /// Part of what most windows hold that one must hold.
+        const AS_MOST: f64 = 0.9;
         let windows = self.values.len() / length;
-        // Moments of twice as many, of which every other stands in the middle of a window.
-        let whole = self.values.len() as f64 / (windows * length) as f64;
-        let len = (axis.ring_len() as f64 / whole) as usize;
-        let moments = counting(axis, len, 2 * windows);
-        (0..windows).map(|window| moments[2 * window + 1]).collect()
+        let of_window = axis.ring_len() as f64 * length as f64 / self.values.len() as f64;
+        let share = |window: usize| {
+            let ends = [window, window + 1].map(|window| (window as f64 * of_window) as usize);
+            let usable = (ends[0]..ends[1]).filter(|&index| axis.usable(index));
+            usable.count() as f64 / of_window
+        };
+        let shares: Vec<f64> = (0..windows).map(share).collect();
+        let most = median(&mut shares.clone()).unwrap_or_default();
+        let counts = |share: f64| share > 0.0 && share >= AS_MOST * most;
+        shares.into_iter().map(counts).collect()
     }
 
     /// Whether one steady line holds all of the power above noise in these of its `ordinates`, but for the share

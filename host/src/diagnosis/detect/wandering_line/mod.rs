@@ -25,6 +25,7 @@ use self::harmonics::{Line, family};
 use self::track::{Steadiness, Track};
 use super::Detector;
 use super::lines::{self, Group, Measured};
+use super::shock::NEXT_GROUP;
 use crate::diagnosis::axis::{AxisState, NoFit, Whitened};
 use crate::diagnosis::detect::look::{Look, Proposal};
 use crate::diagnosis::explanation::{Candidate, Change, Explanation};
@@ -32,7 +33,7 @@ use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::finding::Rival;
 use crate::diagnosis::result::value::Value;
 use crate::diagnosis::steady::line::IMPERFECT;
-use crate::model::{burst, hum, resonance, shock, sinusoid, wandering_line};
+use crate::model::{burst, hum, motion, resonance, shock, sinusoid, wandering_line};
 
 /// Shortest windows, samples of the band; those of half the length show how its energy grows.
 const SHORTEST: usize = 8;
@@ -43,6 +44,10 @@ const LEAST_WINDOWS: usize = 32;
 /// How steady a tone must be: 0 as noise is, 1 as a tone without any change of its size. A choice; resonances of any
 /// width and strength stay below a half.
 const STEADY: f64 = 0.7;
+
+/// Share of the bands of noise that may be named as tones: a choice. That there is something is known, and by what
+/// probability; which of two names it has is asked here.
+const MISTAKEN: f64 = 0.01;
 
 /// By how much its energy must grow with windows of twice the length; that of a tone doubles, of noise stays.
 const GROWTH: f64 = 1.5;
@@ -125,7 +130,7 @@ pub fn named(look: &Look<'_>, within_hz: &Range<f64>, p_value: f64) -> Option<Pr
     let axis = look.axis;
     let seen = axis.whitened();
     let band = Band::about(axis, &seen, within_hz, ROOM)?;
-    let (track, steadiness) = steadiest(axis, &band, look.level())?;
+    let (track, steadiness) = steadiest(axis, &band)?;
     let course = course(&band, &track)?;
     // A tone that stands still is no business of this one.
     let own = filled(&band, &track);
@@ -194,13 +199,13 @@ pub struct Tone<'a> {
 }
 
 /// The windows through which a tone of a band is plainest, if there is one.
-fn steadiest(axis: &AxisState, band: &Band, level: f64) -> Option<(Track, Steadiness)> {
+fn steadiest(axis: &AxisState, band: &Band) -> Option<(Track, Steadiness)> {
     let lengths = std::iter::successors(Some(SHORTEST / 2), |length| Some(2 * length));
     let lengths = lengths.take_while(|length| band.values.len() / length >= LEAST_WINDOWS);
     let tracks = lengths.map(|length| Track::new(band, length, band.counting(axis, length)));
     let mut tracks: Vec<Track> = tracks.collect();
     let said: Vec<Option<Steadiness>> = tracks.iter().map(Track::steadiness).collect();
-    let best = plainest(&said, level / said.len() as f64)?;
+    let best = plainest(&said, MISTAKEN / said.len() as f64)?;
     Some((tracks.swap_remove(best), said[best]?))
 }
 
@@ -271,7 +276,29 @@ fn made_for_it(axis: &AxisState, bands: &[Line]) -> Vec<crate::model::kind::Kind
     if are_of_tone(axis, is_inside) {
         kinds.push(shock::KIND);
     }
+    if moves_as_tone(axis, bands) {
+        kinds.push(motion::KIND);
+    }
     kinds
+}
+
+/// Whether all that is known to have moved the axis did so about these lines, and left nothing behind. What was usual before it
+/// is told apart by [groups of ordinates](NEXT_GROUP): a tone that wanders from one into the next is no event.
+fn moves_as_tone(axis: &AxisState, lines: &[Line]) -> bool {
+    let Some(known) = axis.explanation(motion::KIND) else {
+        return false;
+    };
+    let is_line = |f_hz: f64| {
+        lines.iter().any(|line| {
+            let next = f_hz.max(line.band_hz.start) / f_hz.min(line.band_hz.end);
+            next < NEXT_GROUP
+        })
+    };
+    let values = known.effect.plain();
+    let stretches = values.chunks_exact(motion::ROW).map(motion::Stretch::of);
+    let mut stretches = stretches.peekable();
+    stretches.peek().is_some()
+        && stretches.all(|one| one.step == 0.0 && one.mean == 0.0 && is_line(one.band.f_hz))
 }
 
 /// Whether shocks are known that all ring at frequencies of the tone: where it seldom is it stands out of what is usual
