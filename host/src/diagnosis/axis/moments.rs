@@ -151,6 +151,24 @@ impl AxisState {
         near.into_iter().all(|range| range.end <= index)
     }
 
+    /// Share of a stretch of samples that tests of single moments may look at.
+    pub fn usable_share(&self, samples: &Range<usize>) -> f64 {
+        let mut from = samples.start.max(SEAM);
+        let end = samples.end.min(self.fast.len().saturating_sub(SEAM));
+        let mut usable = 0;
+        // They overlap where one was added: no more than two can reach a sample.
+        let after = self.unusable.partition_point(|range| range.start <= from);
+        for range in &self.unusable[after.saturating_sub(2)..] {
+            if range.start >= end {
+                break;
+            }
+            usable += range.start.saturating_sub(from);
+            from = from.max(range.end);
+        }
+        usable += end.saturating_sub(from);
+        usable as f64 / samples.len().max(1) as f64
+    }
+
     /// Share of the samples that were measured: of every so many, in long records.
     pub fn measured_share(&self) -> f64 {
         /// Samples that are asked, about: a share is then known to a thousandth.

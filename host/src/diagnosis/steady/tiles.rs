@@ -9,11 +9,12 @@ use crate::diagnosis::axis::{AxisState, Whitened};
 use crate::diagnosis::record::envelope::of_share;
 use crate::diagnosis::statistic::matched_filter::smooth_len;
 use crate::fft::{self, long::Long};
+use crate::numeric::order::median;
 
 /// Ordinates of the widest band whose transform is planned.
 const LONGEST: usize = 1 << 16;
 
-/// Moments at which a tile is asked whether its samples count.
+/// Moments at which a tile is asked what is known of its strength.
 const ASKED: usize = 8;
 
 /// The least strength that others are taken over: where noise all but vanishes, other noise is all there is.
@@ -48,19 +49,28 @@ pub(super) fn over_time(seen: &Whitened, mut band: Vec<Complex64>) -> Vec<f64> {
     band.iter().map(|value| value.norm_sqr() * unit).collect()
 }
 
-/// Which of `size` moments count: those most of whose samples are measured ones.
+/// Which of `size` moments of a ring of `length` samples count.
 pub fn counting(axis: &AxisState, length: usize, size: usize) -> Vec<bool> {
-    (0..size)
-        .map(|moment| {
-            // A moment stands in the middle of its samples.
-            let good = (0..ASKED).filter(|part| {
-                let at = moment as f64 - 0.5 + (*part as f64 + 0.5) / ASKED as f64;
-                let sample = (at * length as f64 / size as f64).rem_euclid(length as f64);
-                axis.usable(sample as usize)
-            });
-            good.count() == ASKED
-        })
-        .collect()
+    let of_moment = length as f64 / size as f64;
+    // A moment stands in the middle of its samples.
+    let sample = |moment: f64| ((moment - 0.5) * of_moment).max(0.0) as usize;
+    let moments = (0..size).map(|moment| sample(moment as f64)..sample(moment as f64 + 1.0));
+    as_whole_as_most(axis, moments)
+}
+
+/// Which of some stretches of samples are all of measured ones; where most are not, which of them hold as many as most
+/// do, but for a few: what was drawn in the place of the others is noise as it is known, and hides as much everywhere.
+pub fn as_whole_as_most(
+    axis: &AxisState,
+    stretches: impl Iterator<Item = Range<usize>>,
+) -> Vec<bool> {
+    /// Part of what most hold: a choice. A tone's power then differs by a fifth at most.
+    const AS_MOST: f64 = 0.9;
+    let shares: Vec<f64> = stretches.map(|one| axis.usable_share(&one)).collect();
+    let most = median(&mut shares.clone()).unwrap_or_default();
+    let least = if most < 1.0 { AS_MOST * most } else { 1.0 };
+    let counts = |share: f64| share > 0.0 && share >= least;
+    shares.into_iter().map(counts).collect()
 }
 
 /// What the explanations say of the strength of what swings at each of `size` moments, as a mean square; empty where they

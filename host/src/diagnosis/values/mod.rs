@@ -51,16 +51,16 @@ impl ValueFindings {
             Some(grid) => Chance::on_grid(&increments, grid, noise),
             None => Some(Chance::between(&increments, noise, declared.map(f64::abs))),
         };
+        // Samples at a limit are all the same for another reason.
+        let is_free = |n: usize| clipping.iter().all(|one| measured[n] != one.level);
         let repeats: Vec<usize> = (1..measured.len())
-            .filter(|&n| measured[n] == measured[n - 1])
-            // Samples at a limit are all the same for another reason.
-            .filter(|&n| clipping.iter().all(|one| measured[n] != one.level))
+            .filter(|&n| measured[n] == measured[n - 1] && is_free(n))
             .collect();
         let stale = chance
             .filter(|_| spanned)
             .and_then(|chance| stale(Repeats::new(measured, &repeats), chance, level));
         Self {
-            stale: stale.map(|stale| (stale, repeats)),
+            stale: stale.map(|stale| (stale, with_cut_off(repeats, measured, &is_free))),
             clipping: clipping
                 .into_iter()
                 .map(|one| {
@@ -80,6 +80,28 @@ impl ValueFindings {
                 .fold(mean.abs(), |most, value| most.max((value + mean).abs())),
         }
     }
+}
+
+/// The `places` of repeats, with those that repeat the last sample that was measured before some were missing: the rest of a run
+/// that they cut in two.
+fn with_cut_off(
+    places: Vec<usize>,
+    measured: &[f64],
+    is_free: impl Fn(usize) -> bool,
+) -> Vec<usize> {
+    let mut all = places;
+    let mut last = f64::NAN;
+    for (place, value) in measured.iter().enumerate() {
+        let is_cut_off = place > 0 && !measured[place - 1].is_finite();
+        if is_cut_off && *value == last && is_free(place) {
+            all.push(place);
+        }
+        if value.is_finite() {
+            last = *value;
+        }
+    }
+    all.sort_unstable();
+    all
 }
 
 #[cfg(test)]

@@ -215,15 +215,28 @@ fn begins(axis: &AxisState) -> usize {
 /// jump is misplaced. What was drawn is known as well as the law, which may be wrong far below the noise.
 const NEAR: usize = 4;
 
-/// Which samples the filter looks at. Others are held against their neighbours, whatever the law.
+/// Which samples the filter looks at: measured ones. Others are held against their neighbours, whatever the law.
 fn filtered(axis: &AxisState) -> impl Fn(usize) -> bool {
-    let few = few_are_drawn(axis);
-    move |n| axis.usable(n) && !(few && axis.is_beside_filled(n, NEAR))
+    let near = |few: bool| if few { NEAR } else { 0 };
+    let of_missing = near(few_are_drawn(axis));
+    // What lies beyond a limit is drawn by itself, however many others are missing.
+    let replaced = axis.residual.replaced();
+    let of_replaced = near(FEW * replaced.len() <= axis.residual.len());
+    move |n| {
+        let from = replaced.partition_point(|place| place + of_replaced < n);
+        let is_beside = replaced
+            .get(from)
+            .is_some_and(|place| *place <= n + of_replaced);
+        axis.usable(n) && !axis.is_beside_filled(n, of_missing) && !is_beside
+    }
 }
 
-/// Whether so few samples were drawn that hardly one has a neighbour that was: a choice, one in a hundred.
+/// One drawn sample of so many leaves hardly one beside it: a choice.
+const FEW: usize = 100;
+
+/// Whether so few samples were drawn that hardly one has a neighbour that was.
 fn few_are_drawn(axis: &AxisState) -> bool {
-    100 * axis.filled_samples() <= axis.residual.len()
+    FEW * axis.filled_samples() <= axis.residual.len()
 }
 
 /// What is left of the record, with its outliers. Where many samples were drawn these count as seen: hardly one has

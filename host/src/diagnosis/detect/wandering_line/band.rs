@@ -9,6 +9,7 @@ use realfft::num_complex::Complex64;
 use super::window;
 use crate::diagnosis::axis::{AxisState, Whitened};
 use crate::diagnosis::statistic::matched_filter::smooth_len;
+use crate::diagnosis::steady::tiles::as_whole_as_most;
 use crate::fft;
 use crate::numeric::order::median;
 use crate::numeric::top::golden_section;
@@ -120,21 +121,12 @@ impl Band {
         at(self.floor, k, self.values.len())
     }
 
-    /// Which of its windows of `length` samples hold as many measured samples as most do, but for a few.
+    /// Which of its windows of `length` samples count.
     pub fn counting(&self, axis: &AxisState, length: usize) -> Vec<bool> {
-        /// Part of what most windows hold that one must hold.
-        const AS_MOST: f64 = 0.9;
-        let windows = self.values.len() / length;
         let of_window = axis.ring_len() as f64 * length as f64 / self.values.len() as f64;
-        let share = |window: usize| {
-            let ends = [window, window + 1].map(|window| (window as f64 * of_window) as usize);
-            let usable = (ends[0]..ends[1]).filter(|&index| axis.usable(index));
-            usable.count() as f64 / of_window
-        };
-        let shares: Vec<f64> = (0..windows).map(share).collect();
-        let most = median(&mut shares.clone()).unwrap_or_default();
-        let counts = |share: f64| share > 0.0 && share >= AS_MOST * most;
-        shares.into_iter().map(counts).collect()
+        let sample = |window: usize| (window as f64 * of_window) as usize;
+        let windows = 0..self.values.len() / length;
+        as_whole_as_most(axis, windows.map(|one| sample(one)..sample(one + 1)))
     }
 
     /// Whether one steady line holds all of the power above noise in these of its `ordinates`, but for the share
