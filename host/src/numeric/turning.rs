@@ -2,7 +2,7 @@
 
 use realfft::num_complex::Complex64;
 
-/// Values between two that are exact: rounding is then below 1e-13 of a value, and a sine costs next to nothing.
+/// Values between two that are exact: rounding of 255 products is below 1e-13 of a value, and a sine costs next to nothing.
 const ANCHOR: u64 = 256;
 
 /// A complex exponential from its value number `from` on: each is the one before times `step`, and every 256th is
@@ -36,7 +36,8 @@ mod tests {
         let from = |from: u64| turning(from, rate.exp(), exact).take(1000);
         for (number, value) in from(0).enumerate() {
             let exact = exact(number as u64);
-            assert!((value - exact).norm() < 1e-13 * exact.norm(), "{number}");
+            // The last angle is 700 rad, known to 1.5e-13; 255 products add half as much.
+            assert!((value - exact).norm() < 3e-13 * exact.norm(), "{number}");
         }
         assert!(from(0).skip(777).eq(from(777).take(223)));
     }

@@ -13,13 +13,14 @@ mod tables;
 
 use super::Detector;
 use super::lines::{self, Group, Measured};
-use crate::diagnosis::axis::NoFit;
+use crate::diagnosis::axis::{AxisState, NoFit};
 use crate::diagnosis::detect::look::{Lesson, Look, Proposal};
 use crate::diagnosis::explanation::{Candidate, Change};
 use crate::diagnosis::record::wave::Wave;
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
 use crate::model::dropped::KIND;
+use crate::model::shock::{self, Shock};
 use crate::spectrum::Line;
 use loss::Loss;
 
@@ -121,8 +122,10 @@ fn candidate(look: &Look<'_>, loss: &Loss) -> Candidate {
     let wide = CUT + UNSURE * loss.index_sd;
     let from = (loss.index as f64 - wide).max(0.0) as usize;
     let to = ((loss.index as f64 + wide) as usize).min(look.axis.residual.len());
+    let supersedes = are_of_loss(look.axis, loss).then_some(shock::KIND);
     Candidate {
         held_out_nats: Some(loss.held_nats),
+        supersedes: supersedes.into_iter().collect(),
         ..Candidate::new(
             Estimate::new(KIND, [time_s, samples]),
             loss.p_value,
@@ -130,6 +133,20 @@ fn candidate(look: &Look<'_>, loss: &Loss) -> Candidate {
             Change::Cut(from..to),
         )
     }
+}
+
+/// Whether shocks are known that all are what a loss makes of its lines: a line that jumps in phase is that line less one that
+/// rings at its frequency about the moment.
+fn are_of_loss(axis: &AxisState, loss: &Loss) -> bool {
+    let [from_s, to_s] = [loss.index_lo, loss.index_hi].map(|index| index / axis.rate_hz);
+    let is_line = |one: &Shock| {
+        let mut lines = loss.lines.iter();
+        // Within the width of what rings so shortly.
+        lines.any(|line| (line.cycles * axis.rate_hz - one.f_hz).abs() * one.decay_s < 1.0)
+    };
+    let is_then = |one: &Shock| one.time_s <= to_s && from_s <= one.time_s + one.duration_s;
+    let mut shocks = axis.residual.shocks().peekable();
+    shocks.peek().is_some() && shocks.all(|one| is_line(one) && is_then(one))
 }
 
 #[cfg(test)]
@@ -161,6 +178,42 @@ mod tests {
         let out = Change::Waves(vec![trial::line(30.0, 0.0)]);
         trial.know(sinusoid::KIND, [30.0, 0.0], out);
         assert!(trial.ask(&DETECTOR).is_empty(), "seed 0: lines are out");
+    }
+
+    #[test]
+    fn a_shock_that_rings_as_a_line_about_the_moment_is_the_loss_itself() {
+        let replaces_shock = |f_hz: f64, from_end: f64| {
+            let mut trial = trial(0, 9);
+            let end_s = trial.axis.residual.len() as f64 / trial.axis.rate_hz;
+            let shock = Shock {
+                time_s: (0.5 - from_end) * end_s,
+                peak: 1e-6,
+                duration_s: 0.1 * end_s,
+                f_hz,
+                decay_s: 2.0,
+            };
+            let wave = Wave::Shocks {
+                shocks: vec![shock],
+                rate_hz: trial.axis.rate_hz,
+            };
+            let Shock {
+                time_s,
+                peak,
+                duration_s,
+                f_hz,
+                decay_s,
+            } = shock;
+            let values = [time_s, peak, duration_s, f_hz, decay_s];
+            trial.know(shock::KIND, values, Change::Waves(vec![wave]));
+            let found = trial.ask(&DETECTOR).into_iter().find_map(|one| match one {
+                Proposal::Explain(one) if one.effect.kind == KIND => Some(one.supersedes),
+                _ => None,
+            });
+            found.expect("a loss, seed 0") == [shock::KIND]
+        };
+        assert!(replaces_shock(11.9, 0.05));
+        assert!(!replaces_shock(14.0, 0.05), "no line");
+        assert!(!replaces_shock(11.9, 0.3), "before the moment");
     }
 
     #[test]

@@ -88,7 +88,7 @@ fn followed(seed: u64) -> (Band, Track) {
     let trial = with(seed, &tone(20.0, &[0.5]), |_| 1.0);
     let band = Band::about(&trial.axis, &trial.axis.whitened(), &(19.8..20.2), ROOM);
     let band = band.expect("a band");
-    let best = steadiest(&trial.axis, &band, trial::LEVEL).expect("a plain tone");
+    let best = steadiest(&trial.axis, &band).expect("a plain tone");
     (band, best.0)
 }
 
