@@ -53,6 +53,35 @@ fn diagnose(folder: &Path, name: &str) -> Value {
     serde_json::from_str(&text).expect("JSON")
 }
 
+#[test]
+fn every_decision_of_the_search_can_be_followed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    std::fs::write(folder.join("model.json"), MODEL).expect("written");
+    simulate(folder, "model.json", "5", "record.npy");
+    let diagnose = |more: &[&str]| {
+        let mut command = inm(folder);
+        command.args([
+            "diagnose",
+            "record.npy",
+            "--rate",
+            "1000",
+            "--unit",
+            "m/s^2",
+        ]);
+        let output = command.args(more).assert().success().get_output().clone();
+        let text = |bytes| String::from_utf8(bytes).expect("text");
+        (text(output.stdout), text(output.stderr))
+    };
+    let (found, said) = diagnose(&["--trace"]);
+    for kind in ["hum", "markov"] {
+        assert!(found.contains(kind), "{found}");
+        let taken = format!("axis 0: taken in: {kind}, by chance ");
+        assert!(said.contains(&taken), "{said}");
+    }
+    assert_eq!(diagnose(&[]), (found, String::new()));
+}
+
 /// Findings of the axis, by name.
 fn findings(diagnosis: &Value) -> Vec<(&str, &Value)> {
     let mut findings = Vec::new();

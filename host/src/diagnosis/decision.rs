@@ -42,8 +42,8 @@ pub enum Decision {
 /// Why a candidate is declined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Declined {
-    /// It gained nothing on held-out data before.
-    GainedNothing,
+    /// It gained too little on held-out data before.
+    GainedTooLittle,
     /// The record has no room for its parameters.
     NoRoom,
 }
@@ -67,7 +67,7 @@ impl fmt::Display for Decision {
             Self::Taken { kind, p_value } => write!(f, "taken in: {kind}, by chance {p_value:.1e}"),
             Self::Declined { kind, p_value, why } => {
                 let why = match why {
-                    Declined::GainedNothing => "gained nothing on held-out data",
+                    Declined::GainedTooLittle => "gained too little on held-out data",
                     Declined::NoRoom => "larger than the record",
                 };
                 write!(f, "declined: {kind}, by chance {p_value:.1e}: {why}")
@@ -85,4 +85,29 @@ impl fmt::Display for Decision {
 fn joined<T: fmt::Display>(all: &[T]) -> String {
     let all: Vec<String> = all.iter().map(ToString::to_string).collect();
     all.join(", ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::trial::{NOTHING, axis, short, take_in};
+    use crate::model::{burst, steps};
+
+    #[test]
+    fn what_is_gone_was_taken_back() {
+        let mut axis = axis(1, short(1), |_, noise| noise);
+        for kind in [steps::KIND, burst::KIND, steps::KIND] {
+            take_in(&mut axis, kind, NOTHING);
+        }
+        let all = axis.kinds();
+        assert_eq!(Decision::withdrawn(&all, axis.explanations()), None);
+        axis.withdraw_where(|one| one.kind() == burst::KIND);
+        let gone = Decision::withdrawn(&all, axis.explanations()).expect("one is gone");
+        assert_eq!(gone.to_string(), "taken back: burst");
+        let both = Decision::withdrawn(&all, &axis.explanations()[..1]);
+        assert_eq!(
+            both,
+            Some(Decision::Withdrawn(vec![burst::KIND, steps::KIND]))
+        );
+    }
 }

@@ -1,4 +1,4 @@
-//! One axis: searched until nothing is left that has a name, without what gains nothing.
+//! One axis: searched until nothing is left that has a name, without what gains too little.
 
 use std::cell::OnceCell;
 use std::sync::Arc;
@@ -185,7 +185,7 @@ pub fn explain(
 }
 
 /// Explains the axis called `name` by an `attempt` that is told what is refused, and does so anew from its
-/// beginning without what gained nothing, and without what left nothing to fit. The axis, what came of the last
+/// beginning without what gained too little, and without what left nothing to fit. The axis, what came of the last
 /// attempt, and the gain of each explanation on held-out data.
 fn without_losers<T>(
     name: &str,

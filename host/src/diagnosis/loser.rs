@@ -1,8 +1,9 @@
-//! What gained nothing on data that it was not fitted to, and is not proposed any more.
+//! What gained too little on data that it was not fitted to, and is not proposed any more.
 
 use std::fmt;
 
 use crate::diagnosis::explanation::{Change, Explanation};
+use crate::diagnosis::held_out::ENOUGH_NATS;
 use crate::diagnosis::result::estimate::Estimate;
 use crate::model::kind::Kind;
 use crate::model::marks::Mark;
@@ -35,15 +36,15 @@ impl Loser {
         Self { kind, at_hz: None }
     }
 
-    /// Those of some explanations that gained nothing, as `held_out_nats` say. A line or a peak among others that gained
+    /// Those of some explanations that gained too little, as `held_out_nats` say. A line or a peak among others that gained
     /// is refused by itself: they are there whatever it is.
     pub fn among(explanations: &[Explanation], held_out_nats: &[Option<f64>]) -> Vec<Self> {
         let pairs = || explanations.iter().zip(held_out_nats);
         let gained = |kind| {
             let mut of_kind = pairs().filter(|(one, _)| one.kind() == kind);
-            of_kind.any(|(_, nats)| nats.is_some_and(|nats| nats > 0.0))
+            of_kind.any(|(_, nats)| nats.is_some_and(|nats| nats > ENOUGH_NATS))
         };
-        let losers = pairs().filter(|(_, nats)| nats.is_some_and(|nats| nats <= 0.0));
+        let losers = pairs().filter(|(_, nats)| nats.is_some_and(|nats| nats <= ENOUGH_NATS));
         let losers = losers.map(|(one, _)| Self {
             kind: one.kind(),
             at_hz: frequency(&one.effect, &one.change).filter(|_| gained(one.kind())),
@@ -121,6 +122,13 @@ mod tests {
         assert!(is_out(made_up(steps::KIND, NOTHING)));
         let is_all = |kind| losers.iter().any(|loser| loser.is_all_of(kind));
         assert!(is_all(steps::KIND) && !is_all(sinusoid::KIND));
+    }
+
+    #[test]
+    fn what_hardly_gains_loses() {
+        let losers = |nats: f64| among(vec![(made_up(steps::KIND, NOTHING), nats)]);
+        assert_eq!(losers(0.9 * ENOUGH_NATS), [Loser::all(steps::KIND)]);
+        assert_eq!(losers(1.1 * ENOUGH_NATS), []);
     }
 
     #[test]

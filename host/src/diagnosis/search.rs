@@ -191,7 +191,7 @@ impl<'a> Search<'a> {
         let p_value = candidate.p_value;
         let is_refused = |loser: &Loser| loser.is(&candidate.effect, &candidate.change);
         let declined = match () {
-            () if self.context.refused.iter().any(is_refused) => Some(Declined::GainedNothing),
+            () if self.context.refused.iter().any(is_refused) => Some(Declined::GainedTooLittle),
             () if !room::holds(self.axis, &candidate) => Some(Declined::NoRoom),
             () => None,
         };

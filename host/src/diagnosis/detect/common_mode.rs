@@ -8,6 +8,7 @@
 
 use std::ops::Range;
 
+use crate::diagnosis::held_out::ENOUGH_NATS;
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::finding::{Finding, Gain};
 use crate::diagnosis::result::value::Value;
@@ -80,7 +81,7 @@ pub fn shared(residuals: &[Vec<f32>], rate_hz: f64, level: f64) -> Shared {
             }
             let halves = [&first, &second].map(|half| half.cross(0, axis, rate_hz, PER_OCTAVE));
             let held_out_nats = nats(&halves[0], &halves[1]) + nats(&halves[1], &halves[0]);
-            if held_out_nats <= 0.0 {
+            if held_out_nats <= ENOUGH_NATS {
                 return None;
             }
             // With a third axis: S_1k = g_k C, S_jk = g_j g_k C, so g_k = S_jk / S_1j.

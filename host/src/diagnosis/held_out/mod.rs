@@ -27,6 +27,10 @@ use crate::fit::likelihood::log_likelihood;
 use crate::model::PerCoefficient;
 use crate::numeric::mixture::add_mixture;
 
+/// Gain that a name needs there, nats. What is fitted to one half is one law among all for the other: where nothing is there
+/// the mean of `e^gain` is 1 at most, so that a gain of 3 is chance in one of twenty (Markov's inequality).
+pub const ENOUGH_NATS: f64 = 3.0;
+
 /// Blocks of the record, half of them held out: a choice. Of fewer both halves would not see the
 /// same hours, shorter ones would not see what is slow.
 pub const BLOCKS: usize = 16;

@@ -116,3 +116,34 @@ pub(super) fn score(strengths: &[f64], counts: &[bool]) -> (f64, f64) {
     let sum: f64 = good().map(|one| (-one / mean).exp() - 0.5).sum();
     (sum + 0.125, tiles)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::trial::axis;
+
+    /// Which stretches of a hundred samples count in noise in which these samples are missing.
+    fn counting(is_missing: impl Fn(usize) -> bool) -> Vec<bool> {
+        let axis = axis(
+            1,
+            40_000,
+            |n, noise| if is_missing(n) { f64::NAN } else { noise },
+        );
+        as_whole_as_most(&axis, (50..300).map(|one| 100 * one..100 * one + 100))
+    }
+
+    #[test]
+    fn where_most_stretches_are_whole_the_others_do_not_count() {
+        let counts = counting(|n| n == 20_050);
+        assert_eq!(counts.iter().filter(|counts| !**counts).count(), 1);
+        assert!(!counts[150]);
+    }
+
+    #[test]
+    fn where_samples_are_missing_everywhere_stretches_count_that_miss_no_more_than_most() {
+        // Every fourth, and in one stretch every second.
+        let counts = counting(|n| n % if (20_000..20_100).contains(&n) { 2 } else { 4 } == 0);
+        assert_eq!(counts.iter().filter(|counts| !**counts).count(), 1);
+        assert!(!counts[150]);
+    }
+}

@@ -60,7 +60,7 @@ impl ValueFindings {
             .filter(|_| spanned)
             .and_then(|chance| stale(Repeats::new(measured, &repeats), chance, level));
         Self {
-            stale: stale.map(|stale| (stale, with_cut_off(repeats, measured, &is_free))),
+            stale: stale.map(|stale| (stale, with_cut_off(repeats, measured, is_free))),
             clipping: clipping
                 .into_iter()
                 .map(|one| {
@@ -128,6 +128,29 @@ mod tests {
         assert_eq!(found.clipping.len(), 1, "seed 1");
         assert!(found.clipping[0].1.len() > 100, "seed 1");
         assert!(found.stale.is_none(), "seed 1: {:?}", found.stale);
+    }
+
+    #[test]
+    fn a_run_that_missing_samples_cut_in_two_is_one() {
+        let mut count = 0;
+        let mut last = 0.0;
+        let found = found(5, |z| {
+            count += 1;
+            // Runs of ten samples, the sixth of which is missing.
+            match count % 100 {
+                50..60 if count % 10 == 5 => f64::NAN,
+                50..60 => last,
+                _ => {
+                    last = z;
+                    z
+                }
+            }
+        });
+        let (_, places) = found.stale.expect("repeats, seed 5");
+        // Sample number `count` stands at the place `count - 1`.
+        let expected =
+            (0..1 << 15).filter(|n| (50..60).contains(&((n + 1) % 100)) && (n + 1) % 10 != 5);
+        assert!(places.into_iter().eq(expected), "seed 5");
     }
 
     #[test]

@@ -74,3 +74,17 @@ fn bands_make_what_the_law_says_about_zero_and_elsewhere() {
     );
     trial::assert_allan_variance(&axis, 1000.0, &[1, 4, 16, 64, 256]);
 }
+
+#[test]
+fn covariances_are_those_at_the_multiples_of_a_lag() {
+    let band = Band {
+        f_hz: 3.7,
+        width_hz: 0.2,
+        amplitude: 1.5,
+    };
+    let lag_s = 0.013;
+    for (lag, found) in band.covariances(lag_s).take(1000).enumerate() {
+        let exact = band.covariance(lag as f64 * lag_s);
+        assert!((found - exact).abs() < 1e-12, "{lag}: {found}, {exact}");
+    }
+}

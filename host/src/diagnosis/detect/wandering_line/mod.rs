@@ -12,6 +12,7 @@
 mod band;
 mod course;
 mod harmonics;
+mod made_for_it;
 #[cfg(test)]
 mod tests;
 mod track;
@@ -22,18 +23,18 @@ use std::ops::Range;
 use self::band::Band;
 use self::course::{Course, course};
 use self::harmonics::{Line, family};
+use self::made_for_it::made_for_it;
 use self::track::{Steadiness, Track};
 use super::Detector;
 use super::lines::{self, Group, Measured};
-use super::shock::NEXT_GROUP;
 use crate::diagnosis::axis::{AxisState, NoFit, Whitened};
 use crate::diagnosis::detect::look::{Look, Proposal};
-use crate::diagnosis::explanation::{Candidate, Change, Explanation};
+use crate::diagnosis::explanation::{Candidate, Change};
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::finding::Rival;
 use crate::diagnosis::result::value::Value;
 use crate::diagnosis::steady::line::IMPERFECT;
-use crate::model::{burst, hum, motion, resonance, shock, sinusoid, wandering_line};
+use crate::model::{burst, hum, resonance, wandering_line};
 
 /// Shortest windows, samples of the band; those of half the length show how its energy grows.
 const SHORTEST: usize = 8;
@@ -261,49 +262,4 @@ fn values(course: &Course, lines: &[Line], number: u32) -> Vec<Option<Value>> {
         values[place] = Some(line.amplitude);
     }
     values
-}
-
-/// Kinds that are taken back: laws that were fitted to the tone with the rest of the spectrum, and lines that stand in
-/// its bands, shocks among them.
-fn made_for_it(axis: &AxisState, bands: &[Line]) -> Vec<crate::model::kind::Kind> {
-    let laws = axis.explanations().iter().filter(|one| one.law().is_some());
-    let mut kinds: Vec<_> = laws.map(Explanation::kind).collect();
-    let mut lines_hz = lines::taken_out_hz(axis).into_iter();
-    let is_inside = |f_hz: f64| bands.iter().any(|line| line.band_hz.contains(&f_hz));
-    if lines_hz.any(is_inside) {
-        kinds.push(sinusoid::KIND);
-    }
-    if are_of_tone(axis, is_inside) {
-        kinds.push(shock::KIND);
-    }
-    if moves_as_tone(axis, bands) {
-        kinds.push(motion::KIND);
-    }
-    kinds
-}
-
-/// Whether all that is known to have moved the axis did so about these lines, and left nothing behind. What was usual before it
-/// is told apart by [groups of ordinates](NEXT_GROUP): a tone that wanders from one into the next is no event.
-fn moves_as_tone(axis: &AxisState, lines: &[Line]) -> bool {
-    let Some(known) = axis.explanation(motion::KIND) else {
-        return false;
-    };
-    let is_line = |f_hz: f64| {
-        lines.iter().any(|line| {
-            let next = f_hz.max(line.band_hz.start) / f_hz.min(line.band_hz.end);
-            next < NEXT_GROUP
-        })
-    };
-    let values = known.effect.plain();
-    let stretches = values.chunks_exact(motion::ROW).map(motion::Stretch::of);
-    let mut stretches = stretches.peekable();
-    stretches.peek().is_some()
-        && stretches.all(|one| one.step == 0.0 && one.mean == 0.0 && is_line(one.band.f_hz))
-}
-
-/// Whether shocks are known that all ring at frequencies of the tone: where it seldom is it stands out of what is usual
-/// there.
-fn are_of_tone(axis: &AxisState, is_own: impl Fn(f64) -> bool) -> bool {
-    let mut shocks = axis.residual.shocks().peekable();
-    shocks.peek().is_some() && shocks.all(|one| is_own(one.f_hz))
 }

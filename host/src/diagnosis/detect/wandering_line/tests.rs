@@ -9,12 +9,14 @@ use super::*;
 use crate::diagnosis::detect::trial::{self, RATE_HZ, Trial, noise};
 use crate::diagnosis::laws::Law;
 use crate::diagnosis::record::wave::Wave;
+use crate::diagnosis::trial::numbers;
 use crate::model::Term;
 use crate::model::kind::Kind;
 use crate::model::random::Seed;
 use crate::model::resonance::Resonance;
 use crate::model::wander::Wander;
 use crate::model::wandering_line::WanderingLine;
+use crate::model::{shock, sinusoid};
 
 /// Noise with what a term makes, sample by sample times `size`.
 fn with(seed: u64, term: &dyn Term, size: impl Fn(f64) -> f64) -> Trial {
@@ -152,6 +154,61 @@ fn mains_a_hundred_times_as_strong_as_the_noise_are_mains() {
         // Some independent frequencies of a deviation of 0.02 Hz.
         assert!((f_hz - 50.0).abs() < 0.06, "seed {seed}: {f_hz}");
     }
+}
+
+#[test]
+fn a_tone_is_as_large_where_a_third_of_the_samples_is_missing() {
+    for seed in 11..14 {
+        let mut values = with(seed, &tone(20.0, &[2.0]), |_| 1.0)
+            .axis
+            .residual
+            .measured()
+            .to_vec();
+        let mut drawn = numbers(seed, 5);
+        for value in &mut values {
+            // A third of normal numbers is below this.
+            if drawn.draw() < -0.43 {
+                *value = f64::NAN;
+            }
+        }
+        let (kind, values) = found(&Trial::new(values)).expect("a plain tone");
+        assert_eq!(kind, wandering_line::KIND, "seed {seed}");
+        let amplitude = values[wandering_line::FIRST_AMPLITUDE]
+            .expect("known")
+            .value;
+        // A tenth of what is drawn there follows it less than the tone does.
+        assert!(
+            (amplitude / 2.0 - 1.0).abs() < 0.2,
+            "seed {seed}: {amplitude}"
+        );
+    }
+}
+
+#[test]
+fn a_tone_goes_on_through_a_long_gap_once_it_is_known() {
+    let seed = 15;
+    let truth = with(seed, &tone(20.0, &[5.0]), |_| 1.0);
+    let truth = truth.axis.residual.measured().to_vec();
+    let gap = truth.len() / 2..truth.len() / 2 + 700;
+    let mut values = truth.clone();
+    values[gap.clone()].fill(f64::NAN);
+    let mut trial = Trial::new(values);
+    // The samples next to the ends, by which the tone has hardly moved.
+    let near = (gap.start..gap.start + 4).chain(gap.end - 4..gap.end);
+    let off = |trial: &Trial| {
+        let squares = near
+            .clone()
+            .map(|n| (trial.axis.filled[n] - truth[n]).powi(2));
+        (squares.sum::<f64>() / 8.0).sqrt()
+    };
+    let before = off(&trial);
+    trial.accept(trial::candidate(trial.ask(&DETECTOR)).expect("a plain tone"));
+    let after = off(&trial);
+    // Two draws of noise of deviation 1 are 1.4 apart.
+    assert!(
+        before > 3.0 && after < 2.5,
+        "seed {seed}: {before}, {after}"
+    );
 }
 
 #[test]

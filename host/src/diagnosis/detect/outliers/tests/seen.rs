@@ -1,6 +1,7 @@
 //! Which samples the filter sees, and in what noise.
 
 use super::*;
+use crate::diagnosis::record::wave::{Replaced, Side};
 
 #[test]
 fn what_was_drawn_beside_an_outlier_is_none() {
@@ -83,4 +84,26 @@ fn where_the_noise_is_known_to_be_loud_an_outlier_is_further_out() {
     let depth = [0.2, 80.0, 0.0];
     trial.know(crate::model::cyclic::KIND, depth, Change::Strength(swing));
     assert_eq!(named_at(trial.ask(&DETECTOR)), [quiet], "seed 32");
+}
+
+#[test]
+fn what_was_drawn_in_the_place_of_others_is_no_outlier_and_nor_is_what_lies_beside_it() {
+    for missing in [0, 3] {
+        let mut values = noise(33);
+        for (n, value) in values.iter_mut().enumerate() {
+            if missing > 0 && n % missing == 1 {
+                *value = f64::NAN;
+            }
+        }
+        let mut trial = Trial::new(values);
+        let at = [9000];
+        let replaced = Replaced::bridged(&trial.axis.residual.values(), &at, Side::Above);
+        let waves = Change::Waves(vec![Wave::Replaced(replaced)]);
+        trial.know(crate::model::clipping::KIND, [1.0, 1.0], waves);
+        let is_filtered = filtered(&trial.axis);
+        assert!(trial.axis.usable(9000), "its power counts, seed 33");
+        assert!(!is_filtered(9000) && !is_filtered(9002) && !is_filtered(8996));
+        assert!(is_filtered(9012), "{missing}: far from it");
+        assert_eq!(is_filtered(9010), missing == 0 || 9010 % missing != 1);
+    }
 }

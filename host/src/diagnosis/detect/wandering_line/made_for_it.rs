@@ -1,0 +1,94 @@
+//! What was made for a tone before it was known to be one.
+
+use super::harmonics::Line;
+use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::detect::lines;
+use crate::diagnosis::detect::shock::NEXT_GROUP;
+use crate::diagnosis::explanation::Explanation;
+use crate::model::kind::Kind;
+use crate::model::unnamed::Band;
+use crate::model::{motion, shock, sinusoid};
+
+/// Kinds that are taken back: laws that were fitted to the tone with the rest of the spectrum, and lines that stand in
+/// its bands, shocks among them.
+pub fn made_for_it(axis: &AxisState, bands: &[Line]) -> Vec<Kind> {
+    let laws = axis.explanations().iter().filter(|one| one.law().is_some());
+    let mut kinds: Vec<_> = laws.map(Explanation::kind).collect();
+    let mut lines_hz = lines::taken_out_hz(axis).into_iter();
+    let is_inside = |f_hz: f64| bands.iter().any(|line| line.band_hz.contains(&f_hz));
+    if lines_hz.any(is_inside) {
+        kinds.push(sinusoid::KIND);
+    }
+    if are_of_tone(axis, is_inside) {
+        kinds.push(shock::KIND);
+    }
+    if moves_as_tone(axis, bands) {
+        kinds.push(motion::KIND);
+    }
+    kinds
+}
+
+/// Whether all that is known to have moved the axis did so about these lines, by no more than they do, and left nothing behind.
+/// What is usual is known by [groups of ordinates](NEXT_GROUP): a tone that wanders from one into the next is no event.
+fn moves_as_tone(axis: &AxisState, lines: &[Line]) -> bool {
+    let Some(known) = axis.explanation(motion::KIND) else {
+        return false;
+    };
+    let is_line = |band: &Band| {
+        lines.iter().any(|line| {
+            let next = band.f_hz.max(line.band_hz.start) / band.f_hz.min(line.band_hz.end);
+            next < NEXT_GROUP && 2.0 * band.amplitude.powi(2) <= line.amplitude.value.powi(2)
+        })
+    };
+    let values = known.effect.plain();
+    let stretches = values.chunks_exact(motion::ROW).map(motion::Stretch::of);
+    let mut stretches = stretches.peekable();
+    stretches.peek().is_some()
+        && stretches.all(|one| one.step == 0.0 && one.mean == 0.0 && is_line(&one.band))
+}
+
+/// Whether shocks are known that all ring at frequencies of the tone: where it seldom is it stands out of what is usual
+/// there.
+fn are_of_tone(axis: &AxisState, is_own: impl Fn(f64) -> bool) -> bool {
+    let mut shocks = axis.residual.shocks().peekable();
+    shocks.peek().is_some() && shocks.all(|one| is_own(one.f_hz))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::explanation::Change;
+    use crate::diagnosis::result::value::Value;
+    use crate::diagnosis::trial::{axis, short};
+
+    const LINE_HZ: f64 = 12.4;
+
+    /// Whether motion of these `[step, f_hz, amplitude]` is taken for a tone of amplitude 2 about [`LINE_HZ`].
+    fn is_made_for_it(stretches: &[[f64; 3]]) -> bool {
+        let line = Line {
+            number: 1,
+            amplitude: Value::exact(2.0),
+            band_hz: LINE_HZ - 0.1..LINE_HZ + 0.1,
+        };
+        let mut axis = axis(1, short(1), |_, noise| noise);
+        let rows = stretches.iter().flat_map(|&[step, f_hz, amplitude]| {
+            [10.0, 5.0, step, f_hz, 0.1, amplitude, 0.0].map(Value::exact)
+        });
+        let mut one = crate::diagnosis::trial::made_up(motion::KIND, Change::Waves(Vec::new()));
+        one.effect = crate::diagnosis::result::estimate::Estimate::new(motion::KIND, rows);
+        axis.accept(one).expect("a fit");
+        made_for_it(&axis, &[line]).contains(&motion::KIND)
+    }
+
+    #[test]
+    fn motion_about_a_tone_and_no_louder_is_the_tone() {
+        let near_hz = LINE_HZ / 1.12;
+        assert!(is_made_for_it(&[[0.0, near_hz, 1.3]]));
+        assert!(is_made_for_it(&[[0.0, LINE_HZ, 0.1], [0.0, near_hz, 0.1]]));
+        assert!(!is_made_for_it(&[[0.0, near_hz, 1.5]]), "louder");
+        assert!(!is_made_for_it(&[[0.0, LINE_HZ / 1.2, 1.3]]), "far off");
+        assert!(!is_made_for_it(&[[0.01, near_hz, 1.3]]), "lies otherwise");
+        let beside = [[0.0, near_hz, 1.3], [0.0, 40.0, 1.3]];
+        assert!(!is_made_for_it(&beside), "one of two");
+    }
+}
