@@ -57,6 +57,8 @@ pub use bins::{record::Record, taus::Taus};
 pub use chain::Chain;
 pub use cli::main as command_line;
 pub use clocks::{Clocks, Measured};
+pub use diagnosis::decision::{Decision, Declined};
+pub use diagnosis::loser::Loser;
 pub use diagnosis::result::estimate::Estimate;
 pub use diagnosis::result::finding::{AxisDiagnosis, Diagnosis, Finding, Remark};
 pub use diagnosis::result::value::Value;
