@@ -10,7 +10,7 @@ use crate::numeric::written::plain;
 /// One decision of a search.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Decision {
-    /// A candidate was taken in as an explanation, or in place of what it amends.
+    /// A candidate was taken in as an explanation. What only amends a known one is not said.
     Taken {
         /// Its kind.
         kind: Kind,
@@ -42,8 +42,8 @@ pub enum Decision {
 /// Why a candidate is declined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Declined {
-    /// It gained too little on held-out data before.
-    GainedTooLittle,
+    /// It gained too little on held-out data before, or left nothing that could be fitted.
+    Lost,
     /// The record has no room for its parameters.
     NoRoom,
 }
@@ -67,7 +67,9 @@ impl fmt::Display for Decision {
             Self::Taken { kind, p_value } => write!(f, "taken in: {kind}, by chance {p_value:.1e}"),
             Self::Declined { kind, p_value, why } => {
                 let why = match why {
-                    Declined::GainedTooLittle => "gained too little on held-out data",
+                    Declined::Lost => {
+                        "gained too little on held-out data before, or left nothing to fit"
+                    }
                     Declined::NoRoom => "larger than the record",
                 };
                 write!(f, "declined: {kind}, by chance {p_value:.1e}: {why}")

@@ -191,7 +191,7 @@ impl<'a> Search<'a> {
         let p_value = candidate.p_value;
         let is_refused = |loser: &Loser| loser.is(&candidate.effect, &candidate.change);
         let declined = match () {
-            () if self.context.refused.iter().any(is_refused) => Some(Declined::GainedTooLittle),
+            () if self.context.refused.iter().any(is_refused) => Some(Declined::Lost),
             () if !room::holds(self.axis, &candidate) => Some(Declined::NoRoom),
             () => None,
         };
@@ -206,7 +206,10 @@ impl<'a> Search<'a> {
             self.say(Decision::Taken { kind, p_value });
             self.latest = Some(kind);
         }
+        let before = self.axis.kinds();
         self.axis.accept(candidate)?;
+        // What it replaces, and what is sought anew beside it.
+        self.say_withdrawn(&before);
         Ok(if is_only_law {
             Changed::Laws
         } else {

@@ -80,8 +80,8 @@ impl AxisState {
         let ends = gaps.iter().map(|gap| gap.start).chain([values.len()]);
         let mut there = starts.zip(ends);
         // A tone without a name was in no law that one could draw by, and what it left there is a cut at either end.
-        let knows_as_many = self.filled_with_hz == self.tones_hz();
-        if knows_as_many
+        let knows_the_same = self.filled_with_hz == self.tones_hz();
+        if knows_the_same
             && self.bridged == gaps
             && there.all(|(start, end)| (start..end).all(|n| is_same(&n)))
         {

@@ -27,8 +27,9 @@ use crate::fit::likelihood::log_likelihood;
 use crate::model::PerCoefficient;
 use crate::numeric::mixture::add_mixture;
 
-/// Gain that a name for the noise itself needs there, nats, of which all ordinates or blocks speak. What is fitted to one half is one law among all for the other: where nothing is there
-/// the mean of `e^gain` is 1 at most, so that a gain of 3 is chance in one of twenty (Markov's inequality).
+/// Gain that a name for the noise itself needs there, nats: all ordinates or blocks speak of it. What is fitted to one half
+/// is one law among all for the other. Where nothing is there the mean of `e^gain` is 1 at most, so that a gain of 3 is chance in
+/// one of twenty (Markov's inequality).
 pub const ENOUGH_NATS: f64 = 3.0;
 
 /// Blocks of the record, half of them held out: a choice. Of fewer both halves would not see the

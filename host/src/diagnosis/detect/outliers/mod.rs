@@ -215,6 +215,9 @@ fn begins(axis: &AxisState) -> usize {
 /// jump is misplaced. What was drawn is known as well as the law, which may be wrong far below the noise.
 const NEAR: usize = 4;
 
+/// Where one sample of so many was drawn, few were: hardly another has it for a neighbour. A choice.
+const FEW: usize = 100;
+
 /// Which samples the filter looks at: measured ones. Others are held against their neighbours, whatever the law.
 fn filtered(axis: &AxisState) -> impl Fn(usize) -> bool {
     let near = |few: bool| if few { NEAR } else { 0 };
@@ -230,9 +233,6 @@ fn filtered(axis: &AxisState) -> impl Fn(usize) -> bool {
         axis.usable(n) && !axis.is_beside_filled(n, of_missing) && !is_beside
     }
 }
-
-/// One drawn sample of so many leaves hardly one beside it: a choice.
-const FEW: usize = 100;
 
 /// Whether so few samples were drawn that hardly one has a neighbour that was.
 fn few_are_drawn(axis: &AxisState) -> bool {

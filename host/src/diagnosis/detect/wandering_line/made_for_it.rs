@@ -58,8 +58,9 @@ fn are_of_tone(axis: &AxisState, is_own: impl Fn(f64) -> bool) -> bool {
 mod tests {
     use super::*;
     use crate::diagnosis::explanation::Change;
+    use crate::diagnosis::result::estimate::Estimate;
     use crate::diagnosis::result::value::Value;
-    use crate::diagnosis::trial::{axis, short};
+    use crate::diagnosis::trial::{axis, made_up, short};
 
     const LINE_HZ: f64 = 12.4;
 
@@ -74,8 +75,8 @@ mod tests {
         let rows = stretches.iter().flat_map(|&[step, f_hz, amplitude]| {
             [10.0, 5.0, step, f_hz, 0.1, amplitude, 0.0].map(Value::exact)
         });
-        let mut one = crate::diagnosis::trial::made_up(motion::KIND, Change::Waves(Vec::new()));
-        one.effect = crate::diagnosis::result::estimate::Estimate::new(motion::KIND, rows);
+        let mut one = made_up(motion::KIND, Change::Waves(Vec::new()));
+        one.effect = Estimate::new(motion::KIND, rows);
         axis.accept(one).expect("a fit");
         made_for_it(&axis, &[line]).contains(&motion::KIND)
     }

@@ -176,9 +176,9 @@ fn a_tone_is_as_large_where_a_third_of_the_samples_is_missing() {
         let amplitude = values[wandering_line::FIRST_AMPLITUDE]
             .expect("known")
             .value;
-        // A tenth of what is drawn there follows it less than the tone does.
+        // Known to some hundredths; with what is drawn counted as missing it is a fifth larger.
         assert!(
-            (amplitude / 2.0 - 1.0).abs() < 0.2,
+            (amplitude / 2.0 - 1.0).abs() < 0.1,
             "seed {seed}: {amplitude}"
         );
     }
