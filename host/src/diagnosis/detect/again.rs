@@ -2,11 +2,11 @@
 //!
 //! A settling is first measured in noise whose walk was raised by it: its time constant is then known less well than the
 //! record knows it, and what that leaves of a strong one looks like a drift. So it is put back and measured in the noise that
-//! is left now, until that moves it no more.
+//! is left now, until that moves it no more; and jumps likewise.
 
 use crate::diagnosis::detect::look::{Look, Proposal};
 use crate::diagnosis::detect::slow_change::{LEAST_GAIN, MeasuredAgain, put_back};
-use crate::diagnosis::detect::{thermal, warmup};
+use crate::diagnosis::detect::{steps, thermal, warmup};
 use crate::diagnosis::explanation::Explanation;
 use crate::model::{self, kind::Kind};
 
@@ -18,6 +18,7 @@ pub fn proposals(look: &Look<'_>) -> Vec<Proposal> {
     }
     let settling = again(look, model::warmup::KIND, warmup::measured_again);
     let better = settling.or_else(|| again(look, model::thermal::KIND, thermal::measured_again));
+    let better = better.or_else(|| steps::measured_again(look));
     better.into_iter().collect()
 }
 

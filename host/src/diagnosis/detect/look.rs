@@ -29,8 +29,9 @@ pub struct Character {
     /// Its level switches to and fro, or jumps more often than jumps can be resolved one by one: single steps are
     /// none of it.
     pub level_switches: bool,
-    /// Its large samples come in groups, or as the level switches: none of them is an outlier.
-    pub large_samples_in_groups: bool,
+    /// Its large samples come in groups, or as the level switches, with so much taken out of it: none of them is an
+    /// outlier as long as no more is.
+    pub large_samples_in_groups: Option<usize>,
     /// The strength of its noise moves all the time: single stretches are no bursts.
     pub strength_moves: bool,
     /// Explanations there were when outliers were last sought among them.
@@ -97,7 +98,7 @@ pub enum Lesson {
     /// [`Character::level_switches`].
     LevelSwitches,
     /// [`Character::large_samples_in_groups`].
-    LargeSamplesInGroups,
+    LargeSamplesInGroups(usize),
     /// [`Character::strength_moves`].
     StrengthMoves,
     /// [`Character::outliers_sought_among`].
@@ -111,7 +112,7 @@ impl Character {
     pub fn learn(&mut self, lesson: Lesson) {
         match lesson {
             Lesson::LevelSwitches => self.level_switches = true,
-            Lesson::LargeSamplesInGroups => self.large_samples_in_groups = true,
+            Lesson::LargeSamplesInGroups(among) => self.large_samples_in_groups = Some(among),
             Lesson::StrengthMoves => self.strength_moves = true,
             Lesson::OutliersSoughtAmong(count) => self.outliers_sought_among = count,
             Lesson::LinesWithoutLoss(lines) => self.lines_without_loss = lines,

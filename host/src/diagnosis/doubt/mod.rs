@@ -69,7 +69,7 @@ pub fn hear(
         axis,
         level: context.level,
         strength_moves: character.strength_moves,
-        large_samples_in_groups: character.large_samples_in_groups,
+        large_samples_in_groups: character.large_samples_in_groups.is_some(),
     };
     for doubt in DOUBTS {
         let before = hearing.axis.kinds();

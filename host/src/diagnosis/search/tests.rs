@@ -223,7 +223,7 @@ fn lessons_are_learnt_and_change_nothing() {
             // The second detector sees what the first one said in the same round.
             Ok(vec![
                 Proposal::Learn(Lesson::LevelSwitches),
-                Proposal::Learn(Lesson::LargeSamplesInGroups),
+                Proposal::Learn(Lesson::LargeSamplesInGroups(2)),
                 Proposal::Learn(Lesson::StrengthMoves),
                 Proposal::Learn(Lesson::OutliersSoughtAmong(3)),
                 Proposal::Learn(Lesson::LinesWithoutLoss(vec![A_LINE])),
@@ -242,7 +242,7 @@ fn lessons_are_learnt_and_change_nothing() {
     let (done, told) = search(&mut axis, &[], &[], &[&TEACHING, &TAUGHT]);
     let expected = Character {
         level_switches: true,
-        large_samples_in_groups: true,
+        large_samples_in_groups: Some(2),
         strength_moves: true,
         outliers_sought_among: 3,
         lines_without_loss: vec![A_LINE],

@@ -36,10 +36,11 @@ const MOVING: f64 = 3.0;
 pub static DETECTOR: Detector = Detector { tests: 1, look };
 
 fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
-    if !look.is_open(KIND) || look.character.large_samples_in_groups {
+    let axis = look.axis;
+    let in_groups = look.character.large_samples_in_groups;
+    if !look.is_open(KIND) || in_groups.is_some_and(|among| taken_out(axis) <= among) {
         return Ok(Vec::new());
     }
-    let axis = look.axis;
     let powers = axis.powers();
     let old = axis.residual.outliers();
     // What else was taken out since they were found.
@@ -78,6 +79,14 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     Ok(proposals)
 }
 
+/// How much is taken out of an axis beside outliers and laws: what large samples in groups are of may be the next.
+fn taken_out(axis: &AxisState) -> usize {
+    let explanations = axis.explanations().iter();
+    explanations
+        .filter(|one| one.kind() != KIND && !matches!(one.change, Change::Law(_)))
+        .count()
+}
+
 /// What is to be done about large samples: some of them are other things.
 fn named(look: &Look<'_>, found: Found, powers: &Powers) -> Vec<Proposal> {
     let moments: Vec<Range<usize>> = found
@@ -86,12 +95,10 @@ fn named(look: &Look<'_>, found: Found, powers: &Powers) -> Vec<Proposal> {
         .map(|one| one.index..one.index + 1)
         .collect();
     let grouped = filter::together(&found.outliers, look.axis.ring_len()) < look.level();
-    if grouped || is_of_excluded(look.axis, &moments) {
-        return vec![Proposal::Learn(Lesson::LargeSamplesInGroups)];
-    }
-    if is_of_switching(look.axis, &found.outliers) {
+    let of_something = grouped || is_of_excluded(look.axis, &moments);
+    if of_something || is_of_switching(look.axis, &found.outliers) {
         return vec![
-            Proposal::Learn(Lesson::LargeSamplesInGroups),
+            Proposal::Learn(Lesson::LargeSamplesInGroups(taken_out(look.axis))),
             Proposal::Withdraw(vec![KIND]),
         ];
     }

@@ -58,8 +58,8 @@ fn large_samples_close_together_are_none() {
     let mut trial = with(10, 9.0, &pairs);
     let proposals = trial.ask(&DETECTOR);
     assert!(named_at(trial.ask(&DETECTOR)).is_empty());
-    assert!(trial::teaches(&proposals, &Lesson::LargeSamplesInGroups));
-    trial.character.learn(Lesson::LargeSamplesInGroups);
+    assert!(trial::teaches(&proposals, &Lesson::LargeSamplesInGroups(0)));
+    trial.character.learn(Lesson::LargeSamplesInGroups(0));
     assert!(trial.ask(&DETECTOR).is_empty(), "looked for again");
 }
 
@@ -81,7 +81,7 @@ fn large_samples_where_an_excluded_band_is_loud_belong_to_it() {
         trial.exclude(18.0, 22.0);
         trial.ask(&DETECTOR)
     };
-    assert!(trial::teaches(&at(0), &Lesson::LargeSamplesInGroups));
+    assert!(trial::teaches(&at(0), &Lesson::LargeSamplesInGroups(0)));
     // The same samples while the tone is off.
     let elsewhere = APART.map(|place| place + 1500);
     assert_eq!(named_at(at(1500)), elsewhere);
@@ -104,7 +104,7 @@ fn large_samples_that_short_dwells_leave_are_no_outliers() {
     };
     assert_eq!(named_at(proposals(None)), places);
     let switching = proposals(Some(1.0));
-    assert!(trial::teaches(&switching, &Lesson::LargeSamplesInGroups));
+    assert!(trial::teaches(&switching, &Lesson::LargeSamplesInGroups(1)));
     assert!(trial::withdraws(&switching, KIND));
 }
 

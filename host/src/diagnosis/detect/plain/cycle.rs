@@ -40,8 +40,10 @@ const STRONGEST: usize = 3;
 /// A cycle among `means`, beside as many settlings as leave least, at most one.
 pub fn best(means: &Means) -> Option<Fitted> {
     let strongest = line(means, strongest(means)? / means.factor as f64)?;
-    let starts = (1..=STRONGEST).map(|number| strongest / number as f64);
-    let all = starts.filter_map(|cycles| at(means, cycles));
+    let all = (1..=STRONGEST).filter_map(|number| {
+        let found = at(means, strongest / number as f64)?;
+        (number == 1 || has_others(means, &found, number)).then_some(found)
+    });
     // Any line is the second of half its frequency.
     let found = all.reduce(|one, slower| {
         if costs(&slower, means) + 2.0 * SURE < costs(&one, means) {
@@ -54,6 +56,17 @@ pub fn best(means: &Means) -> Option<Fitted> {
     let few = FEWEST as f64 / (means.len() * means.factor) as f64;
     found.course.cycle.filter(|cycle| cycle.cycles >= few)?;
     Some(found)
+}
+
+/// Whether a cycle has more than multiples of one `number`, in the noise about each: what a strong line leaves where samples are
+/// missing is more than noise of one density, at a third of its frequency too.
+fn has_others(means: &Means, found: &Fitted, number: usize) -> bool {
+    let multiples = found.course.cycle.map_or(0, |cycle| cycle.multiples);
+    let others = (1..=multiples).filter(|multiple| multiple % number != 0);
+    let nats: f64 = others
+        .map(|multiple| nats(means, found, multiple) - PRICE)
+        .sum();
+    nats > SURE
 }
 
 /// What a course costs: twice its nats, and its numbers at the logarithm of how many means there are (G. Schwarz, Ann. Stat. 6,

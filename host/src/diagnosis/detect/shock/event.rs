@@ -6,6 +6,7 @@
 use std::ops::Range;
 
 use super::about::{About, Beside};
+use super::alone;
 use super::course::{self, Course};
 use super::ends::beside_ends;
 use super::even::{LONG, even};
@@ -45,7 +46,8 @@ pub enum What {
 
 /// The record about a stretch.
 pub struct Event<'a> {
-    scan: &'a Scan<'a>,
+    /// The record, as it was searched.
+    pub scan: &'a Scan<'a>,
     /// The stretch.
     pub stretch: &'a Stretch,
     /// The run of samples about it in which nothing else happens.
@@ -77,7 +79,7 @@ impl<'a> Event<'a> {
     }
 
     /// The stretch with up to `more` samples of its own on either side.
-    fn with(&self, more: usize) -> Range<usize> {
+    pub fn with(&self, more: usize) -> Range<usize> {
         let samples = self.samples();
         let from = samples.start.saturating_sub(more).max(self.own.start);
         from..(samples.end + more).min(self.own.end)
@@ -85,7 +87,7 @@ impl<'a> Event<'a> {
 
     /// What it is.
     pub fn what(&self) -> What {
-        if self.is_one_sample() {
+        if self.is_one_sample() || alone::are_all(self) {
             return What::Singles;
         }
         if self.is_cut() || self.is_between_levels() {

@@ -13,6 +13,7 @@ use super::scan::Scan;
 use super::strength::{self, Inside};
 use crate::diagnosis::detect::burst::Burst;
 use crate::diagnosis::statistic::p_value;
+use crate::numeric::normal::TWO_SIDED_95;
 use crate::diagnosis::steady::prediction::{ORDER, Prediction};
 
 /// Errors of a part whose strength can be told, at least: a choice. A mean of so many squares scatters by a third.
@@ -44,7 +45,8 @@ pub fn of(scan: &Scan<'_>, quiet: &Quiet, samples: &Range<usize>) -> Option<Burs
     }
     // What stands for missing samples is as loud as the record on average.
     burst.log_factor_sd = burst.log_factor_sd.hypot(scan.missing(&burst.range));
-    Some(burst)
+    // What may be as loud as the rest is no finding.
+    (burst.factor.ln().abs() > TWO_SIDED_95 * burst.log_factor_sd).then_some(burst)
 }
 
 /// The burst about `samples` of a record, of which `values` are those from the sample `from` on; `None` where it has no

@@ -5,6 +5,7 @@
 //! where it has no course that another would have.
 
 mod about;
+mod alone;
 mod bands;
 mod course;
 mod ends;
@@ -126,7 +127,8 @@ fn events(scan: &Scan<'_>, stretches: &[Stretch], level: f64) -> Option<Vec<Happ
                 .iter()
                 .filter(|one| wide.samples.contains(&one.samples.start));
             let nats: f64 = parts.clone().map(|one| 0.5 * one.z * one.z).sum();
-            parts.count() > 1 && Event::new(scan, wide, &quiet).is_even(nats)
+            let event = Event::new(scan, wide, &quiet);
+            parts.count() > 1 && event.is_even(nats) && !alone::are_all(&event)
         });
     let louder: Vec<Stretch> = wider.collect();
     let lasting = Lasting::of(scan.seen(), &quiet.whole, scan.faint());

@@ -136,13 +136,15 @@ fn own_shapes(noise: &[f64], f_hz: &[f64]) -> [(Option<f64>, Vec<f64>); 4] {
     let slow = noise[..least]
         .iter()
         .rposition(|density| *density > TWICE * floor);
+    // Where the mean of the stretch alone is slow, at no frequency, it is so up to half of the first one.
+    let edge_hz = |group: usize| f_hz[group].max(0.5 * f_hz[1]);
     // What is no more than chance above the floor is no part of the noise.
     let is_behind = mean(noise) > BEHIND * floor;
     let hidden = if is_behind { floor } else { 0.0 };
     let above_floor = noise.iter().map(|density| density - hidden).collect();
     [
         (None, noise.to_vec()),
-        (slow.map(|group| f_hz[group]), below(0)),
+        (slow.map(edge_hz), below(0)),
         (slow.map(|_| f_hz[least]), below(2)),
         (None, above_floor),
     ]
@@ -179,5 +181,19 @@ impl Beside<'_> {
             }
         }
         (noise, is_known)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_louder_but_for_the_level_is_so_above_a_frequency() {
+        // The mean of the stretch, at no frequency, is all that stands above the floor.
+        let noise = [10.0, 1.0, 1.1, 1.2];
+        let f_hz = [0.0, 0.01, 0.02, 0.04];
+        let above = own_shapes(&noise, &f_hz).map(|(above, _)| above);
+        assert_eq!(above, [None, Some(0.005), Some(0.01), None]);
     }
 }

@@ -12,15 +12,16 @@ use crate::diagnosis::record::wave::{Jump, Wave};
 use crate::diagnosis::statistic::kriging::Unknown;
 use crate::diagnosis::statistic::matched_filter::{Step, Transform, Transformer, together};
 
-/// Gives `jumps` behind a converter's filter, which were taken out of `left`, the heights that they have together, and
-/// takes out of it what these differ by. What the filter makes of each is replaced by what is likeliest there.
+/// Gives `jumps`, which were taken out of `left`, the heights that they have together, and takes out of it what these differ
+/// by. What a converter's filter makes of each is replaced by what is likeliest there.
 pub fn measure(axis: &AxisState, left: &mut [f64], jumps: &mut [Jump]) {
     let factor = axis.slow_factor();
-    let edge = |index: usize| index.saturating_sub(SPREAD)..(index + SPREAD).min(left.len());
+    let spread = if axis.is_filtered() { SPREAD } else { 0 };
+    let edge = |index: usize| index.saturating_sub(spread)..(index + spread).min(left.len());
     let edges: Vec<Range<usize>> = jumps.iter().map(|jump| edge(jump.index)).collect();
     span(left, &edges);
     let (whole, density) = likeliest(axis, left, &edges);
-    let waveform = passage(axis, &whole, SPREAD.div_ceil(factor));
+    let waveform = passage(axis, &whole, spread.div_ceil(factor));
     let moments: Vec<usize> = jumps.iter().map(|jump| jump.index / factor).collect();
     let Some(found) = together(&whole, &density, &waveform, &moments) else {
         return;

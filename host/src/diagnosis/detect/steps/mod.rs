@@ -8,6 +8,7 @@ mod tests;
 
 use crate::diagnosis::axis::profile::Noise;
 use crate::diagnosis::detect::look::{Lesson, Look, Proposal};
+use crate::diagnosis::detect::slow_change::LEAST_GAIN;
 use crate::diagnosis::detect::{burst, telegraph};
 use crate::diagnosis::explanation::{Candidate, Change, Explanation};
 use crate::diagnosis::record::wave::{Jump, Wave};
@@ -77,6 +78,33 @@ pub fn proposals(look: &Look<'_>, first: Jump) -> Vec<Proposal> {
         reopens,
         ..Candidate::new(effect, first.p_value, freedom, change)
     }))]
+}
+
+/// Steps that are known, where their heights are known better now: first they were measured in noise that they raised
+/// themselves.
+pub fn measured_again(look: &Look<'_>) -> Option<Proposal> {
+    /// How many times better a height is known from which it is told anew: a choice. Noise without the jumps is known anew
+    /// after each change.
+    const BETTER: f64 = 1.5;
+    let axis = look.axis;
+    let place = look.place_of(KIND)?;
+    let known = &axis.explanations()[place];
+    let before = jumps_of(known);
+    let mut jumps = before.clone();
+    heights::measure(axis, &mut axis.filled.to_vec(), &mut jumps);
+    let both = || before.iter().zip(&jumps);
+    let moved = both().map(|(old, new)| ((new.height - old.height) / new.height_sd).powi(2));
+    let gained_nats = 0.5 * moved.sum::<f64>();
+    let is_better = both().any(|(old, new)| old.height_sd > BETTER * new.height_sd);
+    (is_better || gained_nats > LEAST_GAIN * jumps.len() as f64).then(|| {
+        let effect = estimate(&jumps, axis.rate_hz);
+        let change = Change::Waves(vec![Wave::Steps(jumps)]);
+        Proposal::Explain(Box::new(Candidate {
+            held_out_nats: known.held_out_nats,
+            amends: Some(place),
+            ..Candidate::new(effect, known.p_value, known.freedom, change)
+        }))
+    })
 }
 
 /// Number of the explanation that jumps of an axis belong to; the levels that a stretch of motion leaves are its own.

@@ -144,9 +144,10 @@ fn reach(moments: &[Moment]) -> usize {
 }
 
 /// By how much the level is higher after a jump up than before it, or lower after one down, where they stand alone, and the
-/// standard deviation of that.
+/// standard deviation of that. Beyond the course that a jump takes, where enough of them stand so far apart: within it a
+/// higher jump and a course that ends lower are one.
 fn rise(values: &[f64], moments: &[Moment]) -> Option<[f64; 2]> {
-    let mut reach = reach(moments).next_power_of_two();
+    let mut reach = 2 * reach(moments).next_power_of_two();
     loop {
         let half = reach / 2;
         let of = |(at, up): Moment| {

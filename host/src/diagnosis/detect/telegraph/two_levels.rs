@@ -57,10 +57,16 @@ pub fn log_odds(
             .collect()
     };
     let (wander, rest) = (densities(&wander), densities(&rest));
-    let filter: Vec<f64> = wander
-        .iter()
-        .zip(&rest)
-        .map(|(wander, rest)| wander / (wander + rest))
+    // What is left of a tone has the law of a tone, far from that of noise.
+    let mut left_out = axis.excluded_hz();
+    left_out.extend(axis.tones_with_skirts_hz());
+    let share = |k: usize| {
+        let f_hz = record.frequency(k);
+        let is_seen = !left_out.iter().any(|band| band.contains(&f_hz));
+        is_seen.then_some(wander[k] / (wander[k] + rest[k]))
+    };
+    let filter: Vec<f64> = (0..wander.len())
+        .map(|k| share(k).unwrap_or_default())
         .collect();
     let excess_of = |whole: &Transform| excess(&whole.filtered(|k| Complex64::new(filter[k], 0.0)));
     let transformer = Transformer::new(record.len());

@@ -1,0 +1,90 @@
+//! Single samples far off that come close to one another by chance: without them nothing is left of a stretch.
+
+use std::ops::Range;
+
+use super::event::Event;
+use super::scan::NOTHING;
+use crate::diagnosis::statistic::p_value;
+use crate::numeric::order::median;
+
+/// Samples on either side that one is held against.
+const BESIDE: usize = 2;
+
+/// How many times as far as the middle one a sample lies from those beside it that is far off: a choice. Of normal numbers one
+/// in a million does.
+const FAR: f64 = 8.0;
+
+/// Samples from one to the next at least: a choice. What comes closer together is something that lasts.
+const APART: usize = 8;
+
+/// Samples that are many, of which some come closer together by chance: a choice. How many is known to a quarter.
+const MANY: usize = 16;
+
+/// Probability of as many close to one another below which they are none by chance: a choice.
+const BY_CHANCE: f64 = 1e-3;
+
+/// Samples of a stretch for each that may be far off: a choice. With more, it is what the stretch consists of.
+const SHARE: usize = 32;
+
+/// Whether nothing is left of an event without single samples, each by itself.
+pub fn are_all(event: &Event<'_>) -> bool {
+    let (scan, stretch) = (event.scan, event.stretch);
+    let near = event.with(stretch.window);
+    let values = &scan.values()[near.clone()];
+    let seen: Vec<usize> = (0..values.len())
+        .filter(|n| scan.is_seen(near.start + n))
+        .collect();
+    let Some(far) = far_off(values, &seen) else {
+        return false;
+    };
+    let place = stretch.samples.start - near.start..stretch.samples.end - near.start;
+    let within = far.iter().filter(|at| place.contains(&seen[**at])).count();
+    let close = far.windows(2).filter(|two| seen[two[1]] - seen[two[0]] < APART);
+    if within == 0
+        || within > 1 + place.len() / SHARE
+        || !come_together(close.count(), far.len(), values.len())
+    {
+        return false;
+    }
+    let mut without = values.to_vec();
+    for at in far {
+        bridge(&mut without, &seen, at);
+    }
+    let longest = stretch.window.max(super::event::MOMENT);
+    scan.highest(&(0..without.len()), &place, &without, longest) < NOTHING
+}
+
+/// Whether so many `close` pairs of `all` come about by chance among so many samples.
+fn come_together(close: usize, all: usize, samples: usize) -> bool {
+    let count = all as f64;
+    let expected = count * (count - 1.0) * (APART - 1) as f64 / samples as f64;
+    close == 0 || (all >= MANY && p_value::poisson(close as u64, expected) > BY_CHANCE)
+}
+
+/// Which of some samples that are `seen` lie far off those beside them; `None` where most do not change.
+fn far_off(values: &[f64], seen: &[usize]) -> Option<Vec<usize>> {
+    let off = |at: usize| {
+        let beside = at.saturating_sub(BESIDE)..(at + BESIDE + 1).min(seen.len());
+        let mut beside: Vec<f64> = beside.map(|one| values[seen[one]]).collect();
+        median(&mut beside).map_or(0.0, |middle| (values[seen[at]] - middle).abs())
+    };
+    let all: Vec<f64> = (0..seen.len()).map(off).collect();
+    let usual = median(&mut all.clone()).filter(|usual| *usual > 0.0)?;
+    let far = (0..all.len()).filter(|at| all[*at] > FAR * usual);
+    Some(far.collect())
+}
+
+/// Puts a line from the sample seen before to the one behind in the place of one, and of what was drawn by it.
+fn bridge(values: &mut [f64], seen: &[usize], at: usize) {
+    let before = at.checked_sub(1).map(|one| seen[one]);
+    let behind = seen.get(at + 1).copied();
+    let gone: Range<usize> = before.map_or(0, |n| n + 1)..behind.unwrap_or(values.len());
+    let Some(level) = before.or(behind).map(|n| values[n]) else {
+        return;
+    };
+    let [from, to] = [before, behind].map(|n| n.map_or(level, |n| values[n]));
+    let parts = (gone.len() + 1) as f64;
+    for (part, value) in values[gone].iter_mut().enumerate() {
+        *value = from + (part + 1) as f64 / parts * (to - from);
+    }
+}
