@@ -222,16 +222,17 @@ fn begins(axis: &AxisState) -> usize {
 /// jump is misplaced. What was drawn is known as well as the law, which may be wrong far below the noise.
 const NEAR: usize = 4;
 
-/// Where one sample of so many was drawn, few were: hardly another has it for a neighbour. A choice.
+/// Where one sample of so many was drawn, or one run of them, few were: hardly another has it for a neighbour. A choice.
 const FEW: usize = 100;
 
 /// Which samples the filter looks at: measured ones. Others are held against their neighbours, whatever the law.
 fn filtered(axis: &AxisState) -> impl Fn(usize) -> bool {
     let near = |few: bool| if few { NEAR } else { 0 };
     let of_missing = near(few_are_drawn(axis));
-    // What lies beyond a limit is drawn by itself, however many others are missing.
+    // What lies beyond a limit is drawn by itself, however many others are missing; of a walk it comes in long runs.
     let replaced = axis.residual.replaced();
-    let of_replaced = near(FEW * replaced.len() <= axis.residual.len());
+    let runs = replaced.chunk_by(|one, next| one + 1 == *next).count();
+    let of_replaced = near(FEW * runs <= axis.residual.len());
     move |n| {
         let from = replaced.partition_point(|place| place + of_replaced < n);
         let is_beside = replaced

@@ -5,6 +5,7 @@
 //! else is looked for. What is read off must be what the law says: up and down by turns, by one height, held for
 //! exponential times.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::differences::{Differences, Seen, Sums};
@@ -187,7 +188,7 @@ fn whole(differences: &Differences, sums: &Sums) -> Option<Vec<Seen>> {
                 Some(one) => one,
                 // It happened while nothing was measured.
                 None => Seen {
-                    index: longest_gap(sums, between, differences.reach)?,
+                    index: gap_with_jump(sums, between, differences.reach, back)?,
                     height: back * typical,
                 },
             });
@@ -197,17 +198,27 @@ fn whole(differences: &Differences, sums: &Sums) -> Option<Vec<Seen>> {
     Some(all)
 }
 
-/// Middle of the longest gap between two moments; `None` where there is none of `least` samples.
-fn longest_gap(sums: &Sums, between: std::ops::Range<usize>, least: usize) -> Option<usize> {
-    let (mut longest, mut begin) = (0..0, between.start);
+/// Middle of the gap between two moments across which the level goes furthest to one side, of those of `least` samples;
+/// `None` where there is none.
+fn gap_with_jump(sums: &Sums, between: Range<usize>, least: usize, side: f64) -> Option<usize> {
+    let mut begin = between.start;
+    let mut gaps: Vec<Range<usize>> = Vec::new();
     for n in between.clone() {
         if sums.count(n..n + 1) > 0 {
             begin = n + 1;
-        } else if n + 1 - begin > longest.len() {
-            longest = begin..n + 1;
+        } else if n + 1 == between.end || sums.count(n + 1..n + 2) > 0 {
+            gaps.push(begin..n + 1);
         }
     }
-    (longest.len() >= least).then(|| longest.start.midpoint(longest.end))
+    let rise = |gap: &Range<usize>| {
+        let before = sums.mean(gap.start.saturating_sub(least)..gap.start);
+        let behind = sums.mean(gap.end..(gap.end + least).min(sums.len()));
+        Some(side * (behind? - before?))
+    };
+    let wide = gaps.into_iter().filter(|gap| gap.len() >= least);
+    let rises = wide.map(|gap| (rise(&gap).unwrap_or(f64::NEG_INFINITY), gap));
+    let (_, gap) = rises.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    Some(gap.start.midpoint(gap.end))
 }
 
 fn are_two_levels(seen: &[Seen], spread: f64) -> bool {
