@@ -61,6 +61,10 @@ fn large_samples_close_together_are_none() {
     assert!(trial::teaches(&proposals, &Lesson::LargeSamplesInGroups(0)));
     trial.character.learn(Lesson::LargeSamplesInGroups(0));
     assert!(trial.ask(&DETECTOR).is_empty(), "looked for again");
+    // What they may have been of is taken out: they are asked again.
+    trial.know(crate::model::steps::KIND, [1.0, 0.0], trial::steps(&[]));
+    let again = trial.ask(&DETECTOR);
+    assert!(trial::teaches(&again, &Lesson::LargeSamplesInGroups(1)));
 }
 
 #[test]

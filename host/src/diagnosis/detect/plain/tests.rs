@@ -173,3 +173,17 @@ fn beside_a_temperature_nothing_is_read_off() {
     ));
     assert_eq!(kinds(&trial), [], "seed 41");
 }
+
+#[test]
+fn a_strong_line_is_no_multiple_of_what_it_leaves_at_gaps() {
+    for (seed, f_hz) in [(71, 0.41), (72, 0.57)] {
+        let mut values = noise(seed);
+        for (n, value) in values.iter_mut().enumerate() {
+            *value += 300.0 * (TAU * f_hz * n as f64 / RATE_HZ).cos();
+        }
+        values[6000..6013].fill(f64::NAN);
+        values[14_000..14_017].fill(f64::NAN);
+        let found = kinds(&Trial::new(values));
+        assert!(!found.contains(&hum::KIND), "seed {seed}: {found:?}");
+    }
+}

@@ -39,7 +39,9 @@ pub fn are_all(event: &Event<'_>) -> bool {
     };
     let place = stretch.samples.start - near.start..stretch.samples.end - near.start;
     let within = far.iter().filter(|at| place.contains(&seen[**at])).count();
-    let close = far.windows(2).filter(|two| seen[two[1]] - seen[two[0]] < APART);
+    let close = far
+        .windows(2)
+        .filter(|two| seen[two[1]] - seen[two[0]] < APART);
     if within == 0
         || within > 1 + place.len() / SHARE
         || !come_together(close.count(), far.len(), values.len())

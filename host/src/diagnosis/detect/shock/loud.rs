@@ -13,8 +13,8 @@ use super::scan::Scan;
 use super::strength::{self, Inside};
 use crate::diagnosis::detect::burst::Burst;
 use crate::diagnosis::statistic::p_value;
-use crate::numeric::normal::TWO_SIDED_95;
 use crate::diagnosis::steady::prediction::{ORDER, Prediction};
+use crate::numeric::normal::TWO_SIDED_95;
 
 /// Errors of a part whose strength can be told, at least: a choice. A mean of so many squares scatters by a third.
 const LEAST: usize = 16;

@@ -86,6 +86,9 @@ pub fn measured_again(look: &Look<'_>) -> Option<Proposal> {
     /// How many times better a height is known from which it is told anew: a choice. Noise without the jumps is known anew
     /// after each change.
     const BETTER: f64 = 1.5;
+    /// Deviations of a height from which it raised the noise that it was first measured in: a choice, as in
+    /// [`pursuit`]. A weaker jump did not, and must stand in what it was found in.
+    const RAISED: f64 = 20.0;
     let axis = look.axis;
     let place = look.place_of(KIND)?;
     let known = &axis.explanations()[place];
@@ -96,7 +99,11 @@ pub fn measured_again(look: &Look<'_>) -> Option<Proposal> {
     let moved = both().map(|(old, new)| ((new.height - old.height) / new.height_sd).powi(2));
     let gained_nats = 0.5 * moved.sum::<f64>();
     let is_better = both().any(|(old, new)| old.height_sd > BETTER * new.height_sd);
-    (is_better || gained_nats > LEAST_GAIN * jumps.len() as f64).then(|| {
+    let is_strong = jumps
+        .iter()
+        .any(|one| one.height.abs() > RAISED * one.height_sd);
+    let is_known_better = is_better || gained_nats > LEAST_GAIN * jumps.len() as f64;
+    (is_strong && is_known_better).then(|| {
         let effect = estimate(&jumps, axis.rate_hz);
         let change = Change::Waves(vec![Wave::Steps(jumps)]);
         Proposal::Explain(Box::new(Candidate {

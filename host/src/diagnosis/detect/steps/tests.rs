@@ -217,3 +217,27 @@ fn what_a_filter_shuts_out_says_nothing_of_jumps() {
         "{ahead}, {behind}, seed {seed}"
     );
 }
+
+#[test]
+fn a_strong_jump_is_measured_again_in_the_noise_that_is_left() {
+    // The weak one is a few deviations high: it raised no noise.
+    for (seed, height, is_again) in [(70, 400.0, true), (71, 0.1, false)] {
+        let known = 1.02;
+        let mut trial = Trial::new(values(seed, &[trial::jump(9000, height)]));
+        let jump = Jump {
+            height_sd: 30.0,
+            ..trial::jump(9000, known * height)
+        };
+        let time_s = 9000.0 / trial::RATE_HZ;
+        trial.know(KIND, [time_s, known * height], trial::steps(&[jump]));
+        let again = trial.look(measured_again);
+        assert_eq!(again.is_some(), is_again, "seed {seed}");
+        let Some(Proposal::Explain(better)) = again else {
+            continue;
+        };
+        assert_eq!(better.amends, Some(0), "seed {seed}");
+        // Half a dozen deviations in the weak walk of the trial's noise.
+        let off = better.effect.plain()[1] / height - 1.0;
+        assert!(off.abs() < 2e-3, "seed {seed}: {off}");
+    }
+}

@@ -170,3 +170,14 @@ fn what_does_not_stand_out_of_the_noise_beside_it_is_nothing() {
         assert!(!is_shock(6.0), "seed {seed}");
     }
 }
+
+#[test]
+fn single_samples_that_come_close_by_chance_are_no_event() {
+    for (seed, apart) in [(160, [0, 23, 47, 70]), (161, [0, 90, 130, 171])] {
+        let mut values = noise(seed);
+        for (at, size) in apart.into_iter().zip([40.0, -25.0, 60.0, 30.0]) {
+            values[9000 + at] += size;
+        }
+        assert!(Trial::new(values).ask(&DETECTOR).is_empty(), "seed {seed}");
+    }
+}
