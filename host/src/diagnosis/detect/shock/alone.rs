@@ -2,8 +2,7 @@
 
 use std::ops::Range;
 
-use super::event::Event;
-use super::scan::NOTHING;
+use super::scan::{NOTHING, Scan, Stretch};
 use crate::diagnosis::statistic::p_value;
 use crate::numeric::order::median;
 
@@ -26,10 +25,9 @@ const BY_CHANCE: f64 = 1e-3;
 /// Samples of a stretch for each that may be far off: a choice. With more, it is what the stretch consists of.
 const SHARE: usize = 32;
 
-/// Whether nothing is left of an event without single samples, each by itself.
-pub fn are_all(event: &Event<'_>) -> bool {
-    let (scan, stretch) = (event.scan, event.stretch);
-    let near = event.with(stretch.window);
+/// Whether nothing is left of a `stretch` without single samples, each by itself: of what is `near`, in windows of `longest`
+/// samples at most.
+pub fn are_all(scan: &Scan<'_>, stretch: &Stretch, near: &Range<usize>, longest: usize) -> bool {
     let values = &scan.values()[near.clone()];
     let seen: Vec<usize> = (0..values.len())
         .filter(|n| scan.is_seen(near.start + n))
@@ -52,7 +50,6 @@ pub fn are_all(event: &Event<'_>) -> bool {
     for at in far {
         bridge(&mut without, &seen, at);
     }
-    let longest = stretch.window.max(super::event::MOMENT);
     scan.highest(&(0..without.len()), &place, &without, longest) < NOTHING
 }
 

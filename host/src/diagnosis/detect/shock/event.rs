@@ -46,8 +46,7 @@ pub enum What {
 
 /// The record about a stretch.
 pub struct Event<'a> {
-    /// The record, as it was searched.
-    pub scan: &'a Scan<'a>,
+    scan: &'a Scan<'a>,
     /// The stretch.
     pub stretch: &'a Stretch,
     /// The run of samples about it in which nothing else happens.
@@ -79,7 +78,7 @@ impl<'a> Event<'a> {
     }
 
     /// The stretch with up to `more` samples of its own on either side.
-    pub fn with(&self, more: usize) -> Range<usize> {
+    fn with(&self, more: usize) -> Range<usize> {
         let samples = self.samples();
         let from = samples.start.saturating_sub(more).max(self.own.start);
         from..(samples.end + more).min(self.own.end)
@@ -87,7 +86,7 @@ impl<'a> Event<'a> {
 
     /// What it is.
     pub fn what(&self) -> What {
-        if self.is_one_sample() || alone::are_all(self) {
+        if self.is_one_sample() || self.are_single_samples() {
             return What::Singles;
         }
         if self.is_cut() || self.is_between_levels() {
@@ -247,6 +246,17 @@ impl<'a> Event<'a> {
         (first..=last).any(|n| {
             self.is_nothing(0..n, &place, values) && self.is_nothing(n..len, &place, values)
         })
+    }
+
+    /// Whether nothing is left without single samples of it that come close together by chance.
+    pub fn are_single_samples(&self) -> bool {
+        let near = self.with(self.stretch.window);
+        alone::are_all(
+            self.scan,
+            self.stretch,
+            &near,
+            self.stretch.window.max(MOMENT),
+        )
     }
 
     /// Whether nothing is left without one sample of it, and what was bridged beside that.

@@ -128,7 +128,7 @@ fn events(scan: &Scan<'_>, stretches: &[Stretch], level: f64) -> Option<Vec<Happ
                 .filter(|one| wide.samples.contains(&one.samples.start));
             let nats: f64 = parts.clone().map(|one| 0.5 * one.z * one.z).sum();
             let event = Event::new(scan, wide, &quiet);
-            parts.count() > 1 && event.is_even(nats) && !alone::are_all(&event)
+            parts.count() > 1 && event.is_even(nats) && !event.are_single_samples()
         });
     let louder: Vec<Stretch> = wider.collect();
     let lasting = Lasting::of(scan.seen(), &quiet.whole, scan.faint());
