@@ -108,18 +108,18 @@ fn a_jump_while_nothing_was_measured_is_known_by_the_levels() {
     const SEED: u64 = 40;
     let mut values = to_and_fro(SEED, exponential(SEED, 150.0));
     let whole = read_off(&values).expect("two levels");
-    // The jump in the middle lies alone in a gap of 80 samples.
+    // The jump in the middle lies alone in a gap of 20 samples.
     let alone = whole.moments.windows(3).position(|three| {
         three[1].0 > three[0].0 + 60 && three[2].0 > three[1].0 + 60 && three[0].0 > 4000
     });
     let at = whole.moments[alone.expect("a jump that stands alone") + 1].0;
-    values[at - 20..at + 20].fill(f64::NAN);
-    for more in [0..0, at - 50..at - 30] {
-        // Another gap ahead of it, in which nothing happened.
+    values[at - 10..at + 10].fill(f64::NAN);
+    for more in [0..0, at - 50..at - 20] {
+        // Another, longer gap ahead of it, in which nothing happened.
         values[more].fill(f64::NAN);
         let path = read_off(&values).expect("two levels");
         assert_eq!(path.moments.len(), whole.moments.len(), "seed {SEED}");
-        let is_there = |one: &Moment| (at - 20..at + 20).contains(&one.0);
+        let is_there = |one: &Moment| (at - 10..at + 10).contains(&one.0);
         assert_eq!(path.moments.iter().filter(|one| is_there(one)).count(), 1);
     }
 }
