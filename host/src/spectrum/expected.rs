@@ -21,6 +21,10 @@ use std::f64::consts::PI;
 /// out.
 const NEGLIGIBLE: f64 = 1e-9;
 
+/// Densities that one pass over the rows sums up: the five terms and a few laws, in one or two of the processor's widest
+/// registers.
+const ABREAST: usize = 8;
+
 /// Rows of kernel weights over common nodes.
 #[derive(Debug, Clone, Default)]
 pub struct Operator {
@@ -60,6 +64,33 @@ impl Operator {
                     .sum()
             })
             .collect()
+    }
+
+    /// The same for several at once, which reads the rows once for every eight of them.
+    pub fn apply_all(&self, densities: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let blocks = densities.chunks(ABREAST);
+        blocks.flat_map(|block| self.apply_block(block)).collect()
+    }
+
+    /// The same for at most [`ABREAST`].
+    fn apply_block(&self, densities: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let mut nodes = vec![[0.0; ABREAST]; self.nodes_hz.len()];
+        for (place, densities) in densities.iter().enumerate() {
+            let pairs = nodes.iter_mut().zip(densities);
+            pairs.for_each(|(node, density)| node[place] = *density);
+        }
+        let sums_of = |row: &Vec<(u32, f64)>| {
+            let mut sums = [0.0; ABREAST];
+            for &(node, weight) in row {
+                let pairs = sums.iter_mut().zip(&nodes[node as usize]);
+                pairs.for_each(|(sum, density)| *sum += weight * density);
+            }
+            sums
+        };
+        let sums: Vec<[f64; ABREAST]> = self.rows.iter().map(sums_of).collect();
+        let places = 0..densities.len();
+        let column = |place: usize| sums.iter().map(|sums| sums[place]).collect();
+        places.map(column).collect()
     }
 
     /// Puts a `density` that has this peak into the `densities` at [`Self::nodes_hz`], where nodes stand too far from each

@@ -12,6 +12,7 @@ mod starts;
 
 use crate::diagnosis::record::bins::{Filtered, SpectralBins};
 use crate::fit::likelihood::{Data, Fit, maximise};
+use crate::model::Term;
 use crate::model::effect::{Distortion, Part, Quantity};
 use crate::model::kind::Kind;
 
@@ -60,8 +61,8 @@ pub fn components(bins: &SpectralBins, laws: &[Law]) -> Vec<Vec<f64>> {
 
 /// The same where the `bins` are behind the laws that filter.
 pub fn components_of(bins: &Filtered<'_>, laws: &[Law]) -> Vec<Vec<f64>> {
-    let own = laws.iter().filter_map(|law| component(bins, law));
-    bins.units().into_iter().chain(own).collect()
+    let terms: Vec<Box<dyn Term>> = laws.iter().filter_map(term).collect();
+    bins.expect_all(&terms)
 }
 
 /// The bins behind those of the laws that filter.
@@ -90,8 +91,13 @@ pub fn power_of(filters: &[Box<dyn Distortion>], f_hz: f64, rate_hz: f64) -> f64
 
 /// Component of a law in bins behind all filters; `None` for one that filters itself.
 fn component(bins: &Filtered<'_>, law: &Law) -> Option<Vec<f64>> {
+    Some(bins.expect(&*term(law)?))
+}
+
+/// What a law adds; `None` for one that filters.
+fn term(law: &Law) -> Option<Box<dyn Term>> {
     match law.effect.part(&law.values) {
-        Part::Term(term) => Some(bins.expect(&*term)),
+        Part::Term(term) => Some(term),
         Part::Distortion(_) | Part::Clock(_) | Part::Hold(_) | Part::Follows(_) => None,
     }
 }

@@ -51,38 +51,19 @@ pub fn polish(
     from: usize,
     first_step: f64,
 ) -> Option<Fit> {
-    let filtered = behind(bins, laws);
-    let all = components_of(&filtered, laws);
-    let (squared, value) = greatest(data, &all, None)?;
-    let mut best = Standing {
-        bins: filtered,
-        components: all,
-        squared,
-        value,
-    };
+    let mut best = standing(bins, data, laws, None)?;
     let places: Vec<(usize, usize)> = (from..laws.len())
         .flat_map(|law| laws[law].shape().map(move |place| (law, place)))
         .collect();
     let mut step = first_step;
     while step > FINEST && !places.is_empty() {
-        let mut gained = false;
-        for &(law, place) in &places {
-            for factor in [f64::exp(step), f64::exp(-step)] {
-                let before = laws[law].values[place];
-                laws[law].values[place] = before * factor;
-                let sound = laws[law].is_sound(bins);
-                match sound.then(|| moved(bins, data, laws, law, &best)).flatten() {
-                    Some(next) if next.value > best.value + WORTH => {
-                        best = next;
-                        gained = true;
-                        break;
-                    }
-                    _ => laws[law].values[place] = before,
-                }
+        let before = laws.to_vec();
+        match by_turns(bins, data, laws, &places, step, best) {
+            (next, true) => best = stride(bins, data, laws, &before, next),
+            (same, false) => {
+                best = same;
+                step *= 0.5;
             }
-        }
-        if !gained {
-            step *= 0.5;
         }
     }
     for law in from..laws.len() {
@@ -100,6 +81,88 @@ pub fn polish(
     maximise_beside(data, &best.components, &nothing, Some(&best.squared))
 }
 
+/// Moves each of these shapes a step up or down where that gains: where it ends, and whether any gained.
+fn by_turns<'a>(
+    bins: &'a SpectralBins,
+    data: &Data,
+    laws: &mut [Law],
+    places: &[(usize, usize)],
+    step: f64,
+    mut best: Standing<'a>,
+) -> (Standing<'a>, bool) {
+    let mut gained = false;
+    for &(law, place) in places {
+        for factor in [f64::exp(step), f64::exp(-step)] {
+            let before = laws[law].values[place];
+            laws[law].values[place] = before * factor;
+            let sound = laws[law].is_sound(bins);
+            match sound.then(|| moved(bins, data, laws, law, &best)).flatten() {
+                Some(next) if next.value > best.value + WORTH => {
+                    best = next;
+                    gained = true;
+                    break;
+                }
+                _ => laws[law].values[place] = before,
+            }
+        }
+    }
+    (best, gained)
+}
+
+/// Goes on in the direction in which the laws came from `before`, twice as far each time, while that gains: along the ridge of
+/// shapes that stand in for each other, where moves by turns are hundreds of small ones.
+fn stride<'a>(
+    bins: &'a SpectralBins,
+    data: &Data,
+    laws: &mut [Law],
+    before: &[Law],
+    mut best: Standing<'a>,
+) -> Standing<'a> {
+    let ratios: Vec<Vec<f64>> = (laws.iter().zip(before))
+        .map(|(now, then)| {
+            let pairs = now.values.iter().zip(&then.values);
+            pairs
+                .map(|(now, then)| if now == then { 1.0 } else { now / then })
+                .collect()
+        })
+        .collect();
+    let mut power = 1;
+    loop {
+        let mut next = laws.to_vec();
+        for (law, ratios) in next.iter_mut().zip(&ratios) {
+            let pairs = law.values.iter_mut().zip(ratios);
+            pairs.for_each(|(value, ratio)| *value *= ratio.powi(power));
+        }
+        if !next.iter().all(|law| law.is_sound(bins)) {
+            return best;
+        }
+        match standing(bins, data, &next, Some(&best.squared)) {
+            Some(found) if found.value > best.value + WORTH => best = found,
+            _ => return best,
+        }
+        laws.clone_from_slice(&next);
+        power *= 2;
+    }
+}
+
+/// Where laws stand, the squares searched from `start`.
+fn standing<'a>(
+    bins: &'a SpectralBins,
+    data: &Data,
+    laws: &[Law],
+    start: Option<&[f64]>,
+) -> Option<Standing<'a>> {
+    let filtered = behind(bins, laws);
+    let components = components_of(&filtered, laws);
+    let (squared, value) = greatest(data, &components, start)?;
+    Some(Standing {
+        bins: filtered,
+        components,
+        squared,
+        value,
+    })
+}
+
 /// What stands after law number `which` was moved.
 fn moved<'a>(
     bins: &'a SpectralBins,
@@ -109,18 +172,14 @@ fn moved<'a>(
     from: &Standing<'a>,
 ) -> Option<Standing<'a>> {
     // A term that moves changes its own component alone, a filter all of them.
-    let (filtered, components) = if laws[which].adds() {
-        let mut components = from.components.clone();
-        components[component_of(bins, laws, which)] = component(&from.bins, &laws[which])?;
-        (from.bins.clone(), components)
-    } else {
-        let filtered = behind(bins, laws);
-        let components = components_of(&filtered, laws);
-        (filtered, components)
-    };
+    if !laws[which].adds() {
+        return standing(bins, data, laws, Some(&from.squared));
+    }
+    let mut components = from.components.clone();
+    components[component_of(bins, laws, which)] = component(&from.bins, &laws[which])?;
     let (squared, value) = greatest(data, &components, Some(&from.squared))?;
     Some(Standing {
-        bins: filtered,
+        bins: from.bins.clone(),
         components,
         squared,
         value,

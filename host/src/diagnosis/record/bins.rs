@@ -252,24 +252,33 @@ pub struct Filtered<'a> {
 impl Filtered<'_> {
     /// Expectations of the bins for a term ahead of filter and chain.
     pub fn expect(&self, term: &dyn Term) -> Vec<f64> {
-        let operator = &self.bins.estimate.operator;
-        let behind = self.through(self.bins.term_densities(term));
-        let chain = behind.iter().zip(&self.bins.chain_power);
-        let densities: Vec<f64> = chain.map(|(density, power)| density * power).collect();
-        operator.apply(&densities)
+        self.bins.estimate.operator.apply(&self.densities(term))
     }
 
-    /// [`SpectralBins::units`], the filter ahead of what joins behind the converter.
-    pub fn units(&self) -> Vec<Vec<f64>> {
+    /// [`SpectralBins::units`], the filter ahead of what joins behind the converter, and then the terms', as
+    /// [`Self::expect`] has them.
+    pub fn expect_all(&self, terms: &[Box<dyn Term>]) -> Vec<Vec<f64>> {
+        let bins = self.bins;
+        let operator = &bins.estimate.operator;
+        let terms = terms.iter().map(|term| self.densities(&**term));
         if self.power.is_none() {
-            return self.bins.units.clone();
+            let terms: Vec<Vec<f64>> = terms.collect();
+            return [bins.units.clone(), operator.apply_all(&terms)].concat();
         }
-        let through = self.bins.densities.iter().map(|densities| {
-            let through = self.through(densities.clone());
-            self.bins.estimate.operator.apply(&through)
-        });
-        let behind = self.bins.units.iter().skip(SEEN.len()).cloned();
-        through.chain(behind).collect()
+        let units = bins.densities.iter();
+        let units = units.map(|densities| self.through(densities.clone()));
+        let mut all = operator.apply_all(&units.chain(terms).collect::<Vec<_>>());
+        let behind = bins.units[SEEN.len()..].iter().cloned();
+        all.splice(SEEN.len()..SEEN.len(), behind);
+        all
+    }
+
+    /// Densities of a term at the nodes, behind filter and chain.
+    fn densities(&self, term: &dyn Term) -> Vec<f64> {
+        let mut behind = self.through(self.bins.term_densities(term));
+        let pairs = behind.iter_mut().zip(&self.bins.chain_power);
+        pairs.for_each(|(density, power)| *density *= power);
+        behind
     }
 
     /// What the filter lets through of densities at the nodes.
