@@ -1,21 +1,18 @@
 //! One axis: searched until nothing is left that has a name, without what gains too little.
 
-use std::cell::OnceCell;
 use std::sync::Arc;
 
 use crate::chain::Chain;
+use crate::diagnosis::attempts::{Attempt, without_losers};
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::decision::Decision;
 use crate::diagnosis::detect::look::Context;
 use crate::diagnosis::detect::telegraph;
 use crate::diagnosis::doubt;
 use crate::diagnosis::family::level_of_one_test;
-use crate::diagnosis::held_out::Halves;
-use crate::diagnosis::held_out::laws::Ordinates;
 use crate::diagnosis::laws;
 use crate::diagnosis::laws::departure::departure;
 use crate::diagnosis::laws::spread::Spread;
-use crate::diagnosis::loser::Loser;
 use crate::diagnosis::options::Options;
 use crate::diagnosis::progress::{Progress, Step};
 use crate::diagnosis::recognised;
@@ -37,9 +34,6 @@ use crate::model::PerCoefficient;
 use crate::numeric::mixture::add_mixture;
 use crate::signal::Axis;
 use crate::source::Values;
-
-/// Times that something is refused before the rest is taken as it is: a choice. Each costs another search of the axis.
-const MOST_REFUSALS: usize = 5;
 
 /// An axis whose effects are found, and how it came to that.
 pub struct Explained {
@@ -184,42 +178,6 @@ pub fn explain(
     })
 }
 
-/// Explains the axis called `name` by an `attempt` that is told what is refused, and does so anew from its
-/// beginning without what gained too little, and without what left nothing to fit. The axis, what came of the last
-/// attempt, and the gain of each explanation on held-out data.
-fn without_losers<T>(
-    name: &str,
-    first: AxisState,
-    begin: impl Fn() -> Result<AxisState, Refused>,
-    attempt: impl Fn(&mut AxisState, &[Loser]) -> Result<T, Spoilt>,
-) -> Result<(AxisState, T, Vec<Option<f64>>), Refused> {
-    let mut refused: Vec<Loser> = Vec::new();
-    let mut axis = first;
-    for further in (0..=MOST_REFUSALS).rev() {
-        match attempt(&mut axis, &refused) {
-            Ok(done) => {
-                let held_out_nats = held_out(&axis);
-                let losers = Loser::among(axis.explanations(), &held_out_nats);
-                if losers.is_empty() || further == 0 {
-                    return Ok((axis, done, held_out_nats));
-                }
-                refused.extend(losers);
-            }
-            // What was taken in last left nothing that can be fitted: the rest is explained without it.
-            Err(Spoilt { latest }) => {
-                let Some(latest) = latest.filter(|_| further > 0) else {
-                    break;
-                };
-                refused.push(Loser::all(latest));
-            }
-        }
-        axis = begin()?;
-    }
-    Err(Refused::Unfitted {
-        axis: name.to_owned(),
-    })
-}
-
 impl Bare {
     /// Of an axis as it begins. What the search looks at first is made on the way.
     fn of(axis: &AxisState, level: f64, options: &Options) -> Self {
@@ -258,11 +216,14 @@ fn of_squares(axis: &AxisState, squares: &PerCoefficient<f64>) -> Fit {
     fit
 }
 
-/// What no effect explains, once all that has a name is found.
-fn attempt(axis: &mut AxisState, context: &Context<'_>) -> Result<Vec<Remark>, Spoilt> {
+/// What no effect explains, once all that has a name is found, and the courses among it that turned out to be none.
+fn attempt(axis: &mut AxisState, context: &Context<'_>) -> Result<Attempt<Vec<Remark>>, Spoilt> {
     let (character, latest) = search::search(axis, context)?;
-    let doubts = doubt::hear(axis, context, &character);
-    doubts.map_err(|_| Spoilt { latest })
+    let heard = doubt::hear(axis, context, &character).map_err(|_| Spoilt { latest })?;
+    Ok(Attempt {
+        done: heard.remarks,
+        losers: heard.no_courses,
+    })
 }
 
 /// Gives the laws of an axis the parameters of the last fit, with their intervals; standard deviations of the
@@ -305,28 +266,6 @@ fn refusal(signal: &Axis, measured: &[f64]) -> Refused {
 pub fn slope(ramp: Option<Ramp>) -> f64 {
     let told = ramp.filter(Ramp::identified);
     told.map_or(0.0, |ramp| ramp.per_s.abs())
-}
-
-/// Gain of each explanation on data that it was not fitted to. The halves are made where they are needed.
-fn held_out(axis: &AxisState) -> Vec<Option<f64>> {
-    let halves = OnceCell::new();
-    let ordinates = OnceCell::new();
-    let nats = axis.explanations().iter().map(|one| {
-        if one.held_out_nats.is_some() || one.is_beside_noise() {
-            return one.held_out_nats;
-        }
-        match axis.law_number(one) {
-            Some(law) => {
-                let ordinates = ordinates.get_or_init(|| Ordinates::new(axis));
-                ordinates.as_ref()?.nats(law)
-            }
-            None => {
-                let halves = halves.get_or_init(|| Halves::new(axis));
-                halves.as_ref()?.nats(one)
-            }
-        }
-    });
-    nats.collect()
 }
 
 #[cfg(test)]

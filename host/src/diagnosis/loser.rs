@@ -1,4 +1,4 @@
-//! What gained too little on data that it was not fitted to, and is not proposed any more.
+//! What gained too little on data that it was not fitted to, or turned out to be no course, and is not proposed any more.
 
 use std::fmt;
 
@@ -7,25 +7,37 @@ use crate::diagnosis::held_out::ENOUGH_NATS;
 use crate::diagnosis::result::estimate::Estimate;
 use crate::model::kind::Kind;
 use crate::model::marks::Mark;
+use crate::model::steps;
 use crate::numeric::written::plain;
 
 /// Share of a frequency by which what is found in its place may differ, at most: a choice. The next line or peak of a
 /// record is farther off, and what is found again is nearer.
 const SAME: f64 = 0.01;
 
-/// An effect that is not proposed any more: of its kind at all, or where it was found.
+/// An effect that is not proposed any more.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Loser {
     kind: Kind,
-    /// Its frequency, hertz, where others of its kind stand.
-    at_hz: Option<f64>,
+    which: Which,
+}
+
+/// Which of a kind are not proposed any more.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Which {
+    /// All of them.
+    All,
+    /// Those about this frequency, hertz, where others of its kind stand.
+    AtHz(f64),
+    /// Jumps that are not [strong](crate::diagnosis::record::wave::Jump::is_strong).
+    Weak,
 }
 
 impl fmt::Display for Loser {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.at_hz {
-            Some(at_hz) => write!(f, "{} at {} Hz", self.kind, plain(at_hz)),
-            None => write!(f, "{}", self.kind),
+        match self.which {
+            Which::All => write!(f, "{}", self.kind),
+            Which::AtHz(at_hz) => write!(f, "{} at {} Hz", self.kind, plain(at_hz)),
+            Which::Weak => write!(f, "weak {}", self.kind),
         }
     }
 }
@@ -33,7 +45,27 @@ impl fmt::Display for Loser {
 impl Loser {
     /// All of a kind.
     pub const fn all(kind: Kind) -> Self {
-        Self { kind, at_hz: None }
+        let which = Which::All;
+        Self { kind, which }
+    }
+
+    /// A course that turned out to be none: of jumps those that are not strong, and all of any other kind.
+    pub fn course(kind: Kind) -> Self {
+        let which = if kind == steps::KIND {
+            Which::Weak
+        } else {
+            Which::All
+        };
+        Self { kind, which }
+    }
+
+    /// All of its kind, where it was `refused` already and came again.
+    pub fn beyond(self, refused: &[Self]) -> Self {
+        if refused.contains(&self) {
+            Self::all(self.kind)
+        } else {
+            self
+        }
     }
 
     /// Those of some explanations that gained too little, as `held_out_nats` say. A line or a peak among others that gained
@@ -48,23 +80,34 @@ impl Loser {
             pairs().filter(|(one, nats)| nats.is_some_and(|nats| nats <= needed_nats(&one.change)));
         let losers = losers.map(|(one, _)| Self {
             kind: one.kind(),
-            at_hz: frequency(&one.effect, &one.change).filter(|_| gained(one.kind())),
+            which: frequency(&one.effect, &one.change)
+                .filter(|_| gained(one.kind()))
+                .map_or(Which::All, Which::AtHz),
         });
         losers.collect()
     }
 
     /// Whether a kind is out altogether.
     pub fn is_all_of(&self, kind: Kind) -> bool {
-        self.kind == kind && self.at_hz.is_none()
+        self.kind == kind && self.which == Which::All
+    }
+
+    /// Whether jumps of a kind are out that are not strong.
+    pub fn is_weak(&self, kind: Kind) -> bool {
+        self.kind == kind && self.which == Which::Weak
     }
 
     /// Whether an effect is what is not proposed any more.
     pub fn is(&self, effect: &Estimate, change: &Change) -> bool {
-        let is_there = |at_hz: f64| {
-            let f_hz = frequency(effect, change);
-            f_hz.is_some_and(|f_hz| (f_hz / at_hz - 1.0).abs() < SAME)
-        };
-        self.kind == effect.kind && self.at_hz.is_none_or(is_there)
+        self.kind == effect.kind
+            && match self.which {
+                Which::All => true,
+                Which::AtHz(at_hz) => {
+                    frequency(effect, change).is_some_and(|f_hz| (f_hz / at_hz - 1.0).abs() < SAME)
+                }
+                // Who looks for jumps leaves these out.
+                Which::Weak => false,
+            }
     }
 }
 
@@ -94,7 +137,7 @@ mod tests {
     use super::*;
     use crate::diagnosis::explanation::Candidate;
     use crate::diagnosis::trial::{NOTHING, axis, law, line, made_up, short};
-    use crate::model::{resonance, sinusoid, steps};
+    use crate::model::{resonance, sinusoid};
 
     /// Candidates with their gains, taken into an axis of white noise; what loses of them.
     fn among(all: Vec<(Candidate, f64)>) -> Vec<Loser> {

@@ -1,5 +1,6 @@
 //! What a model gets wrong about a record, why, and what the extended model gains.
 
+pub mod attempts;
 pub mod axis;
 pub mod decision;
 pub mod describe;

@@ -189,6 +189,7 @@ pub fn heard(doubt: &Doubt, axis: &mut AxisState, strength_moves: bool) -> Vec<R
         strength_moves,
         large_samples_in_groups: false,
         remarks: Vec::new(),
+        no_courses: Vec::new(),
     };
     (doubt.hear)(&mut hearing).expect("a fit of what is left");
     hearing.remarks

@@ -8,6 +8,7 @@ use crate::diagnosis::axis::NoFit;
 use crate::diagnosis::axis::profile::Noise;
 use crate::diagnosis::detect::look::{Look, Proposal};
 use crate::diagnosis::room;
+use crate::model::steps::KIND;
 
 /// Tests of one look: what follows a covariate, settling, jumps.
 const TESTS: u32 = 3;
@@ -69,10 +70,42 @@ fn strongest(look: &Look<'_>, noise: Noise) -> Result<Vec<Proposal>, NoFit> {
     };
     match course {
         Some(course) if !largest.iter().any(|one| is_held(look, one)) => {
-            Ok(vec![drift::proposal(look, course)])
+            let settling = settling_in_place_of(look, &course)?;
+            let proposal = settling.unwrap_or_else(|| drift::proposal(look, course));
+            Ok(vec![proposal])
         }
         _ => Ok(largest),
     }
+}
+
+/// A settling in place of a smooth course and of the jumps that were found for it, where it explains as much: the jumps had
+/// hidden it.
+///
+/// # Errors
+/// [`NoFit`] where the record with the jumps put back cannot be fitted.
+fn settling_in_place_of(look: &Look<'_>, course: &drift::Found) -> Result<Option<Proposal>, NoFit> {
+    if course.supersedes != [KIND] {
+        return Ok(None);
+    }
+    let mut axis = look.axis.clone();
+    axis.withdraw(KIND);
+    axis.refresh()?;
+    let without = Look {
+        axis: &axis,
+        ..*look
+    };
+    let settling = warmup::find(&without, Noise::Anew);
+    let explained_nats = settling.as_ref().map_or(0.0, |one| one.gain_nats);
+    let is_most = drift::find(&without).is_some_and(|one| one.nats * PART > explained_nats);
+    let proposal = settling
+        .filter(|_| !is_most)
+        .and_then(|settling| warmup::proposal(&without, settling));
+    Ok(proposal.map(|mut proposal| {
+        if let Proposal::Explain(candidate) = &mut proposal {
+            candidate.supersedes.push(KIND);
+        }
+        proposal
+    }))
 }
 
 /// Whether the record has room for what is proposed. What shows most and is refused, as a settling that never settles, does not
@@ -118,7 +151,7 @@ mod tests {
         // Beside a jump; beside a jump; beside both others, half as plain.
         assert_eq!(first(0, [2.0, 4.0, 1.0]), thermal::KIND);
         assert_eq!(first(0, [1.0, 12.0, 1.0]), warmup::KIND);
-        assert_eq!(first(0, [2.0, 8.0, 2.0]), steps::KIND);
+        assert_eq!(first(0, [2.0, 8.0, 2.0]), KIND);
     }
 
     #[test]

@@ -1,10 +1,10 @@
 //! The strength of the noise over time: where it moves all the time, no stretch of it is a burst.
 
 use super::Detector;
-use crate::diagnosis::axis::NoFit;
+use crate::diagnosis::axis::{AxisState, NoFit};
 use crate::diagnosis::detect::look::{Lesson, Look, Proposal};
 use crate::diagnosis::steady;
-use crate::diagnosis::steady::strength::Movement;
+use crate::model::burst::Burst;
 use crate::model::{burst, outliers, rounding};
 
 /// Looks whether it moves, in a cycle or slowly; the test for a cycle is counted with its detector.
@@ -17,14 +17,30 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     }
     let wander = steady::strength::wander(&look.axis.powers());
     let known_sd = look.axis.known_movement();
-    let counts = |one: &Movement| one.counts(look.level(), known_sd);
-    Ok(
-        if wander.is_some_and(|one| counts(&one.cyclic) || counts(&one.slow)) {
-            moves()
-        } else {
-            Vec::new()
-        },
-    )
+    let both = wander.iter().flat_map(|one| [one.cyclic, one.slow]);
+    let counted = both.filter(|one| one.counts(look.level(), known_sd));
+    let Some(sd) = counted.map(|one| one.sd).max_by(f64::total_cmp) else {
+        return Ok(Vec::new());
+    };
+    Ok(if bursts_stand_out(look.axis, sd) {
+        vec![
+            Proposal::Learn(Lesson::StrengthMoves),
+            Proposal::Withdraw(vec![outliers::KIND]),
+        ]
+    } else {
+        moves()
+    })
+}
+
+/// Whether any known stretch is far louder than noise whose power moves by this standard deviation, over its mean, makes it.
+fn bursts_stand_out(axis: &AxisState, sd: f64) -> bool {
+    /// Deviations that no movement reaches: a choice. The power of noise that feeds on itself goes as far as some ten.
+    const FAR: f64 = 30.0;
+    let mut bursts = axis.explanations().iter();
+    bursts.any(|one| {
+        let is_far = || Burst::of(&one.effect.plain()).factor.powi(2) - 1.0 > FAR * sd;
+        one.kind() == burst::KIND && is_far()
+    })
 }
 
 /// What is to be done where it moves: single stretches are no causes, and samples are outliers only against the

@@ -29,8 +29,7 @@ fn hear(hearing: &mut Hearing<'_>) -> Result<(), NoFit> {
         hearing.axis.refresh()?;
     }
     while let Some(kind) = most_cancelled(hearing.axis) {
-        hearing.axis.withdraw(kind);
-        hearing.axis.refresh()?;
+        hearing.take_course_back(kind)?;
     }
     Ok(())
 }

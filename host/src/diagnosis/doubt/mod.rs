@@ -17,7 +17,9 @@ mod undated;
 use crate::diagnosis::axis::{AxisState, NoFit};
 use crate::diagnosis::decision::Decision;
 use crate::diagnosis::detect::look::{Character, Context};
+use crate::diagnosis::loser::Loser;
 use crate::diagnosis::result::finding::Remark;
+use crate::model::kind::Kind;
 
 /// Speaks against names of one sort.
 pub struct Doubt {
@@ -52,6 +54,31 @@ pub struct Hearing<'a> {
     pub large_samples_in_groups: bool,
     /// What there is to say.
     pub remarks: Vec<Remark>,
+    /// What was named as a course and is none.
+    pub no_courses: Vec<Loser>,
+}
+
+impl Hearing<'_> {
+    /// Takes a course back that is none. What else was found may be there because of the first of them.
+    ///
+    /// # Errors
+    /// [`NoFit`] where what is left cannot be fitted.
+    fn take_course_back(&mut self, kind: Kind) -> Result<(), NoFit> {
+        self.axis.withdraw(kind);
+        self.axis.refresh()?;
+        if self.no_courses.is_empty() {
+            self.no_courses.push(Loser::course(kind));
+        }
+        Ok(())
+    }
+}
+
+/// What came of a hearing.
+pub struct Heard {
+    /// What is unexplained.
+    pub remarks: Vec<Remark>,
+    /// The course that was taken back first, if any was: others may have been hidden by it or found for it.
+    pub no_courses: Vec<Loser>,
 }
 
 /// Hears all doubts about an axis; what is unexplained of it.
@@ -62,7 +89,7 @@ pub fn hear(
     axis: &mut AxisState,
     context: &Context<'_>,
     character: &Character,
-) -> Result<Vec<Remark>, NoFit> {
+) -> Result<Heard, NoFit> {
     let excluded = axis.excluded().iter().map(|one| one.remark.clone());
     let mut hearing = Hearing {
         remarks: excluded.collect(),
@@ -70,6 +97,7 @@ pub fn hear(
         level: context.level,
         strength_moves: character.strength_moves,
         large_samples_in_groups: character.large_samples_in_groups.is_some(),
+        no_courses: Vec::new(),
     };
     for doubt in DOUBTS {
         let before = hearing.axis.kinds();
@@ -78,5 +106,8 @@ pub fn hear(
             (context.decided)(withdrawn);
         }
     }
-    Ok(hearing.remarks)
+    Ok(Heard {
+        remarks: hearing.remarks,
+        no_courses: hearing.no_courses,
+    })
 }

@@ -19,8 +19,7 @@ const LONGEST: f64 = 0.25;
 
 fn hear(hearing: &mut Hearing<'_>) -> Result<(), NoFit> {
     if is_undated(hearing.axis) {
-        hearing.axis.withdraw(steps::KIND);
-        hearing.axis.refresh()?;
+        hearing.take_course_back(steps::KIND)?;
     }
     Ok(())
 }

@@ -42,6 +42,17 @@ pub struct Jump {
     pub p_value: f64,
 }
 
+/// Deviations of a height from which no slow noise is taken for a jump, and from which a jump raised the noise that it was
+/// first measured in: a choice. A jump shows from some five on.
+const STRONG: f64 = 20.0;
+
+impl Jump {
+    /// Whether it is no fit to noise, and known better once it is taken out of the noise.
+    pub fn is_strong(&self) -> bool {
+        self.height.abs() > STRONG * self.height_sd
+    }
+}
+
 /// A level that is there for a while.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Meanwhile {

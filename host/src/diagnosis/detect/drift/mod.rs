@@ -48,7 +48,7 @@ pub struct Found {
     p_value: f64,
     course: Course,
     /// What was explained by others before, and by it as well.
-    supersedes: Vec<Kind>,
+    pub supersedes: Vec<Kind>,
 }
 
 /// A smooth course, and how well it is known.

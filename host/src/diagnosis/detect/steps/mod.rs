@@ -15,7 +15,7 @@ use crate::diagnosis::record::wave::{Jump, Wave};
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
 use crate::model::steps::KIND;
-use crate::model::{thermal, warmup};
+use crate::model::{drift, thermal, warmup};
 pub use filter::{is_jump, statistic};
 use pursuit::Pursuit;
 
@@ -44,11 +44,13 @@ pub fn proposals(look: &Look<'_>, first: Jump) -> Vec<Proposal> {
     let gain = pursuit.gain(&new);
     join(&mut jumps, new, 4 * axis.slow_factor());
     if jumps.len() > MOST_JUMPS {
-        // Their spectrum decides, and another look at an axis that switches.
-        let kinds = place.map(|place| axis.explanations()[place].kind());
+        // Their spectrum decides, and another look at an axis that switches. What is slower was found among them.
+        let known = place.map(|place| axis.explanations()[place].kind());
+        let slower = known.map(|_| [warmup::KIND, thermal::KIND, drift::KIND]);
+        let kinds = known.into_iter().chain(slower.into_iter().flatten());
         return vec![
             Proposal::Learn(Lesson::LevelSwitches),
-            Proposal::Withdraw(kinds.into_iter().collect()),
+            Proposal::Withdraw(kinds.collect()),
         ];
     }
     let effect = if telegraph::is_to_and_fro(&jumps) {
@@ -86,9 +88,6 @@ pub fn measured_again(look: &Look<'_>) -> Option<Proposal> {
     /// How many times better a height is known from which it is told anew: a choice. Noise without the jumps is known anew
     /// after each change.
     const BETTER: f64 = 1.5;
-    /// Deviations of a height from which it raised the noise that it was first measured in: a choice, as in
-    /// [`pursuit`]. A weaker jump did not, and must stand in what it was found in.
-    const RAISED: f64 = 20.0;
     let axis = look.axis;
     let place = look.place_of(KIND)?;
     let known = &axis.explanations()[place];
@@ -99,9 +98,8 @@ pub fn measured_again(look: &Look<'_>) -> Option<Proposal> {
     let moved = both().map(|(old, new)| ((new.height - old.height) / new.height_sd).powi(2));
     let gained_nats = 0.5 * moved.sum::<f64>();
     let is_better = both().any(|(old, new)| old.height_sd > BETTER * new.height_sd);
-    let is_strong = jumps
-        .iter()
-        .any(|one| one.height.abs() > RAISED * one.height_sd);
+    // A weaker jump did not raise the noise, and must stand in what it was found in.
+    let is_strong = jumps.iter().any(Jump::is_strong);
     let is_known_better = is_better || gained_nats > LEAST_GAIN * jumps.len() as f64;
     (is_strong && is_known_better).then(|| {
         let effect = estimate(&jumps, axis.rate_hz);

@@ -11,6 +11,7 @@ use crate::diagnosis::detect::look::Look;
 use crate::diagnosis::record::bridge::block_means;
 use crate::diagnosis::record::wave::{Jump, Wave};
 use crate::diagnosis::statistic::matched_filter::{Match, Transformer, held_out_gain};
+use crate::model::steps::KIND;
 
 /// Samples in one of the slow copy up to which jumps are placed to the sample: a choice. The copy
 /// of two million samples has so many; in longer records a jump's place is known to a sample of the
@@ -62,6 +63,10 @@ impl<'a> Pursuit<'a> {
         let usable = |n: usize| self.usable(n * factor) && self.usable((n + 1) * factor - 1);
         let mut jump = filter::largest_jump(axis, &whole, &density, usable)?;
         let level = self.look.level();
+        let mut refused = self.look.context.refused.iter();
+        if refused.any(|one| one.is_weak(KIND)) && !jump.is_strong() {
+            return None;
+        }
         let is_first = self.is_untouched();
         if noise == Noise::Anew && jump.p_value >= level {
             jump = filter::beside_walk(axis, whole, &density, &jump, usable)?;

@@ -5,9 +5,10 @@ use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::detect::lines;
 use crate::diagnosis::detect::shock::NEXT_GROUP;
 use crate::diagnosis::explanation::Explanation;
+use crate::model::burst::Burst;
 use crate::model::kind::Kind;
 use crate::model::unnamed::Band;
-use crate::model::{motion, shock, sinusoid};
+use crate::model::{burst, motion, shock, sinusoid};
 
 /// Kinds that are taken back: laws that were fitted to the tone with the rest of the spectrum, and lines that stand in
 /// its bands, shocks among them.
@@ -26,6 +27,34 @@ pub fn made_for_it(axis: &AxisState, bands: &[Line]) -> Vec<Kind> {
         kinds.push(motion::KIND);
     }
     kinds
+}
+
+/// Kinds that are sought anew: stretches that are louder by no more than the tone would make them if all of it were in them.
+/// Where it went far, what was noise beside it looked louder.
+pub fn may_be_made_for_it(axis: &AxisState, lines: &[Line]) -> Vec<Kind> {
+    let record_s = axis.filled.len() as f64 / axis.rate_hz;
+    let bursts = axis.explanations().iter();
+    let bursts = bursts.filter(|one| one.kind() == burst::KIND);
+    let louder = bursts.map(|one| Burst::of(&one.effect.plain()).adds(record_s));
+    let seen = axis.whitened();
+    let ordinates_s = seen.transform.len() as f64 / axis.rate_hz;
+    let density = |f_hz: f64| {
+        let last = seen.density.len() - 1;
+        seen.density[((f_hz.max(0.0) * ordinates_s) as usize).min(last)]
+    };
+    let of_tone = lines.iter().map(|line| {
+        // What was fitted to the tone is as wide as it.
+        let (from_hz, to_hz) = (line.band_hz.start, line.band_hz.end);
+        let beside = density(2.0 * from_hz - to_hz).min(density(2.0 * to_hz - from_hz));
+        let power =
+            0.5 * line.amplitude.value.powi(2) * axis.bins.chain_power(0.5 * (from_hz + to_hz));
+        power / (beside * axis.rate_hz)
+    });
+    if louder.sum::<f64>() <= of_tone.sum() {
+        vec![burst::KIND]
+    } else {
+        Vec::new()
+    }
 }
 
 /// Whether all that is known to have moved the axis did so about these lines, by no more than they do, and left nothing behind.

@@ -23,7 +23,7 @@ use std::ops::Range;
 use self::band::Band;
 use self::course::{Course, course};
 use self::harmonics::{Line, family};
-use self::made_for_it::made_for_it;
+use self::made_for_it::{made_for_it, may_be_made_for_it};
 use self::track::{Steadiness, Track};
 use super::Detector;
 use super::lines::{self, Group, Measured};
@@ -34,7 +34,7 @@ use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::finding::Rival;
 use crate::diagnosis::result::value::Value;
 use crate::diagnosis::steady::line::IMPERFECT;
-use crate::model::{burst, hum, resonance, wandering_line};
+use crate::model::{hum, resonance, wandering_line};
 
 /// Shortest windows, samples of the band; those of half the length show how its energy grows.
 const SHORTEST: usize = 8;
@@ -178,8 +178,7 @@ pub fn named(look: &Look<'_>, within_hz: &Range<f64>, p_value: f64) -> Option<Pr
     Some(Proposal::Explain(Box::new(Candidate {
         held_out_nats: Some(track.nats(steadiness.energy)),
         supersedes,
-        // Where it went far, what was noise beside it looked louder.
-        reopens: vec![burst::KIND],
+        reopens: may_be_made_for_it(axis, &family.lines),
         rivals: vec![Rival {
             effect: resonance::KIND,
             log_odds: -steadiness.p_value.max(f64::MIN_POSITIVE).ln(),
