@@ -14,6 +14,7 @@ use realfft::num_complex::Complex64;
 
 use super::{Doubt, Hearing};
 use crate::diagnosis::axis::{AxisState, NoFit};
+use crate::diagnosis::record::wave::Outlier;
 use crate::diagnosis::result::finding::Remark;
 use crate::diagnosis::result::place::Place;
 use crate::diagnosis::statistic::p_value;
@@ -31,6 +32,22 @@ pub struct Lopsided {
     pub skewness: f64,
     /// Probability of as large a score in symmetric noise.
     pub p_value: f64,
+}
+
+impl Lopsided {
+    /// Whether most of these samples are no farther out than the longer side of such a law reaches.
+    fn passes_for(&self, outliers: &[Outlier]) -> bool {
+        /// Deviations that one normal number in a billion exceeds: more than a record has samples.
+        const FARTHEST: f64 = 6.0;
+        // What `z + skewness (z^2 - 1) / 6`, of that skewness where it is small, makes of them; a law that falls as an
+        // exponential, of skewness 2, is exceeded as seldom there.
+        let reach = FARTHEST + self.skewness.abs() * (FARTHEST * FARTHEST - 1.0) / 6.0;
+        let is_of_it = |one: &&Outlier| {
+            let z = one.size / one.size_sd * self.skewness.signum();
+            (0.0..reach).contains(&z)
+        };
+        2 * outliers.iter().filter(is_of_it).count() >= outliers.len()
+    }
 }
 
 /// Of what is left of an axis.
@@ -80,8 +97,7 @@ fn hear(hearing: &mut Hearing<'_>) -> Result<(), NoFit> {
     if found.p_value >= hearing.level {
         return Ok(());
     }
-    // Its longer side passes for them.
-    if hearing.axis.withdraw(outliers::KIND) {
+    if found.passes_for(hearing.axis.residual.outliers()) && hearing.axis.withdraw(outliers::KIND) {
         hearing.axis.refresh()?;
     }
     hearing.remarks.push(Remark {

@@ -113,6 +113,7 @@ fn add(
         filter(&mut samples, scene.rate_hz, |f_hz| effect.power(f_hz));
     }
     if let Some(envelope) = effect.envelope(scene, draw) {
+        stretch.unround(&mut samples, &envelope, draw);
         multiply(&mut samples, &envelope, stretch);
     }
     let noise = has_law(effect, stretch).then(|| {

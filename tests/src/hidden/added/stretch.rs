@@ -115,6 +115,19 @@ impl Stretch {
         }
     }
 
+    /// Gives `samples` that an envelope changes what rounding to codes took from them, drawn evenly: codes that are made
+    /// smaller and rounded once more fall together more often than those of a converter do.
+    pub fn unround(&self, samples: &mut [f64], envelope: &[f64], draw: &mut Draw) {
+        let Some(code) = self.code else {
+            return;
+        };
+        for (sample, factor) in samples.iter_mut().zip(envelope) {
+            if *factor != 1.0 {
+                *sample += code * draw.uniform(-0.5, 0.5);
+            }
+        }
+    }
+
     /// Puts `samples` on the grid of the codes, where there are codes.
     pub fn round(&self, samples: &mut [f64]) {
         if let Some(code) = self.code {
