@@ -137,7 +137,7 @@ mod tests {
     use super::*;
     use crate::diagnosis::explanation::Candidate;
     use crate::diagnosis::trial::{NOTHING, axis, law, line, made_up, short};
-    use crate::model::{resonance, sinusoid};
+    use crate::model::{resonance, sinusoid, warmup};
 
     /// Candidates with their gains, taken into an axis of white noise; what loses of them.
     fn among(all: Vec<(Candidate, f64)>) -> Vec<Loser> {
@@ -178,6 +178,23 @@ mod tests {
     }
 
     #[test]
+    fn of_jumps_that_turned_out_to_be_none_the_weak_ones_are_out_and_at_last_all() {
+        let weak = Loser::course(steps::KIND);
+        assert!(weak.is_weak(steps::KIND) && !weak.is_all_of(steps::KIND));
+        let again = made_up(steps::KIND, NOTHING);
+        assert!(
+            !weak.is(&again.effect, &again.change),
+            "a strong one may be"
+        );
+        assert_eq!(weak.to_string(), "weak steps");
+        assert_eq!(weak.clone().beyond(&[]), weak);
+        let all = Loser::all(steps::KIND);
+        assert_eq!(weak.clone().beyond(&[weak]), all);
+        let settling = Loser::course(warmup::KIND);
+        assert!(settling.is_all_of(warmup::KIND) && !settling.is_weak(warmup::KIND));
+    }
+
+    #[test]
     fn what_hardly_gains_loses() {
         let losers = |nats: f64| {
             let peak = law(resonance::KIND, &[100.0, 2.0, 1.0]);
@@ -211,7 +228,7 @@ mod tests {
         assert_eq!((at_hz(100.0), at_hz(200.0)), (Some(100.0), Some(200.0)));
         let loser = Loser {
             kind: resonance::KIND,
-            at_hz: at_hz(200.0),
+            which: Which::AtHz(at_hz(200.0).expect("a peak")),
         };
         let is_out = |(effect, law): (Estimate, Change)| loser.is(&effect, &law);
         assert!(!is_out(peak(100.0)) && is_out(peak(200.5)) && !is_out(peak(203.0)));

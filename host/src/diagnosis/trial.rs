@@ -9,9 +9,10 @@ use std::sync::Arc;
 use rand_distr::{Distribution, Uniform};
 
 use crate::diagnosis::axis::{AxisState, Excluded};
-use crate::diagnosis::doubt::{Doubt, Hearing};
+use crate::diagnosis::doubt::{Doubt, Heard, Hearing};
 use crate::diagnosis::explanation::{Candidate, Change};
 use crate::diagnosis::laws::Law;
+use crate::diagnosis::loser::Loser;
 use crate::diagnosis::record::wave::{Jump, Outlier, Wave};
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::finding::Remark;
@@ -183,6 +184,15 @@ pub fn remark(from_hz: f64, to_hz: f64) -> Remark {
 
 /// What a doubt says of an axis.
 pub fn heard(doubt: &Doubt, axis: &mut AxisState, strength_moves: bool) -> Vec<Remark> {
+    after(doubt, axis, strength_moves).remarks
+}
+
+/// Courses that a doubt takes back, and which are none.
+pub fn no_courses(doubt: &Doubt, axis: &mut AxisState) -> Vec<Loser> {
+    after(doubt, axis, false).no_courses
+}
+
+fn after(doubt: &Doubt, axis: &mut AxisState, strength_moves: bool) -> Heard {
     let mut hearing = Hearing {
         axis,
         level: LEVEL,
@@ -192,5 +202,5 @@ pub fn heard(doubt: &Doubt, axis: &mut AxisState, strength_moves: bool) -> Vec<R
         no_courses: Vec::new(),
     };
     (doubt.hear)(&mut hearing).expect("a fit of what is left");
-    hearing.remarks
+    hearing.into()
 }

@@ -233,6 +233,18 @@ fn a_peak_narrower_than_a_bin_is_seen_as_a_line() {
     }
 }
 
+/// Several are as one after the other, in a pass and a half.
+#[test]
+fn several_densities_at_once_are_as_each_by_itself() {
+    let operator = segments_operator(0, &[95, 100, 140]);
+    let nodes = operator.nodes_hz();
+    let density = |power: i32| nodes.iter().map(|f| (1.0 + f).powi(power)).collect();
+    let densities: Vec<Vec<f64>> = (-6..6).map(density).collect();
+    let each: Vec<Vec<f64>> = densities.iter().map(|one| operator.apply(one)).collect();
+    assert_eq!(operator.apply_all(&densities), each);
+    assert!(operator.apply_all(&[]).is_empty());
+}
+
 #[test]
 fn cosines_of_the_whole_record() {
     let len = 700;

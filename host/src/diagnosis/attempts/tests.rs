@@ -74,6 +74,23 @@ fn what_gains_nothing_is_refused_and_the_search_begins_anew() {
 }
 
 #[test]
+fn what_was_taken_back_is_refused_and_the_search_begins_anew() {
+    let weak = Loser::course(steps::KIND);
+    let (outcome, refused) = tried(|axis, refused| {
+        state(axis, refused, burst::KIND, 5.0);
+        // Weak ones at first, then strong ones as well.
+        let gone = !is_out(refused, steps::KIND);
+        Ok(Attempt {
+            done: (),
+            losers: gone.then(|| weak.clone()).into_iter().collect(),
+        })
+    });
+    assert_eq!(outcome.map(|axis| axis.kinds()), Ok(vec![burst::KIND]));
+    let all = Loser::all(steps::KIND);
+    assert_eq!(refused, [vec![], vec![weak.clone()], vec![weak, all]]);
+}
+
+#[test]
 fn a_fit_that_fails_costs_the_effect_that_was_taken_in_last() {
     let (outcome, refused) = tried(|axis, refused| {
         state(axis, refused, steps::KIND, 5.0);
@@ -86,7 +103,7 @@ fn a_fit_that_fails_costs_the_effect_that_was_taken_in_last() {
 
 #[test]
 fn a_fit_that_fails_with_nothing_taken_in_is_the_end() {
-    let (outcome, refused) = tried(|_, _| Err::<(), _>(Spoilt { latest: None }));
+    let (outcome, refused) = tried(|_, _| Err::<Attempt<()>, _>(Spoilt { latest: None }));
     let unfitted = Refused::Unfitted { axis: "X".into() };
     assert_eq!(outcome.err(), Some(unfitted));
     assert_eq!(refused.len(), 1);
@@ -120,7 +137,7 @@ fn after_some_refusals_the_rest_is_taken_as_it_is() {
 fn after_some_refusals_a_fit_that_fails_is_the_end() {
     let (outcome, refused) = tried(|_, refused| {
         let latest = Some(MANY[refused.len()]);
-        Err::<(), _>(Spoilt { latest })
+        Err::<Attempt<()>, _>(Spoilt { latest })
     });
     assert!(matches!(outcome, Err(Refused::Unfitted { .. })));
     assert_eq!(refused.len(), MOST_REFUSALS + 1);

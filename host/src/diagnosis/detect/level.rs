@@ -147,11 +147,39 @@ mod tests {
 
     #[test]
     fn the_largest_of_three_is_named_first() {
-        use crate::model::{steps, thermal, warmup};
+        use crate::model::{thermal, warmup};
         // Beside a jump; beside a jump; beside both others, half as plain.
         assert_eq!(first(0, [2.0, 4.0, 1.0]), thermal::KIND);
         assert_eq!(first(0, [1.0, 12.0, 1.0]), warmup::KIND);
         assert_eq!(first(0, [2.0, 8.0, 2.0]), KIND);
+    }
+
+    #[test]
+    fn a_settling_takes_the_place_of_a_course_for_jumps_and_of_no_other() {
+        use crate::model::warmup;
+        let in_place = |slow: &dyn Fn(f64) -> f64, supersedes: &[Kind]| {
+            let mut values = noise(2);
+            let length = values.len() as f64;
+            let both = values.iter_mut().enumerate();
+            both.for_each(|(n, one)| *one += slow(n as f64 / length));
+            let trial = Trial::new(values);
+            let proposed = trial.look(|look| {
+                let mut course = drift::find(look).expect("a course, seed 2");
+                course.supersedes = supersedes.to_vec();
+                settling_in_place_of(look, &course)
+            });
+            let proposed = proposed.expect("a fit, seed 2");
+            trial::candidate(proposed.into_iter().collect())
+        };
+        let settling = |x: f64| 4.0 * (-8.0 * x).exp();
+        let named = in_place(&settling, &[KIND]).expect("a settling, seed 2");
+        assert_eq!(
+            (named.effect.kind, named.supersedes),
+            (warmup::KIND, vec![KIND])
+        );
+        assert!(in_place(&settling, &[]).is_none(), "seed 2: for nothing");
+        let swing = |x: f64| 30.0 * (3.0 * std::f64::consts::PI * x).cos();
+        assert!(in_place(&swing, &[KIND]).is_none(), "seed 2: no settling");
     }
 
     #[test]

@@ -59,6 +59,35 @@ mod tests {
     use crate::diagnosis::explanation::Change;
 
     #[test]
+    fn a_stretch_far_louder_than_the_movement_stays() {
+        use std::f64::consts::TAU;
+        // A movement of a twentieth, and one stretch.
+        let is_back = |factor: f64| {
+            let values = noise(1).into_iter().enumerate();
+            let moving = values.map(|(n, value)| {
+                let loud = if (9000..9600).contains(&n) {
+                    factor
+                } else {
+                    1.0
+                };
+                value * loud * (1.0 + 0.2 * (TAU * n as f64 / 3333.0).sin())
+            });
+            let mut trial = Trial::new(moving.collect());
+            let change = Change::Happened {
+                masked: vec![9000..9600],
+                waves: Vec::new(),
+            };
+            trial.know(burst::KIND, [90.0, 96.0, factor, 0.0], change);
+            let proposals = trial.ask(&DETECTOR);
+            assert!(trial::teaches(&proposals, &Lesson::StrengthMoves), "seed 1");
+            assert!(trial::withdraws(&proposals, outliers::KIND), "seed 1");
+            trial::withdraws(&proposals, burst::KIND)
+        };
+        assert!(is_back(1.5), "seed 1: as movements are");
+        assert!(!is_back(10.0), "seed 1: as none is");
+    }
+
+    #[test]
     fn strength_that_moves_is_learnt_once_and_not_on_a_grid() {
         use std::f64::consts::TAU;
         let values = noise(0).into_iter().enumerate();

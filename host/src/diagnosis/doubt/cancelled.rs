@@ -118,9 +118,10 @@ fn at(curve: &[Point], m: u64) -> f64 {
 mod tests {
     use super::*;
     use crate::diagnosis::explanation::{Candidate, Change};
+    use crate::diagnosis::loser::Loser;
     use crate::diagnosis::result::estimate::Estimate;
     use crate::diagnosis::result::value::Value;
-    use crate::diagnosis::trial::{RATE_HZ, axis, heard, jump, line, short, take_in};
+    use crate::diagnosis::trial::{RATE_HZ, axis, heard, jump, line, no_courses, short, take_in};
     use crate::model::{sinusoid, steps};
 
     /// Noise about a level that rises by 3 in the middle, with a step of this height taken out there.
@@ -146,6 +147,25 @@ mod tests {
         take_in(&mut axis, sinusoid::KIND, line(50.0, 0.01).into());
         heard(&DOUBT, &mut axis, false);
         assert_eq!(axis.kinds(), [sinusoid::KIND], "seed 1");
+    }
+
+    #[test]
+    fn the_first_course_that_goes_is_not_named_again() {
+        let mut axis = stepped(1, 6.0);
+        let mut taken = line(50.0, 3.0);
+        take_in(&mut axis, sinusoid::KIND, taken.clone().into());
+        // Neither is there; the sine, as an Allan variance, is the larger at short times alone.
+        let gone = no_courses(&DOUBT, &mut axis);
+        assert_eq!(axis.kinds(), [], "seed 1");
+        assert_eq!(gone.len(), 1, "seed 1: {gone:?}");
+        // That one may hide behind the other.
+        taken = line(50.0, 0.01);
+        let mut axis = stepped(1, 6.0);
+        take_in(&mut axis, sinusoid::KIND, taken.into());
+        let gone = no_courses(&DOUBT, &mut axis);
+        assert_eq!(gone, [Loser::course(steps::KIND)], "seed 1");
+        let mut axis = stepped(1, 3.0);
+        assert_eq!(no_courses(&DOUBT, &mut axis), [], "seed 1: it stays");
     }
 
     #[test]

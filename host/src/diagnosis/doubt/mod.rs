@@ -81,6 +81,15 @@ pub struct Heard {
     pub no_courses: Vec<Loser>,
 }
 
+impl From<Hearing<'_>> for Heard {
+    fn from(hearing: Hearing<'_>) -> Self {
+        Self {
+            remarks: hearing.remarks,
+            no_courses: hearing.no_courses,
+        }
+    }
+}
+
 /// Hears all doubts about an axis; what is unexplained of it.
 ///
 /// # Errors
@@ -106,8 +115,5 @@ pub fn hear(
             (context.decided)(withdrawn);
         }
     }
-    Ok(Heard {
-        remarks: hearing.remarks,
-        no_courses: hearing.no_courses,
-    })
+    Ok(hearing.into())
 }

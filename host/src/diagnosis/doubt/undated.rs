@@ -52,7 +52,7 @@ fn is_undated(axis: &AxisState) -> bool {
 mod tests {
     use super::*;
     use crate::diagnosis::explanation::Change;
-    use crate::diagnosis::trial::{axis, heard, jump, short, take_in};
+    use crate::diagnosis::trial::{axis, jump, no_courses, short, take_in};
     use crate::model::kind::Kind;
 
     /// Kinds that are left of a level that is 2 higher between two steps, the first of which is dated so well, samples; the second
@@ -76,7 +76,8 @@ mod tests {
             steps::KIND,
             Change::Waves(vec![Wave::Steps(waves.to_vec())]),
         );
-        heard(&DOUBT, &mut axis, false);
+        let gone = no_courses(&DOUBT, &mut axis);
+        assert_eq!(gone.is_empty(), axis.has(steps::KIND), "seed {seed}");
         axis.kinds()
     }
 

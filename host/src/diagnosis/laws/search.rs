@@ -284,3 +284,34 @@ fn best_start<'a>(
     }
     best
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::detect::trial::{Trial, averaged, noise};
+    use crate::model::rolloff;
+
+    #[test]
+    fn a_stride_goes_on_while_it_gains_and_no_farther() {
+        // Running means over four samples have their corner at 11 Hz.
+        let axis = Trial::new(averaged(noise(4), 4.0)).axis;
+        let at = |corner_hz: f64| Law {
+            effect: rolloff::KIND,
+            values: vec![corner_hz],
+        };
+        let (before, mut laws) = ([at(40.0)], vec![at(39.0)]);
+        let stands = |laws: &[Law]| standing(&axis.bins, &axis.data, laws, None).expect("a fit");
+        let (first, from) = (stands(&before), stands(&laws));
+        assert!(from.value > first.value, "seed 4: it gained");
+        let value = from.value;
+        let end = stride(&axis.bins, &axis.data, &mut laws, &before, from);
+        assert!(end.value > value, "seed 4");
+        let off = |found: &Standing<'_>, laws: &[Law]| (found.value - stands(laws).value).abs();
+        assert!(off(&end, &laws) < WORTH, "seed 4: it is where it says");
+        let corner_hz = laws[0].values[0];
+        // Each stride is as long as all before it: from 40 Hz the last one goes beyond by half of the way at most.
+        assert!((5.0..20.0).contains(&corner_hz), "seed 4: {corner_hz}");
+        let again = stride(&axis.bins, &axis.data, &mut laws.clone(), &laws, end);
+        assert!(off(&again, &laws) < WORTH, "seed 4: no way, no stride");
+    }
+}

@@ -15,7 +15,7 @@ use crate::diagnosis::record::wave::{Jump, Wave};
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
 use crate::model::steps::KIND;
-use crate::model::{drift, thermal, warmup};
+use crate::model::{thermal, warmup};
 pub use filter::{is_jump, statistic};
 use pursuit::Pursuit;
 
@@ -44,13 +44,11 @@ pub fn proposals(look: &Look<'_>, first: Jump) -> Vec<Proposal> {
     let gain = pursuit.gain(&new);
     join(&mut jumps, new, 4 * axis.slow_factor());
     if jumps.len() > MOST_JUMPS {
-        // Their spectrum decides, and another look at an axis that switches. What is slower was found among them.
-        let known = place.map(|place| axis.explanations()[place].kind());
-        let slower = known.map(|_| [warmup::KIND, thermal::KIND, drift::KIND]);
-        let kinds = known.into_iter().chain(slower.into_iter().flatten());
+        // Their spectrum decides, and another look at an axis that switches.
+        let kinds = place.map(|place| axis.explanations()[place].kind());
         return vec![
             Proposal::Learn(Lesson::LevelSwitches),
-            Proposal::Withdraw(kinds.collect()),
+            Proposal::Withdraw(kinds.into_iter().collect()),
         ];
     }
     let effect = if telegraph::is_to_and_fro(&jumps) {

@@ -7,6 +7,7 @@ use crate::chain::Chain;
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::detect::level;
 use crate::diagnosis::detect::trial::{self, Trial, noise};
+use crate::diagnosis::loser::Loser;
 use crate::diagnosis::statistic::matched_filter::{Match, Step, Transformer, matched};
 use crate::model::random::{Gaussian, Seed};
 
@@ -150,6 +151,29 @@ fn more_jumps_than_can_be_named_are_a_level_that_switches() {
             "seed 6, {known} known"
         );
     }
+}
+
+#[test]
+fn of_weak_jumps_that_were_refused_the_strong_one_is_left() {
+    // In noise whose walk they raise the first is some ten deviations high, the other forty.
+    let jumps = [trial::jump(5000, 1.8), trial::jump(9000, 8.0)];
+    let places = |loser: Option<Loser>| -> Vec<usize> {
+        let mut trial = Trial::new(values(8, &jumps));
+        trial.refused.extend(loser);
+        let first = found(&trial).expect("a plain jump");
+        let proposed = trial.look(|look| proposals(look, first));
+        let named = trial::candidate(proposed).expect("a plain jump");
+        let Change::Waves(waves) = named.change else {
+            panic!("no waves");
+        };
+        let jumps = waves.iter().flat_map(|wave| match wave {
+            Wave::Steps(jumps) => jumps.clone(),
+            _ => Vec::new(),
+        });
+        jumps.map(|jump| jump.index.div_ceil(1000)).collect()
+    };
+    assert_eq!(places(None), [5, 9], "seed 8");
+    assert_eq!(places(Some(Loser::course(KIND))), [9], "seed 8");
 }
 
 #[test]

@@ -16,7 +16,7 @@ use crate::model::random::Seed;
 use crate::model::resonance::Resonance;
 use crate::model::wander::Wander;
 use crate::model::wandering_line::WanderingLine;
-use crate::model::{shock, sinusoid};
+use crate::model::{burst, shock, sinusoid};
 
 /// Noise with what a term makes, sample by sample times `size`.
 fn with(seed: u64, term: &dyn Term, size: impl Fn(f64) -> f64) -> Trial {
@@ -240,6 +240,21 @@ fn what_was_named_for_it_goes() {
         values: vec![35.0, 2.0, 1.0],
     };
     assert!(supersedes(resonance::KIND, Change::Law(law)), "seed 5");
+}
+
+#[test]
+fn stretches_louder_than_the_tone_could_make_them_stay() {
+    // Half of a fifth of the noise's power is in the tone; the stretch is a fiftieth of the record.
+    let is_back = |factor: f64| {
+        let mut trial = with(5, &tone(20.0, &[0.5]), |_| 1.0);
+        let record_s = trial.axis.filled.len() as f64 / RATE_HZ;
+        let burst = [100.0, 100.0 + record_s / 50.0, factor, 0.0];
+        trial.know(burst::KIND, burst, Change::Waves(Vec::new()));
+        let named = trial::candidate(trial.ask(&DETECTOR)).expect("a plain tone");
+        named.reopens.contains(&burst::KIND)
+    };
+    assert!(is_back(1.5), "seed 5: a fortieth of the noise's power");
+    assert!(!is_back(6.0), "seed 5: seven tenths of it");
 }
 
 #[test]
