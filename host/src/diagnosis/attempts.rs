@@ -17,7 +17,7 @@ pub struct Attempt<T> {
     /// What it ended with.
     pub done: T,
     /// What it named and took back, so that others may have been hidden by it or found for it.
-    pub losers: Vec<Loser>,
+    pub loser: Option<Loser>,
 }
 
 /// Explains the axis called `name` by an `attempt` that is told what is refused, and does so anew from its
@@ -36,10 +36,10 @@ pub fn without_losers<T>(
     let mut axis = first;
     for further in (0..=MOST_REFUSALS).rev() {
         match attempt(&mut axis, &refused) {
-            Ok(Attempt { done, losers }) => {
+            Ok(Attempt { done, loser }) => {
                 let held_out_nats = held_out(&axis);
                 let mut new = Loser::among(axis.explanations(), &held_out_nats);
-                new.extend(losers.into_iter().map(|one| one.beyond(&refused)));
+                new.extend(loser.map(|one| one.beyond(&refused)));
                 if new.is_empty() || further == 0 {
                     return Ok((axis, done, held_out_nats));
                 }

@@ -222,7 +222,7 @@ fn attempt(axis: &mut AxisState, context: &Context<'_>) -> Result<Attempt<Vec<Re
     let heard = doubt::hear(axis, context, &character).map_err(|_| Spoilt { latest })?;
     Ok(Attempt {
         done: heard.remarks,
-        losers: heard.no_courses,
+        loser: heard.no_course,
     })
 }
 

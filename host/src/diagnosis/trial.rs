@@ -187,9 +187,9 @@ pub fn heard(doubt: &Doubt, axis: &mut AxisState, strength_moves: bool) -> Vec<R
     after(doubt, axis, strength_moves).remarks
 }
 
-/// Courses that a doubt takes back, and which are none.
-pub fn no_courses(doubt: &Doubt, axis: &mut AxisState) -> Vec<Loser> {
-    after(doubt, axis, false).no_courses
+/// The first course that a doubt takes back, if it takes any.
+pub fn no_course(doubt: &Doubt, axis: &mut AxisState) -> Option<Loser> {
+    after(doubt, axis, false).no_course
 }
 
 fn after(doubt: &Doubt, axis: &mut AxisState, strength_moves: bool) -> Heard {
@@ -199,7 +199,7 @@ fn after(doubt: &Doubt, axis: &mut AxisState, strength_moves: bool) -> Heard {
         strength_moves,
         large_samples_in_groups: false,
         remarks: Vec::new(),
-        no_courses: Vec::new(),
+        no_course: None,
     };
     (doubt.hear)(&mut hearing).expect("a fit of what is left");
     hearing.into()

@@ -45,7 +45,7 @@ fn all_of(kinds: &[Kind]) -> Vec<Loser> {
 /// An attempt in which nothing was taken back.
 const DONE: Attempt<()> = Attempt {
     done: (),
-    losers: Vec::new(),
+    loser: None,
 };
 
 /// Takes in a statement that gains `nats`, unless its kind is refused.
@@ -82,7 +82,7 @@ fn what_was_taken_back_is_refused_and_the_search_begins_anew() {
         let gone = !is_out(refused, steps::KIND);
         Ok(Attempt {
             done: (),
-            losers: gone.then(|| weak.clone()).into_iter().collect(),
+            loser: gone.then(|| weak.clone()),
         })
     });
     assert_eq!(outcome.map(|axis| axis.kinds()), Ok(vec![burst::KIND]));

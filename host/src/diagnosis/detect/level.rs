@@ -8,7 +8,7 @@ use crate::diagnosis::axis::NoFit;
 use crate::diagnosis::axis::profile::Noise;
 use crate::diagnosis::detect::look::{Look, Proposal};
 use crate::diagnosis::room;
-use crate::model::steps::KIND;
+use crate::model::steps::KIND as STEPS;
 
 /// Tests of one look: what follows a covariate, settling, jumps.
 const TESTS: u32 = 3;
@@ -84,11 +84,11 @@ fn strongest(look: &Look<'_>, noise: Noise) -> Result<Vec<Proposal>, NoFit> {
 /// # Errors
 /// [`NoFit`] where the record with the jumps put back cannot be fitted.
 fn settling_in_place_of(look: &Look<'_>, course: &drift::Found) -> Result<Option<Proposal>, NoFit> {
-    if course.supersedes != [KIND] {
+    if course.supersedes != [STEPS] {
         return Ok(None);
     }
     let mut axis = look.axis.clone();
-    axis.withdraw(KIND);
+    axis.withdraw(STEPS);
     axis.refresh()?;
     let without = Look {
         axis: &axis,
@@ -102,7 +102,7 @@ fn settling_in_place_of(look: &Look<'_>, course: &drift::Found) -> Result<Option
         .and_then(|settling| warmup::proposal(&without, settling));
     Ok(proposal.map(|mut proposal| {
         if let Proposal::Explain(candidate) = &mut proposal {
-            candidate.supersedes.push(KIND);
+            candidate.supersedes.push(STEPS);
         }
         proposal
     }))
@@ -151,7 +151,7 @@ mod tests {
         // Beside a jump; beside a jump; beside both others, half as plain.
         assert_eq!(first(0, [2.0, 4.0, 1.0]), thermal::KIND);
         assert_eq!(first(0, [1.0, 12.0, 1.0]), warmup::KIND);
-        assert_eq!(first(0, [2.0, 8.0, 2.0]), KIND);
+        assert_eq!(first(0, [2.0, 8.0, 2.0]), STEPS);
     }
 
     #[test]
@@ -172,14 +172,14 @@ mod tests {
             trial::candidate(proposed.into_iter().collect())
         };
         let settling = |x: f64| 4.0 * (-8.0 * x).exp();
-        let named = in_place(&settling, &[KIND]).expect("a settling, seed 2");
+        let named = in_place(&settling, &[STEPS]).expect("a settling, seed 2");
         assert_eq!(
             (named.effect.kind, named.supersedes),
-            (warmup::KIND, vec![KIND])
+            (warmup::KIND, vec![STEPS])
         );
         assert!(in_place(&settling, &[]).is_none(), "seed 2: for nothing");
         let swing = |x: f64| 30.0 * (3.0 * std::f64::consts::PI * x).cos();
-        assert!(in_place(&swing, &[KIND]).is_none(), "seed 2: no settling");
+        assert!(in_place(&swing, &[STEPS]).is_none(), "seed 2: no settling");
     }
 
     #[test]

@@ -5,6 +5,7 @@ use crate::diagnosis::axis::{AxisState, NoFit};
 use crate::diagnosis::detect::look::{Lesson, Look, Proposal};
 use crate::diagnosis::steady;
 use crate::model::burst::Burst;
+use crate::model::kind::Kind;
 use crate::model::{burst, outliers, rounding};
 
 /// Looks whether it moves, in a cycle or slowly; the test for a cycle is counted with its detector.
@@ -23,10 +24,7 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
         return Ok(Vec::new());
     };
     Ok(if bursts_stand_out(look.axis, sd) {
-        vec![
-            Proposal::Learn(Lesson::StrengthMoves),
-            Proposal::Withdraw(vec![outliers::KIND]),
-        ]
+        moves_without(vec![outliers::KIND])
     } else {
         moves()
     })
@@ -46,9 +44,13 @@ fn bursts_stand_out(axis: &AxisState, sd: f64) -> bool {
 /// What is to be done where it moves: single stretches are no causes, and samples are outliers only against the
 /// noise about them.
 pub fn moves() -> Vec<Proposal> {
+    moves_without(vec![burst::KIND, outliers::KIND])
+}
+
+fn moves_without(kinds: Vec<Kind>) -> Vec<Proposal> {
     vec![
         Proposal::Learn(Lesson::StrengthMoves),
-        Proposal::Withdraw(vec![burst::KIND, outliers::KIND]),
+        Proposal::Withdraw(kinds),
     ]
 }
 

@@ -128,7 +128,7 @@ mod tests {
             strength_moves: false,
             large_samples_in_groups: false,
             remarks: vec![remark(1.0, 2.0)],
-            no_courses: Vec::new(),
+            no_course: None,
         };
         assert!((OF_TERMS.hear)(&mut hearing).is_ok(), "seed 1");
         assert_eq!(hearing.remarks, [remark(1.0, 2.0)], "seed 1");

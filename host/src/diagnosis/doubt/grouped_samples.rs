@@ -85,7 +85,7 @@ mod tests {
             strength_moves: false,
             large_samples_in_groups,
             remarks: Vec::new(),
-            no_courses: Vec::new(),
+            no_course: None,
         };
         (DOUBT.hear)(&mut hearing).expect("nothing is fitted");
         hearing.remarks

@@ -268,7 +268,7 @@ mod tests {
             strength_moves: true,
             large_samples_in_groups: false,
             remarks: vec![remark(1.0, 2.0)],
-            no_courses: Vec::new(),
+            no_course: None,
         };
         assert!((DOUBT.hear)(&mut hearing).is_ok(), "seed 4");
         let tests: Vec<&str> = hearing.remarks.iter().map(|one| &*one.test).collect();

@@ -54,8 +54,8 @@ pub struct Hearing<'a> {
     pub large_samples_in_groups: bool,
     /// What there is to say.
     pub remarks: Vec<Remark>,
-    /// What was named as a course and is none.
-    pub no_courses: Vec<Loser>,
+    /// What was named as a course first of all that are none.
+    pub no_course: Option<Loser>,
 }
 
 impl Hearing<'_> {
@@ -66,9 +66,7 @@ impl Hearing<'_> {
     fn take_course_back(&mut self, kind: Kind) -> Result<(), NoFit> {
         self.axis.withdraw(kind);
         self.axis.refresh()?;
-        if self.no_courses.is_empty() {
-            self.no_courses.push(Loser::course(kind));
-        }
+        self.no_course.get_or_insert_with(|| Loser::course(kind));
         Ok(())
     }
 }
@@ -78,14 +76,14 @@ pub struct Heard {
     /// What is unexplained.
     pub remarks: Vec<Remark>,
     /// The course that was taken back first, if any was: others may have been hidden by it or found for it.
-    pub no_courses: Vec<Loser>,
+    pub no_course: Option<Loser>,
 }
 
 impl From<Hearing<'_>> for Heard {
     fn from(hearing: Hearing<'_>) -> Self {
         Self {
             remarks: hearing.remarks,
-            no_courses: hearing.no_courses,
+            no_course: hearing.no_course,
         }
     }
 }
@@ -106,7 +104,7 @@ pub fn hear(
         level: context.level,
         strength_moves: character.strength_moves,
         large_samples_in_groups: character.large_samples_in_groups.is_some(),
-        no_courses: Vec::new(),
+        no_course: None,
     };
     for doubt in DOUBTS {
         let before = hearing.axis.kinds();

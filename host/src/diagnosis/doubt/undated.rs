@@ -52,7 +52,7 @@ fn is_undated(axis: &AxisState) -> bool {
 mod tests {
     use super::*;
     use crate::diagnosis::explanation::Change;
-    use crate::diagnosis::trial::{axis, jump, no_courses, short, take_in};
+    use crate::diagnosis::trial::{axis, jump, no_course, short, take_in};
     use crate::model::kind::Kind;
 
     /// Kinds that are left of a level that is 2 higher between two steps, the first of which is dated so well, samples; the second
@@ -76,8 +76,8 @@ mod tests {
             steps::KIND,
             Change::Waves(vec![Wave::Steps(waves.to_vec())]),
         );
-        let gone = no_courses(&DOUBT, &mut axis);
-        assert_eq!(gone.is_empty(), axis.has(steps::KIND), "seed {seed}");
+        let gone = no_course(&DOUBT, &mut axis);
+        assert_eq!(gone.is_none(), axis.has(steps::KIND), "seed {seed}");
         axis.kinds()
     }
 
