@@ -27,7 +27,12 @@ pub enum Decision {
         why: Declined,
     },
     /// Explanations of these kinds were taken back.
-    Withdrawn(Vec<Kind>),
+    Withdrawn {
+        /// The kinds.
+        kinds: Vec<Kind>,
+        /// What speaks against them.
+        why: &'static str,
+    },
     /// A band was excluded from the fits.
     Excluded {
         /// Its lower end, hertz.
@@ -49,15 +54,15 @@ pub enum Declined {
 }
 
 impl Decision {
-    /// That what there was `before` and is not among the `left` was taken back; `None` where all is left.
-    pub fn withdrawn(before: &[Kind], left: &[Explanation]) -> Option<Self> {
+    /// That what there was `before` and is not among the `left` was taken back, and why; `None` where all is left.
+    pub fn withdrawn(before: &[Kind], left: &[Explanation], why: &'static str) -> Option<Self> {
         let mut gone = before.to_vec();
         for one in left {
             if let Some(number) = gone.iter().position(|kind| *kind == one.kind()) {
                 gone.remove(number);
             }
         }
-        (!gone.is_empty()).then_some(Self::Withdrawn(gone))
+        (!gone.is_empty()).then_some(Self::Withdrawn { kinds: gone, why })
     }
 }
 
@@ -74,7 +79,7 @@ impl fmt::Display for Decision {
                 };
                 write!(f, "declined: {kind}, by chance {p_value:.1e}: {why}")
             }
-            Self::Withdrawn(kinds) => write!(f, "taken back: {}", joined(kinds)),
+            Self::Withdrawn { kinds, why } => write!(f, "taken back: {}: {why}", joined(kinds)),
             Self::Excluded { from_hz, to_hz } => {
                 let (from, to) = (plain(*from_hz), plain(*to_hz));
                 write!(f, "left out of the fits: {from} to {to} Hz")
@@ -102,14 +107,17 @@ mod tests {
             take_in(&mut axis, kind, NOTHING);
         }
         let all = axis.kinds();
-        assert_eq!(Decision::withdrawn(&all, axis.explanations()), None);
+        assert_eq!(Decision::withdrawn(&all, axis.explanations(), "gone"), None);
         axis.withdraw_where(|one| one.kind() == burst::KIND);
-        let gone = Decision::withdrawn(&all, axis.explanations()).expect("one is gone");
-        assert_eq!(gone.to_string(), "taken back: burst");
-        let both = Decision::withdrawn(&all, &axis.explanations()[..1]);
+        let gone = Decision::withdrawn(&all, axis.explanations(), "it went").expect("one is gone");
+        assert_eq!(gone.to_string(), "taken back: burst: it went");
+        let both = Decision::withdrawn(&all, &axis.explanations()[..1], "gone");
         assert_eq!(
             both,
-            Some(Decision::Withdrawn(vec![burst::KIND, steps::KIND]))
+            Some(Decision::Withdrawn {
+                kinds: vec![burst::KIND, steps::KIND],
+                why: "gone",
+            })
         );
     }
 }

@@ -159,7 +159,8 @@ pub fn explain(
     let (mut axis, unexplained, mut held_out_nats) = explained;
     let before = axis.kinds();
     let completed = unnamed::complete(&mut axis, level);
-    if let Some(withdrawn) = Decision::withdrawn(&before, axis.explanations()) {
+    let why = "noise without a name explains as much";
+    if let Some(withdrawn) = Decision::withdrawn(&before, axis.explanations(), why) {
         decided(withdrawn);
     }
     for number in completed.withdrawn {

@@ -235,7 +235,10 @@ impl<'a> Search<'a> {
     }
 
     fn say_withdrawn(&self, before: &[Kind]) {
-        if let Some(withdrawn) = Decision::withdrawn(before, self.axis.explanations()) {
+        let left = self.axis.explanations();
+        if let Some(withdrawn) =
+            Decision::withdrawn(before, left, "what was found since has its place")
+        {
             self.say(withdrawn);
         }
     }

@@ -32,6 +32,18 @@ impl AxisState {
         !gone.is_empty()
     }
 
+    /// Takes the explanation of that `place` off the list, and no other of its kind.
+    pub fn withdraw_one(&mut self, place: usize) {
+        let kind = self.explanations.remove(place).kind();
+        if self.has(kind) {
+            return;
+        }
+        for one in &mut self.explanations {
+            one.with.forget(kind);
+            one.without.forget(kind);
+        }
+    }
+
     /// Takes the explanation off the list whose law has this number; its place among the explanations.
     pub fn withdraw_law(&mut self, number: usize) -> Option<usize> {
         let places = self.explanations.iter().enumerate();

@@ -20,7 +20,11 @@ const SIGMAS: f64 = 3.0;
 
 /// Takes such courses back, the largest first. What they were named for is noise, with or without a name. No test:
 /// every course was significant as what it is.
-pub static DOUBT: Doubt = Doubt { tests: 0, hear };
+pub static DOUBT: Doubt = Doubt {
+    tests: 0,
+    why: "what is left cancels it",
+    hear,
+};
 
 fn hear(hearing: &mut Hearing<'_>) -> Result<(), NoFit> {
     if levels_are_cancelled(hearing.axis) {

@@ -24,6 +24,7 @@ const BENDS: [Kind; 6] = [
 /// axis. One test, with that of the laws.
 pub static OF_TERMS: Doubt = Doubt {
     tests: 1,
+    why: "the colour of the noise changes",
     hear: of_terms,
 };
 

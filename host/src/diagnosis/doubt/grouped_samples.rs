@@ -10,7 +10,11 @@ use crate::diagnosis::result::place::Place;
 use crate::diagnosis::steady::band_events::is_of_excluded;
 
 /// Remarks on groups that were seen on the way and are there still. Their test is that of outliers.
-pub static DOUBT: Doubt = Doubt { tests: 0, hear };
+pub static DOUBT: Doubt = Doubt {
+    tests: 0,
+    why: "large samples come in groups",
+    hear,
+};
 
 /// Samples on either side of the largest that are its group.
 const GROUP: usize = 1024;

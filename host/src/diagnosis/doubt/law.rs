@@ -3,10 +3,9 @@
 
 use std::ops::Range;
 
-use super::{Doubt, Hearing, colour, left_over};
+use super::{Doubt, Hearing, colour};
 use crate::diagnosis::axis::{AxisState, NoFit};
 use crate::diagnosis::detect::{spectral, unsteady_band};
-use crate::diagnosis::laws::departure::Departure;
 use crate::diagnosis::result::finding::Remark;
 use crate::diagnosis::steady;
 use crate::model::kind::Kind;
@@ -22,7 +21,11 @@ const LITTLE: f64 = 0.25;
 
 /// Hears every law. Its test of the colour is counted with that of the five terms, and its test of steadiness
 /// with the detector of unsteady bands.
-pub static DOUBT: Doubt = Doubt { tests: 0, hear };
+pub static DOUBT: Doubt = Doubt {
+    tests: 0,
+    why: "what is there does not behave as it",
+    hear,
+};
 
 /// What becomes of a law's name, and what there is to say.
 enum Verdict {
@@ -37,16 +40,12 @@ struct Case<'a> {
     axis: &'a AxisState,
     level: f64,
     strength_moves: bool,
-    /// Where the model still fails.
-    left: Option<Departure>,
     which: usize,
     kind: Kind,
-    p_value: f64,
 }
 
 fn hear(hearing: &mut Hearing<'_>) -> Result<(), NoFit> {
     let axis = &*hearing.axis;
-    let left = left_over::of_spectrum(axis, hearing.level);
     let laws = axis.explanations().iter();
     let laws = laws.filter(|one| one.law().is_some()).enumerate();
     let verdicts = laws.map(|(which, one)| {
@@ -54,10 +53,8 @@ fn hear(hearing: &mut Hearing<'_>) -> Result<(), NoFit> {
             axis,
             level: hearing.level,
             strength_moves: hearing.strength_moves,
-            left,
             which,
             kind: one.kind(),
-            p_value: one.p_value,
         };
         case.verdict()
     });
@@ -94,10 +91,10 @@ impl Case<'_> {
             }
             other => other.map(|(remark, _)| remark),
         };
-        let doubt = self.unsteady(&band_hz).or_else(|| self.misfit(&band_hz));
-        doubt.map_or(Verdict::Keeps(moves), |doubt| {
-            Verdict::GivesBack(Some(doubt))
-        })
+        self.unsteady(&band_hz)
+            .map_or(Verdict::Keeps(moves), |doubt| {
+                Verdict::GivesBack(Some(doubt))
+            })
     }
 
     /// Whether a resonance is what is left next to a band that is excluded.
@@ -141,20 +138,6 @@ impl Case<'_> {
             remark.description, self.kind
         );
         Some(remark)
-    }
-
-    /// A law in whose band the model still fails.
-    fn misfit(&self, band_hz: &Range<f64>) -> Option<Remark> {
-        let left = self.left.as_ref()?;
-        (band_hz.start < left.to_hz && left.from_hz < band_hz.end).then(|| Remark {
-            test: "spectrum".into(),
-            place: band_hz.clone().into(),
-            p_value: self.p_value,
-            description: format!(
-                "power that {} comes nearest to, without agreeing with it",
-                self.kind.with_article()
-            ),
-        })
     }
 }
 

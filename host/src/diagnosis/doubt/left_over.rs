@@ -13,6 +13,7 @@ use crate::model::rounding;
 /// strength are counted with their detectors.
 pub static DOUBT: Doubt = Doubt {
     tests: 1,
+    why: "more is left",
     hear: |hearing| {
         let mut remarks = left_over(hearing.axis, hearing.level);
         remarks.append(&mut hearing.remarks);

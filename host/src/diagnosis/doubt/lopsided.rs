@@ -83,7 +83,11 @@ pub fn lopsided(axis: &AxisState) -> Lopsided {
 }
 
 /// A law of amplitudes that is not the same on both sides; outliers that belong to its longer side are taken back.
-pub static DOUBT: Doubt = Doubt { tests: 1, hear };
+pub static DOUBT: Doubt = Doubt {
+    tests: 1,
+    why: "samples lie farther to one side than to the other",
+    hear,
+};
 
 /// Kinds that bend the law of amplitudes themselves.
 const BENDS: [Kind; 3] = [clipping::KIND, rounding::KIND, telegraph::KIND];

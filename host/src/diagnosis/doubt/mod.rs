@@ -25,6 +25,8 @@ use crate::model::kind::Kind;
 pub struct Doubt {
     /// Tests that it makes: its share of the family's level.
     pub tests: u32,
+    /// What speaks against a name that it takes back.
+    pub why: &'static str,
     /// Takes names back and remarks on them.
     pub hear: fn(&mut Hearing<'_>) -> Result<(), NoFit>,
 }
@@ -109,7 +111,8 @@ pub fn hear(
     for doubt in DOUBTS {
         let before = hearing.axis.kinds();
         (doubt.hear)(&mut hearing)?;
-        if let Some(withdrawn) = Decision::withdrawn(&before, hearing.axis.explanations()) {
+        let left = hearing.axis.explanations();
+        if let Some(withdrawn) = Decision::withdrawn(&before, left, doubt.why) {
             (context.decided)(withdrawn);
         }
     }

@@ -9,6 +9,7 @@ use crate::diagnosis::record::wave::Wave;
 /// the law, and is no test.
 pub static DOUBT: Doubt = Doubt {
     tests: 0,
+    why: "they are tops of noise that rings",
     hear: take_back,
 };
 

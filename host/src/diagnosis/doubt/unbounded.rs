@@ -18,14 +18,17 @@ use crate::model::kind::Kind;
 const WIDEST: f64 = 10.0;
 
 /// Takes such names back, the least sure first: what two of them share, the other may then have for itself. No test.
-pub static DOUBT: Doubt = Doubt { tests: 0, hear };
+pub static DOUBT: Doubt = Doubt {
+    tests: 0,
+    why: "its interval spans more than a factor of ten, or holds none of it",
+    hear,
+};
 
 fn hear(hearing: &mut Hearing<'_>) -> Result<(), NoFit> {
     while let Some((place, factor)) = least_sure(hearing.axis) {
         let one = &hearing.axis.explanations()[place];
         let Some(which) = hearing.axis.law_number(one) else {
-            let kind = one.kind();
-            hearing.axis.withdraw(kind);
+            hearing.axis.withdraw_one(place);
             hearing.axis.refresh()?;
             continue;
         };
@@ -126,7 +129,7 @@ mod tests {
     use super::*;
     use crate::diagnosis::explanation::{Candidate, Change};
     use crate::diagnosis::result::estimate::Estimate;
-    use crate::diagnosis::trial::{axis, heard, law, ringing, short, take_in};
+    use crate::diagnosis::trial::{axis, heard, law, line, ringing, short, take_in};
     use crate::model::{clipping, markov, resonance, shock, sinusoid, steps};
 
     #[test]
@@ -180,6 +183,22 @@ mod tests {
         axis.accept(candidate).expect("a fit");
         assert_eq!(heard(&DOUBT, &mut axis, false), [], "seed 3");
         assert_eq!(axis.kinds(), [shock::KIND], "seed 3");
+    }
+
+    #[test]
+    fn of_two_of_a_kind_the_one_that_is_unsure_goes() {
+        let mut axis = axis(8, short(8), |_, noise| noise);
+        for (f_hz, sd) in [(100.0, 0.1), (200.0, 2.0)] {
+            let amplitude = Value::normal(1.0, sd);
+            let effect = Estimate::new(sinusoid::KIND, [Value::exact(f_hz), amplitude]);
+            let wave = Change::Waves(vec![line(f_hz, 1.0)]);
+            axis.accept(Candidate::new(effect, 1e-9, 5.0, wave))
+                .expect("a fit");
+        }
+        assert_eq!(heard(&DOUBT, &mut axis, false), [], "seed 8");
+        let left: Vec<_> = axis.explanations().iter().collect();
+        assert_eq!(left.len(), 1, "seed 8");
+        assert_eq!(left[0].effect.plain()[0], 100.0, "seed 8");
     }
 
     #[test]

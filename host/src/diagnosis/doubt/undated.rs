@@ -11,7 +11,11 @@ use crate::model::steps;
 use crate::numeric::normal::TWO_SIDED_95;
 
 /// Takes steps back of which the largest has no moment. No test: each was significant as a change of the level.
-pub static DOUBT: Doubt = Doubt { tests: 0, hear };
+pub static DOUBT: Doubt = Doubt {
+    tests: 0,
+    why: "it rose slowly, at no moment",
+    hear,
+};
 
 /// Length of the interval of a moment over the distance to what is next, at most: a choice. White noise dates a step that is just
 /// significant to a tenth.
