@@ -3,9 +3,10 @@
 use super::{
     binning::{Group, Origin, Settings},
     cascade::Cascade,
-    cosine::Run,
+    cosine::{Ordinate, Run},
     covariance::{self, Covariance},
     expected::{Operator, Path, SegmentWindows, level_kernels},
+    gather::Gathering,
     quadrature::{Nodes, Place},
     segments::LEN,
     sources::Sources,
@@ -187,23 +188,27 @@ fn record_kernels(
             .nodes
             .iter()
             .map(|node| (nodes.place(node), node.weight));
-        let shares: Vec<(f64, f64)> = places
+        let shares: Vec<f64> = places
             .chain(far.iter().copied())
-            .map(|(place, width)| (place, width * path.response(place * bin_hz).powi(2)))
+            .map(|(place, width)| width * path.response(place * bin_hz).powi(2))
             .collect();
+        let gathering = Gathering::new(run.near_bins());
         for (kernel, members) in kernels.iter_mut().zip(bins) {
-            let from = kernel.len();
-            kernel.resize(from + shares.len(), 0.0);
-            for &(_, index) in members.iter().filter(|(of_run, _)| *of_run == number) {
-                let share = 1.0 / members.len() as f64;
-                let windows = run.windows(&run.ordinates[index], &windowed);
-                let kernel = kernel[from..].iter_mut();
-                for ((total, (_, gain)), window) in kernel.zip(&shares).zip(windows) {
+            let own = members.iter().filter(|(of_run, _)| *of_run == number);
+            let own: Vec<&Ordinate> = own.map(|(_, index)| &run.ordinates[*index]).collect();
+            let mut weights = vec![0.0; shares.len()];
+            let share = 1.0 / members.len() as f64;
+            for ordinate in &own {
+                let windows = run.windows(ordinate, &windowed);
+                for ((total, gain), window) in weights.iter_mut().zip(&shares).zip(windows) {
                     *total += share * gain * window;
                 }
             }
+            let (near, far) = weights.split_at(nodes.nodes.len());
+            kernel.extend(gathering.gather(near));
+            kernel.extend(far);
         }
-        all.extend(nodes.places(bin_hz));
+        all.extend(gathering.places(bin_hz));
         all.extend(far.iter().map(|(centre, _)| Place {
             f_hz: centre * bin_hz,
             of: None,

@@ -119,7 +119,7 @@ impl Operator {
             for (node, (&weight, &Place { f_hz, of })) in kernel.iter().zip(places).enumerate() {
                 let ratio = f_hz / centre_hz;
                 let steep = (ratio * ratio).max(1.0 / (ratio * ratio));
-                if weight * steep > NEGLIGIBLE {
+                if weight.abs() * steep > NEGLIGIBLE {
                     let at = *place[node].get_or_insert_with(|| {
                         self.nodes_hz.push(f_hz);
                         self.panels.push(of);

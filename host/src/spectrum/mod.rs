@@ -45,6 +45,7 @@ pub mod expected;
 mod fill;
 mod floor;
 mod fold;
+mod gather;
 pub mod history;
 pub mod pool;
 pub mod quadrature;

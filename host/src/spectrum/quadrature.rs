@@ -7,7 +7,7 @@
 use crate::numeric::peak::Peak;
 
 /// Six-point Gauss-Legendre rule on 0..1: place and weight.
-const RULE: [(f64, f64); 6] = [
+pub const RULE: [(f64, f64); 6] = [
     (0.033_765_242_898_424, 0.085_662_246_189_585),
     (0.169_395_306_766_868, 0.180_380_786_524_069),
     (0.380_690_406_958_402, 0.233_956_967_286_346),
@@ -78,7 +78,7 @@ impl Panel {
 }
 
 /// The polynomial that is 1 at a node of the rule and 0 at the others.
-fn lagrange(node: usize, place: f64) -> f64 {
+pub fn lagrange(node: usize, place: f64) -> f64 {
     let own = RULE[node].0;
     let others = RULE.iter().enumerate().filter(|(other, _)| *other != node);
     others
