@@ -134,7 +134,7 @@ impl Judge<'_> {
     fn findings(&self, nats: &[Option<f64>], last: &ModelAxis) -> Vec<Finding> {
         let explanations = self.axis.explanations();
         let now = Snapshot::of(explanations);
-        let sizes = Sizes::new(self.axis, self.held, last, &now);
+        let sizes = Sizes::new(self.axis, last, &now);
         let error_percent = |snapshot: &Snapshot, fit: &Fit| {
             let judged = self.judged(snapshot, fit, last.coefficients.r);
             judged.error_percent

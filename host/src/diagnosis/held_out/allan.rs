@@ -20,20 +20,19 @@ const LEAST_EDF: f64 = 1000.0;
 
 /// The measured Allan curve of the held-out half, without the stretches that are masked.
 pub struct HeldCurve {
-    pub(crate) points: Vec<Point>,
+    pub(super) points: Vec<Point>,
     waveforms: Mutex<Vec<Waveform>>,
 }
 
 /// What some waveforms add in the held-out half.
 struct Waveform {
     waves: Vec<Wave>,
-    at_jumps: AtJumps,
     added: Arc<Added>,
 }
 
 /// What waveforms add to Allan variances, by the samples of an average.
 #[derive(Debug, Default)]
-pub(crate) struct Added(Vec<(u64, f64)>);
+struct Added(Vec<(u64, f64)>);
 
 impl Added {
     /// To that of averages over `m` samples; below zero where they take away.
@@ -41,15 +40,6 @@ impl Added {
         let found = self.0.iter().find(|(other, _)| *other == m);
         found.map_or(0.0, |(_, variance)| *variance)
     }
-}
-
-/// Whether the curve of a waveform has the samples over which a converter's filter spreads a jump.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum AtJumps {
-    /// No more than what is measured there: they are excluded from tests.
-    LeftOut,
-    /// As the jump is there.
-    Kept,
 }
 
 impl HeldCurve {
@@ -77,46 +67,37 @@ impl HeldCurve {
             variances.collect()
         };
         let waves: Vec<Wave> = with.waves().cloned().collect();
-        let waves = || self.adds(axis, &waves, AtJumps::LeftOut);
+        let waves = || self.adds(axis, &waves);
         let (noise, waves) = rayon::join(noise, waves);
         let variance = |(point, noise): (&&Point, f64)| (noise + waves.at(point.m)).max(0.0);
         sure.iter().zip(noise).map(variance).collect()
     }
 
     /// What `waves` add in this half; made once for findings that share them.
-    pub(crate) fn adds(&self, axis: &AxisState, waves: &[Wave], at_jumps: AtJumps) -> Arc<Added> {
+    fn adds(&self, axis: &AxisState, waves: &[Wave]) -> Arc<Added> {
         if waves.is_empty() {
             return Arc::default();
         }
-        let at_jumps = if axis.residual.spread().is_empty() {
-            AtJumps::Kept
-        } else {
-            at_jumps
-        };
         let made = || {
             self.waveforms
                 .lock()
                 .unwrap_or_else(PoisonError::into_inner)
         };
-        let same = |one: &&Waveform| one.at_jumps == at_jumps && one.waves == waves;
+        let same = |one: &&Waveform| one.waves == waves;
         if let Some(one) = made().iter().find(same) {
             return Arc::clone(&one.added);
         }
-        let added = Arc::new(self.adds_once(axis, waves, at_jumps));
+        let added = Arc::new(self.adds_once(axis, waves));
         made().push(Waveform {
             waves: waves.to_vec(),
-            at_jumps,
             added: Arc::clone(&added),
         });
         added
     }
 
     /// The same, where the held-out half has samples that are not excluded.
-    fn adds_once(&self, axis: &AxisState, waves: &[Wave], at_jumps: AtJumps) -> Added {
-        let spread: &[_] = match at_jumps {
-            AtJumps::LeftOut => axis.residual.spread(),
-            AtJumps::Kept => &[],
-        };
+    fn adds_once(&self, axis: &AxisState, waves: &[Wave]) -> Added {
+        let spread = axis.residual.spread();
         let variances = |values: &[f64]| {
             let mut values = values.to_vec();
             for mask in axis.residual.masked_or_cut().chain(spread) {

@@ -1,13 +1,11 @@
 //! How much an effect changes: significance is not size.
 
-use std::sync::Arc;
-
 use rayon::prelude::*;
 
 use crate::bins::point::Point;
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::explanation::{Explanation, Snapshot};
-use crate::diagnosis::held_out::allan::{Added, AtJumps, HeldCurve};
+use crate::diagnosis::record::in_record::InRecord;
 use crate::diagnosis::record::wave::Wave;
 use crate::diagnosis::statistic::allan_curve;
 use crate::model::axis::ModelAxis;
@@ -18,48 +16,47 @@ use crate::model::effect::Part;
 /// 22 %.
 const LEAST_EDF: f64 = 10.0;
 
-/// What the extended model of an axis expects of the Allan curve.
+/// What the extended model of an axis expects of the Allan curve of the whole record.
 pub struct Sizes<'a> {
     axis: &'a AxisState,
-    held: &'a HeldCurve,
     noise: &'a ModelAxis,
-    /// Variances of the noise, each behind the samples of an average, at the points of the curve that count.
-    variances: Vec<(u64, f64)>,
-    /// What all waveforms add together.
-    waves: Arc<Added>,
+    /// The points that count.
+    points: Vec<Point>,
+    /// Variances of the noise at them.
+    variances: Vec<f64>,
+    /// What all waveforms add to those.
+    waves: Vec<f64>,
 }
 
 impl<'a> Sizes<'a> {
     /// For the noise and the waveforms of the last model.
-    pub fn new(
-        axis: &'a AxisState,
-        held: &'a HeldCurve,
-        noise: &'a ModelAxis,
-        last: &Snapshot,
-    ) -> Self {
-        let law = noise.law(axis.rate_hz);
-        let points = held.points.par_iter();
-        let points = points.filter(|point| point.edf >= LEAST_EDF);
-        Self {
-            variances: points
-                .map(|point| (point.m, law.allan_variance(point.m)))
-                .collect(),
-            // What a filter makes of a jump is excluded from tests, but the jump is there.
-            waves: held.adds(
-                axis,
-                &last.waves().cloned().collect::<Vec<_>>(),
-                AtJumps::Kept,
-            ),
+    pub fn new(axis: &'a AxisState, noise: &'a ModelAxis, last: &Snapshot) -> Self {
+        let mut points = allan_curve::allan(axis.residual.whole(), axis.rate_hz);
+        points.retain(|point| point.edf >= LEAST_EDF);
+        let mut sizes = Self {
+            variances: of_noise(noise, axis.rate_hz, &points),
+            waves: Vec::new(),
             axis,
-            held,
             noise,
-        }
+            points,
+        };
+        let waves: Vec<Wave> = last.waves().cloned().collect();
+        sizes.waves = sizes.added_by(&waves);
+        sizes
     }
 
-    /// Variance of the noise in averages over `m` samples.
-    fn noise_at(&self, m: u64) -> f64 {
-        let found = self.variances.iter().find(|(other, _)| *other == m);
-        found.map_or(f64::NAN, |(_, variance)| *variance)
+    /// What some waveforms add at the points.
+    fn added_by(&self, waves: &[Wave]) -> Vec<f64> {
+        let added = InRecord::of(&self.axis.residual, waves).adds(|values| {
+            let curve = allan_curve::allan(values, self.axis.rate_hz);
+            let at = |point: &Point| curve.iter().find(|one| one.m == point.m);
+            let variance = |point: &Point| at(point).map_or(0.0, |one| one.variance);
+            self.points.iter().map(variance).collect()
+        });
+        if added.is_empty() {
+            return vec![0.0; self.points.len()];
+        }
+        added
     }
 
     /// Largest change of the model's Allan deviation, at any averaging time of ten degrees of freedom
@@ -68,12 +65,13 @@ impl<'a> Sizes<'a> {
     pub fn change_percent(&self, one: &Explanation) -> Option<f64> {
         let mut rest = self.noise.clone();
         let mut own: Vec<Wave> = one.with.waves().cloned().collect();
-        match self.axis.effect_number(one) {
-            Some(which) if which < rest.effects.len() => {
+        let law = self.axis.effect_number(one);
+        match law.filter(|which| *which < rest.effects.len()) {
+            Some(which) => {
                 rest.effects.remove(which);
                 own.clear();
             }
-            _ => own.retain(|wave| !one.without.waves().any(|other| other == wave)),
+            None => own.retain(|wave| !one.without.waves().any(|other| other == wave)),
         }
         if one.happened() {
             return self.change_of_stretches(one);
@@ -83,15 +81,17 @@ impl<'a> Sizes<'a> {
             let adds = Burst::of(&one.effect.plain()).adds(record_s);
             return Some(100.0 * ((1.0 + adds).max(0.0).sqrt() - 1.0).abs());
         }
-        if self.axis.effect_number(one).is_none() && own.is_empty() {
+        if law.is_none() && own.is_empty() {
             return None;
         }
-        let rest = rest.law(self.axis.rate_hz);
-        let own = self.held.adds(self.axis, &own, AtJumps::Kept);
-        largest(&self.held.points, |point| {
-            let (waves, own) = (self.waves.at(point.m), own.at(point.m));
-            let with = self.noise_at(point.m) + waves;
-            let without = rest.allan_variance(point.m) + waves - own;
+        let rest = match law {
+            Some(_) => of_noise(&rest, self.axis.rate_hz, &self.points),
+            None => self.variances.clone(),
+        };
+        let own = self.added_by(&own);
+        self.largest(|place, _| {
+            let with = self.variances[place] + self.waves[place];
+            let without = rest[place] + self.waves[place] - own[place];
             100.0 * ((with / without).sqrt() - 1.0).abs()
         })
     }
@@ -105,45 +105,31 @@ impl<'a> Sizes<'a> {
             .iter()
             .for_each(|wave| wave.take_out(&mut course));
         let rate_hz = self.axis.rate_hz;
-        let law = self.noise.law(rate_hz);
         let term = match one.kind().part(&one.effect.plain()) {
             Part::Term(term) => term,
             Part::Distortion(_) | Part::Clock(_) | Part::Hold(_) | Part::Follows(_) => return None,
         };
-        largest(&allan_curve::allan(&course, rate_hz), |point| {
-            let without = law.allan_variance(point.m) + self.waves.at(point.m);
-            let own = point.variance + term.passing(point.m, samples as u64, rate_hz);
+        let curve = allan_curve::allan(&course, rate_hz);
+        self.largest(|place, point| {
+            let course = curve.iter().find(|one| one.m == point.m);
+            let course = course.map_or(0.0, |one| one.variance);
+            let own = course + term.passing(point.m, samples as u64, rate_hz);
+            let without = self.variances[place] + (self.waves[place] - course).max(0.0);
             100.0 * ((1.0 + own / without).sqrt() - 1.0)
         })
     }
-}
 
-/// The largest change at the points of an Allan curve that count.
-fn largest(points: &[Point], change: impl Fn(&Point) -> f64 + Sync) -> Option<f64> {
-    let points = points.par_iter().filter(|point| point.edf >= LEAST_EDF);
-    let changes = points.map(&change).filter(|change| change.is_finite());
-    changes.reduce_with(f64::max)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn where_an_allan_deviation_is_hardly_known_nothing_changes_it() {
-        let point = |m: u64, edf: f64| Point {
-            m,
-            tau_s: 1.0,
-            variance: 1.0,
-            terms: 1,
-            stride: 1,
-            edf,
-            lo: 1.0,
-            hi: 1.0,
-            bridged: false,
-            white_bias: 1.0,
-        };
-        let points = [point(1, 100.0), point(2, 10.0), point(3, 9.9)];
-        assert_eq!(largest(&points, |point| point.m as f64), Some(2.0));
+    /// The largest change at the points.
+    fn largest(&self, change: impl Fn(usize, &Point) -> f64) -> Option<f64> {
+        let points = self.points.iter().enumerate();
+        let changes = points.map(|(place, point)| change(place, point));
+        changes.filter(|change| change.is_finite()).reduce(f64::max)
     }
+}
+
+/// Variances of a model's noise at some points.
+fn of_noise(noise: &ModelAxis, rate_hz: f64, points: &[Point]) -> Vec<f64> {
+    let law = noise.law(rate_hz);
+    let points = points.par_iter();
+    points.map(|point| law.allan_variance(point.m)).collect()
 }

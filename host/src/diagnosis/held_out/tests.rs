@@ -1,10 +1,10 @@
 //! Each way of holding data out: what is there gains, and what is not there gains nothing. That of
 //! stretches is tested with their detector.
 
-use super::allan::HeldCurve;
 use super::laws::Ordinates;
 use super::size::Sizes;
 use super::*;
+use crate::diagnosis::detect::trial::jump;
 use crate::diagnosis::explanation::{Change, Snapshot};
 use crate::diagnosis::record::wave::Wave;
 use crate::diagnosis::result::estimate::Estimate;
@@ -117,9 +117,8 @@ fn change_percent(axis: &AxisState) -> Option<f64> {
         },
         effects: Vec::new(),
     };
-    let held = HeldCurve::new(axis);
     let last = Snapshot::of(axis.explanations());
-    Sizes::new(axis, &held, &noise, &last).change_percent(&axis.explanations()[0])
+    Sizes::new(axis, &noise, &last).change_percent(&axis.explanations()[0])
 }
 
 #[test]
@@ -143,6 +142,21 @@ fn what_no_model_of_noise_and_waveforms_holds_has_no_size() {
     let mut axis = plain(8);
     take_in(&mut axis, steps::KIND, NOTHING);
     assert_eq!(change_percent(&axis), None, "seed 8");
+}
+
+#[test]
+fn a_step_changes_the_record_in_whichever_half_it_is() {
+    let axis = plain(12);
+    let len = axis.residual.len();
+    // In blocks of either half, and at the ends of them.
+    for index in [len / 2, len / 2 + 1, len / 3, 2 * len / 3, len / 5] {
+        let mut axis = axis.clone();
+        let jump = Wave::Steps(vec![jump(index, 50.0)]);
+        take_in(&mut axis, steps::KIND, jump.into());
+        let change = change_percent(&axis).expect("a change");
+        // At the longest time of ten degrees of freedom, `m` of some thirty parts of the record: 50^2 / 90 beside 1 / m.
+        assert!(change > 1e3, "seed 12, {index}: {change} %");
+    }
 }
 
 #[test]
