@@ -19,6 +19,9 @@ use crate::model::kind::Kind;
 /// Rounds, at most: far more than effects that one record can resolve.
 const ROUNDS: usize = 24;
 
+/// Why something is taken back where something else is taken in.
+const HAS_ITS_PLACE: &str = "what was found since has its place";
+
 /// A search that ended before its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Spoilt {
@@ -37,6 +40,7 @@ pub fn search(
     let plan = Plan {
         before_rounds: detect::BEFORE_ROUNDS,
         round: detect::ROUND,
+        again: detect::OF_KINDS_IN_NOISE,
     };
     Search::new(axis, context).follow_plan(&plan)
 }
@@ -76,6 +80,8 @@ enum Changed {
 struct Plan<'a> {
     before_rounds: &'a [&'a Detector],
     round: &'a [&'a Detector],
+    /// Who is asked once more at the end.
+    again: &'a [&'a Detector],
 }
 
 struct Search<'a> {
@@ -96,7 +102,7 @@ impl<'a> Search<'a> {
     }
 
     fn follow_plan(mut self, plan: &Plan<'_>) -> Result<(Character, Option<Kind>), Spoilt> {
-        let done = self.run(plan);
+        let done = self.run(plan).and_then(|()| self.ask_again(plan.again));
         let latest = self.latest;
         done.map(|()| (self.character, latest))
             .map_err(|NoFit| Spoilt { latest })
@@ -112,6 +118,53 @@ impl<'a> Search<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Takes back what is not found again beside all that was found since: what hid it, or looked like it, has its place by then.
+    /// Only what one test found is asked for, not what is plainer than two in a row.
+    fn ask_again(&mut self, detectors: &[&Detector]) -> Result<(), NoFit> {
+        let plain = self.context.level.powi(2);
+        let mut place = 0;
+        while let Some(one) = self.axis.explanations().get(place) {
+            let kind = one.kind();
+            place += 1;
+            if one.p_value < plain || !detect::IN_NOISE.contains(&kind) {
+                continue;
+            }
+            let mut without = self.axis.clone();
+            without.withdraw_one(place - 1);
+            without.refresh()?;
+            if !self.is_found(&without, kind, detectors)? {
+                let before = self.axis.kinds();
+                *self.axis = without;
+                self.say_withdrawn(&before, "it is not found again beside what was found since");
+                place -= 1;
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether one of some detectors finds a kind in an axis.
+    fn is_found(
+        &self,
+        axis: &AxisState,
+        kind: Kind,
+        detectors: &[&Detector],
+    ) -> Result<bool, NoFit> {
+        axis.prepare(self.context.level);
+        let look = Look {
+            axis,
+            context: self.context,
+            character: &self.character,
+        };
+        for detector in detectors {
+            let proposals = (detector.look)(&look)?;
+            let mut explained = proposals.iter().filter_map(Proposal::explained);
+            if explained.any(|one| one == kind) {
+                return Ok(true);
+            }
+        }
+        Ok(false)
     }
 
     /// Whether any detector changed the model.
@@ -174,7 +227,7 @@ impl<'a> Search<'a> {
             Proposal::WithdrawLaw(number) => {
                 let before = self.axis.kinds();
                 self.axis.withdraw_law(number);
-                self.say_withdrawn(&before);
+                self.say_withdrawn(&before, HAS_ITS_PLACE);
                 self.axis.refresh()?;
             }
             Proposal::Learn(lesson) => {
@@ -209,7 +262,7 @@ impl<'a> Search<'a> {
         let before = self.axis.kinds();
         self.axis.accept(candidate)?;
         // What it replaces, and what is sought anew beside it.
-        self.say_withdrawn(&before);
+        self.say_withdrawn(&before, HAS_ITS_PLACE);
         Ok(if is_only_law {
             Changed::Laws
         } else {
@@ -221,7 +274,7 @@ impl<'a> Search<'a> {
     fn withdraw_where(&mut self, is_out: impl Fn(&Explanation) -> bool) -> bool {
         let before = self.axis.kinds();
         let any = self.axis.withdraw_where(is_out);
-        self.say_withdrawn(&before);
+        self.say_withdrawn(&before, HAS_ITS_PLACE);
         any
     }
 
@@ -234,11 +287,9 @@ impl<'a> Search<'a> {
         self.say(Decision::Excluded { from_hz, to_hz });
     }
 
-    fn say_withdrawn(&self, before: &[Kind]) {
+    fn say_withdrawn(&self, before: &[Kind], why: &'static str) {
         let left = self.axis.explanations();
-        if let Some(withdrawn) =
-            Decision::withdrawn(before, left, "what was found since has its place")
-        {
+        if let Some(withdrawn) = Decision::withdrawn(before, left, why) {
             self.say(withdrawn);
         }
     }

@@ -92,6 +92,16 @@ pub enum Proposal {
     Learn(Lesson),
 }
 
+impl Proposal {
+    /// The kind that it would explain something by.
+    pub fn explained(&self) -> Option<Kind> {
+        match self {
+            Self::Explain(candidate) => Some(candidate.effect.kind),
+            _ => None,
+        }
+    }
+}
+
 /// What there is to remember; see [`Character`].
 #[derive(Debug, Clone, PartialEq)]
 pub enum Lesson {

@@ -34,6 +34,7 @@ pub mod warmup;
 
 use crate::diagnosis::axis::NoFit;
 use crate::diagnosis::detect::look::{Look, Proposal};
+use crate::model::{self, kind::Kind};
 
 /// Looks for one thing.
 pub struct Detector {
@@ -79,6 +80,26 @@ pub static ROUND: &[&Detector] = &[
     // What is left may be hidden by the walk that it was taken for.
     &level::IN_NOISE_ANEW,
     &lines::WANDERING,
+];
+
+/// Kinds that are found against the noise as it is fitted at the time, and are no part of that.
+pub const IN_NOISE: [Kind; 7] = [
+    model::outliers::KIND,
+    model::sinusoid::KIND,
+    model::hum::KIND,
+    model::steps::KIND,
+    model::drift::KIND,
+    model::warmup::KIND,
+    model::burst::KIND,
+];
+
+/// Who finds those.
+pub static OF_KINDS_IN_NOISE: &[&Detector] = &[
+    &outliers::DETECTOR,
+    &lines::DETECTOR,
+    &level::IN_FITTED_NOISE,
+    &burst::DETECTOR,
+    &level::IN_NOISE_ANEW,
 ];
 
 /// Tests of the whole record: what its axes share, its clock, and whether its samples are values of their own.

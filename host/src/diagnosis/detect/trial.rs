@@ -192,10 +192,7 @@ pub fn candidate(proposals: Vec<Proposal>) -> Option<Candidate> {
 
 /// Kinds that some proposals explain.
 pub fn kinds(proposals: &[Proposal]) -> Vec<Kind> {
-    let kinds = proposals.iter().filter_map(|one| match one {
-        Proposal::Explain(candidate) => Some(candidate.effect.kind),
-        _ => None,
-    });
+    let kinds = proposals.iter().filter_map(Proposal::explained);
     kinds.collect()
 }
 

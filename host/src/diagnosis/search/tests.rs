@@ -41,6 +41,7 @@ fn search(
     let plan = Plan {
         before_rounds,
         round,
+        again: round,
     };
     let done = Search::new(axis, &context).follow_plan(&plan);
     (done, told.into_inner().expect("no panic"))
@@ -102,6 +103,33 @@ const BOUNDLESS: Detector = Detector {
         Ok(proposal.into_iter().collect())
     },
 };
+
+/// A weak burst, as long as there is no line.
+const WAVERING: Detector = Detector {
+    tests: 0,
+    look: |look| {
+        let mut weak = made_up(burst::KIND, Change::Mask(vec![100..200]));
+        weak.p_value = 10.0 * LEVEL.powi(2);
+        let kinds = [burst::KIND, sinusoid::KIND];
+        let is_new = !kinds.iter().any(|kind| look.axis.has(*kind));
+        let proposal = is_new.then(|| Proposal::Explain(Box::new(weak)));
+        Ok(proposal.into_iter().collect())
+    },
+};
+
+#[test]
+fn what_is_weak_has_to_be_found_again_beside_all_that_was_found_since() {
+    let mut axis = noise(10);
+    let (done, told) = search(&mut axis, &[], &[], &[&WAVERING]);
+    assert!(done.is_ok(), "seed 10");
+    assert_eq!(told, [burst::KIND], "seed 10");
+    assert_eq!(axis.kinds(), [burst::KIND], "seed 10");
+    let mut axis = noise(10);
+    let (done, told) = search(&mut axis, &[], &[], &[&WAVERING, &PATIENT]);
+    assert!(done.is_ok(), "seed 10");
+    assert_eq!(told, [burst::KIND, sinusoid::KIND], "seed 10");
+    assert_eq!(axis.kinds(), [sinusoid::KIND], "seed 10");
+}
 
 #[test]
 fn what_the_record_has_no_room_for_is_not_taken_in() {

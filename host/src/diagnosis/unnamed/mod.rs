@@ -23,7 +23,7 @@ use crate::model::effect::Part;
 use crate::numeric::mixture::add_mixture;
 
 /// Factor on the power of a tone beside all else from which its law is not that of what is there: 3 dB are a choice. Tones
-/// that were named right come to 0.9 to 1.15 in measured records.
+/// that were named right come to 0.9 to 1.15 in measured records. A law of which bands have as much has lost its name to them.
 const ANOTHER: f64 = 2.0;
 
 /// What became of a model.
@@ -55,7 +55,10 @@ pub fn complete(axis: &mut AxisState, level: f64) -> Completed {
         };
         let place = match found.another() {
             Some(number) => axis.withdraw_tone(number),
-            None => needless(axis, &found).and_then(|number| axis.withdraw_law(number)),
+            None => {
+                let number = replaced(axis, &found).or_else(|| needless(axis, &found));
+                number.and_then(|number| axis.withdraw_law(number))
+            }
         };
         if let Some(place) = place {
             withdrawn.push(place);
@@ -118,6 +121,19 @@ fn lacking(axis: &AxisState, dof: Vec<f64>, tones: &[Vec<f64>], level: f64) -> O
         data,
         completed,
     })
+}
+
+/// Number of the law of which bands have the largest part, if that is most of it.
+fn replaced(axis: &AxisState, found: &Lacking) -> Option<usize> {
+    let adding = (0..axis.laws.len()).filter(|number| axis.laws[*number].effect.size().is_some());
+    let left = adding.map(|number| {
+        let component = laws::component_of(&axis.bins, &axis.laws, number);
+        let [before, beside_bands] =
+            [&axis.fit, &found.completed.fit].map(|fit| fit.squared[component]);
+        (number, beside_bands / before)
+    });
+    let least = left.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    (least.1 < ANOTHER.recip()).then_some(least.0)
 }
 
 /// Number of the law that is needed least beside noise without a name, if the spectrum is likelier without it, bands that

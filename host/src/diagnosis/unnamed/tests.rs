@@ -30,6 +30,34 @@ fn left(seed: u64, kind: Kind, values: &[f64], also: &mut dyn FnMut() -> f64) ->
 }
 
 #[test]
+fn a_law_of_which_bands_have_most_has_lost_its_name() {
+    let mut rings = [0.1, 0.3].map(|share| ringing(9, share * RATE_HZ, 0.01 * RATE_HZ));
+    let mut axis = axis(9, long(9), |_, noise| {
+        noise + rings.iter_mut().map(|rings| rings()).sum::<f64>()
+    });
+    for share in [0.1, 0.3] {
+        let bell = law(resonance::KIND, &[share * RATE_HZ, 0.01 * RATE_HZ, 1.0]);
+        take_in(&mut axis, resonance::KIND, bell);
+    }
+    let second = laws::component_of(&axis.bins, &axis.laws, 1);
+    for (share, expected) in [(1.0, None), (0.6, None), (0.4, Some(1)), (0.0, Some(1))] {
+        let mut fit = axis.fit.clone();
+        fit.squared[second] *= share;
+        let found = Lacking {
+            p_value: 1e-9,
+            data: axis.data.clone(),
+            completed: bands::Completed {
+                laws: axis.laws.clone(),
+                fit,
+                tones: Vec::new(),
+                cost_nats: 10.0,
+            },
+        };
+        assert_eq!(replaced(&axis, &found), expected, "{share} of it is left");
+    }
+}
+
+#[test]
 fn a_name_without_which_bands_explain_as_much_is_taken_back() {
     const SEEDS: u64 = 8;
     let values = [0.3 * RATE_HZ, 6.0, 2.0];
