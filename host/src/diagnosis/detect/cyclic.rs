@@ -5,11 +5,13 @@
 //! frequencies, and noise whose corner swings does so by more at some frequencies than at others.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 use super::Detector;
 use crate::diagnosis::axis::{AxisState, NoFit};
 use crate::diagnosis::detect::look::{Look, Proposal};
 use crate::diagnosis::detect::slow_change::LEAST_GAIN;
+use crate::diagnosis::detect::strength::bursts_stand_out;
 use crate::diagnosis::explanation::{Candidate, Change};
 use crate::diagnosis::record::envelope::{Envelope, of_share};
 use crate::diagnosis::record::powers::{BLOCK, Powers};
@@ -86,6 +88,11 @@ fn proposal(axis: &AxisState, found: &Cyclic) -> Proposal {
 fn candidate(axis: &AxisState, found: &Cyclic) -> Candidate {
     let Cyclic { swing, sd, .. } = found;
     let rate_hz = axis.rate_hz;
+    // Loud parts of it may have been taken for them.
+    let mut supersedes = vec![outliers::KIND];
+    if !bursts_stand_out(axis, swing.power_sd()) {
+        supersedes.push(burst::KIND);
+    }
     let effect = Estimate::new(
         KIND,
         [
@@ -96,8 +103,7 @@ fn candidate(axis: &AxisState, found: &Cyclic) -> Candidate {
     );
     Candidate {
         held_out_nats: found.held_nats,
-        // Loud parts of it may have been taken for them.
-        supersedes: vec![burst::KIND, outliers::KIND],
+        supersedes,
         ..Candidate::new(effect, found.p_value, 3.0, Change::Strength(*swing))
     }
 }
@@ -197,26 +203,32 @@ fn held_out(powers: &Powers, period: f64, share: f64) -> Option<f64> {
     gain.is_finite().then_some(gain)
 }
 
-/// Probability of swings that differ as much from one octave to the next where all noise without a memory swings alike.
+/// Probability of swings that differ as much from one octave to the next where all noise without a memory swings alike, but for
+/// [`LEFT`] of the swing: of that of the whole noise, so that an octave which is little of it may be off by more.
 fn evenness(axis: &AxisState, swing: &Envelope) -> f64 {
     /// Ordinates of the lowest octave.
     const LEAST: usize = 64;
     let seen = axis.whitened();
     let periods = seen.transform.len() as f64 / swing.period;
+    let power_in = |band: &Range<usize>| -> f64 {
+        let known = seen.density[band.clone()].iter();
+        known.filter(|one| one.is_finite()).sum()
+    };
+    let all = power_in(&(1..seen.top));
     let (mut square, mut swings, mut weights, mut bands) = (0.0, 0.0, 0.0, 0.0);
     let mut top = seen.top - 1;
     // Moments that follow the swing.
     while top >= 2 * LEAST && top as f64 >= 2.0 * LEAST_BLOCKS * periods {
         let band = top / 2..top;
         let short = axis.mean_short_share(&band, seen.transform.frequency(1));
-        let strengths = strengths(&seen, band);
+        let strengths = strengths(&seen, band.clone());
         top /= 2;
         // A band of as many ordinates as there are moments sees a frequency by the share of them that it keeps
         // when it is moved by it.
         let kept = 1.0 - periods / strengths.len() as f64;
         if let Some([mean, variance]) = swing_of_band(axis, swing, &strengths) {
             let expected = kept * short;
-            let variance = variance + (LEFT * mean).powi(2);
+            let variance = variance + (LEFT * mean).powi(2) * all / power_in(&band);
             square += mean * mean / variance;
             swings += expected * mean / variance;
             weights += expected * expected / variance;

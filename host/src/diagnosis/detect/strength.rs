@@ -31,7 +31,7 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
 }
 
 /// Whether any known stretch is far louder than noise whose power moves by this standard deviation, over its mean, makes it.
-fn bursts_stand_out(axis: &AxisState, sd: f64) -> bool {
+pub fn bursts_stand_out(axis: &AxisState, sd: f64) -> bool {
     /// Deviations that no movement reaches: a choice. The power of noise that feeds on itself goes as far as some ten.
     const FAR: f64 = 30.0;
     let mut bursts = axis.explanations().iter();

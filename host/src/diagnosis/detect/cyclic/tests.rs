@@ -131,13 +131,55 @@ fn a_swing_is_proposed_once_and_not_on_a_grid() {
     let found = trial::candidate(trial.ask(&DETECTOR)).expect("a swing, seed 3");
     assert_eq!(found.effect.kind, KIND, "seed 3");
     // Its loud parts may have passed for them.
-    assert_eq!(found.supersedes, [burst::KIND, outliers::KIND], "seed 3");
+    assert_eq!(found.supersedes, [outliers::KIND, burst::KIND], "seed 3");
     trial.refuse(KIND);
     assert!(trial.ask(&DETECTOR).is_empty(), "seed 3: refused");
     let mut coarse = swung(3, factor);
     let grid = Change::Grid { decides: false };
     coarse.know(rounding::KIND, [1.0], grid);
     assert!(coarse.ask(&DETECTOR).is_empty(), "seed 3: on a grid");
+}
+
+#[test]
+fn a_stretch_far_louder_than_a_swing_is_none_of_it() {
+    let swing = Envelope {
+        depth: 0.2,
+        period: 20.0 * BLOCK as f64,
+        phase_rad: 1.0,
+    };
+    for (factor, stays) in [(1.5, false), (10.0, true)] {
+        let mut trial = swung(5, |n| swing.factor(n));
+        let change = Change::Happened {
+            masked: vec![9000..9600],
+            waves: Vec::new(),
+        };
+        trial.know(burst::KIND, [90.0, 96.0, factor, 0.0], change);
+        let found = trial::candidate(trial.ask(&DETECTOR)).expect("a swing, seed 5");
+        let goes = found.supersedes.contains(&burst::KIND);
+        assert_eq!(goes, !stays, "seed 5, {factor} times");
+    }
+}
+
+#[test]
+fn a_swing_whose_slow_part_does_not_breathe_is_one_all_the_same() {
+    let swing = Envelope {
+        depth: 0.5,
+        period: 20.0 * BLOCK as f64,
+        phase_rad: 1.0,
+    };
+    // A running mean of 32 samples is what keeps its strength: three hundredths of the noise.
+    let noise = trial::noise(6);
+    let mean = |n: usize| {
+        let around = &noise[n.saturating_sub(16)..(n + 16).min(noise.len())];
+        around.iter().sum::<f64>() / around.len() as f64
+    };
+    let breathing = |n: usize| {
+        let slow = mean(n);
+        swing.factor(n) * (noise[n] - slow) + slow
+    };
+    let trial = Trial::new((0..noise.len()).map(breathing).collect());
+    let found = trial::candidate(trial.ask(&DETECTOR)).map(|one| one.effect.kind);
+    assert_eq!(found, Some(KIND), "seed 6");
 }
 
 #[test]
