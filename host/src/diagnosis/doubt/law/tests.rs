@@ -191,7 +191,7 @@ fn what_else_is_in_its_band_is_no_matter_of_the_law() {
 #[test]
 fn of_several_laws_the_one_that_is_spoken_against_goes() {
     let len = long(8);
-    let swings = swinging(0.6, 9.0, len);
+    let swings = swinging(0.4, 9.0, len);
     let [mut moving, mut steady] = [60.0, 250.0].map(|f_hz| ringing(8, f_hz, 10.0));
     let mut axis = axis(8, len, |n, noise| noise + swings(n) * moving() + steady());
     named(
