@@ -133,8 +133,8 @@ impl<'a> Search<'a> {
             }
             let mut without = self.axis.clone();
             without.withdraw_one(place - 1);
-            without.refresh()?;
-            if !self.is_found(&without, kind, detectors)? {
+            let is_fitted = without.refresh().is_ok();
+            if is_fitted && !self.is_found(&without, kind, detectors)? {
                 let before = self.axis.kinds();
                 *self.axis = without;
                 self.say_withdrawn(&before, "it is not found again beside what was found since");

@@ -23,24 +23,24 @@ impl AxisState {
             .map(Explanation::kind)
             .collect();
         self.explanations.retain(|one| !is_gone(one));
-        for one in &mut self.explanations {
-            for &kind in &gone {
-                one.with.forget(kind);
-                one.without.forget(kind);
-            }
-        }
+        gone.iter().for_each(|kind| self.forget(*kind));
         !gone.is_empty()
+    }
+
+    /// Takes what is known of a kind out of what the others were measured beside.
+    fn forget(&mut self, kind: Kind) {
+        for one in &mut self.explanations {
+            one.with.forget(kind);
+            one.without.forget(kind);
+        }
     }
 
     /// Takes the explanation of that `place` off the list, and no other of its kind.
     pub fn withdraw_one(&mut self, place: usize) {
         let kind = self.explanations.remove(place).kind();
-        if self.has(kind) {
-            return;
-        }
-        for one in &mut self.explanations {
-            one.with.forget(kind);
-            one.without.forget(kind);
+        // Where others of its kind stay, what was measured beside them and it was so.
+        if !self.has(kind) {
+            self.forget(kind);
         }
     }
 

@@ -114,6 +114,7 @@ impl<'a> Sizes<'a> {
             let course = curve.iter().find(|one| one.m == point.m);
             let course = course.map_or(0.0, |one| one.variance);
             let own = course + term.passing(point.m, samples as u64, rate_hz);
+            // What goes with it adds to none of the others.
             let without = self.variances[place] + (self.waves[place] - course).max(0.0);
             100.0 * ((1.0 + own / without).sqrt() - 1.0)
         })
@@ -132,4 +133,33 @@ fn of_noise(noise: &ModelAxis, rate_hz: f64, points: &[Point]) -> Vec<f64> {
     let law = noise.law(rate_hz);
     let points = points.par_iter();
     points.map(|point| law.allan_variance(point.m)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::trial::{axis, short};
+    use crate::model::PerCoefficient;
+    use crate::signal::Unit;
+
+    #[test]
+    fn where_an_allan_deviation_is_hardly_known_nothing_changes_it() {
+        let axis = axis(1, short(1), |_, noise| noise);
+        let noise = ModelAxis {
+            name: "X".into(),
+            unit: Unit::default(),
+            mean: 0.0,
+            chain: None,
+            coefficients: PerCoefficient::default(),
+            effects: Vec::new(),
+        };
+        let all = allan_curve::allan(axis.residual.whole(), axis.rate_hz);
+        let sizes = Sizes::new(&axis, &noise, &Snapshot::of(&[]));
+        let known = all.iter().filter(|point| point.edf >= 10.0).count();
+        assert!(known < all.len(), "seed 1: all are known");
+        // The longest averaging times are known least.
+        let longest = sizes.largest(|_, point| point.m as f64);
+        let most = all[..known].iter().map(|point| point.m as f64);
+        assert_eq!(longest, most.reduce(f64::max), "seed 1");
+    }
 }

@@ -111,6 +111,15 @@ fn noise_that_swings_at_some_frequencies_is_uneven() {
     }
 }
 
+/// A swing of twenty blocks with this depth.
+fn swing_by(depth: f64) -> Envelope {
+    Envelope {
+        depth,
+        period: 20.0 * BLOCK as f64,
+        phase_rad: 1.0,
+    }
+}
+
 /// A record of the trial's noise whose strength has this factor at each sample.
 fn swung(seed: u64, factor: impl Fn(usize) -> f64) -> Trial {
     let mut values = trial::noise(seed);
@@ -121,11 +130,7 @@ fn swung(seed: u64, factor: impl Fn(usize) -> f64) -> Trial {
 
 #[test]
 fn a_swing_is_proposed_once_and_not_on_a_grid() {
-    let swing = Envelope {
-        depth: 0.5,
-        period: 20.0 * BLOCK as f64,
-        phase_rad: 1.0,
-    };
+    let swing = swing_by(0.5);
     let factor = |n: usize| swing.factor(n);
     let mut trial = swung(3, factor);
     let found = trial::candidate(trial.ask(&DETECTOR)).expect("a swing, seed 3");
@@ -142,11 +147,7 @@ fn a_swing_is_proposed_once_and_not_on_a_grid() {
 
 #[test]
 fn a_stretch_far_louder_than_a_swing_is_none_of_it() {
-    let swing = Envelope {
-        depth: 0.2,
-        period: 20.0 * BLOCK as f64,
-        phase_rad: 1.0,
-    };
+    let swing = swing_by(0.2);
     for (factor, stays) in [(1.5, false), (10.0, true)] {
         let mut trial = swung(5, |n| swing.factor(n));
         let change = Change::Happened {
@@ -162,11 +163,7 @@ fn a_stretch_far_louder_than_a_swing_is_none_of_it() {
 
 #[test]
 fn a_swing_whose_slow_part_does_not_breathe_is_one_all_the_same() {
-    let swing = Envelope {
-        depth: 0.5,
-        period: 20.0 * BLOCK as f64,
-        phase_rad: 1.0,
-    };
+    let swing = swing_by(0.5);
     // A running mean of 32 samples is what keeps its strength: three hundredths of the noise.
     let noise = trial::noise(6);
     let mean = |n: usize| {
@@ -184,11 +181,7 @@ fn a_swing_whose_slow_part_does_not_breathe_is_one_all_the_same() {
 
 #[test]
 fn a_swing_that_is_known_better_is_amended() {
-    let swing = Envelope {
-        depth: 0.5,
-        period: 20.0 * BLOCK as f64,
-        phase_rad: 1.0,
-    };
+    let swing = swing_by(0.5);
     let mut trial = swung(3, |n| swing.factor(n));
     let period_s = swing.period / trial::RATE_HZ;
     let change = Change::Strength(Envelope {
