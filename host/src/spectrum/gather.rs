@@ -12,7 +12,7 @@
 //! with the polynomial `l_j` that is 1 at node `j` of the wide panel and 0 at its others: for such a spectrum nothing
 //! changes. Wider ones are made of those, and so on.
 
-use super::quadrature::{Panel, Place, RULE, lagrange};
+use super::quadrature::{Nodes, Place, RULE, lagrange};
 
 /// Widths of a panel between it and frequency zero, at least: what is as smooth as a power law there is a polynomial of the
 /// fifth degree to 1e-8, and a chain's edge, a tenth of its frequency wide, to a thousandth.
@@ -53,21 +53,12 @@ impl Gathering {
     }
 
     /// Places of all nodes where the narrowest panel is as wide as this: of those first, then of the wider ones.
-    pub fn places(&self, width_hz: f64) -> impl Iterator<Item = Place> {
+    pub fn places(&self, width_hz: f64) -> Vec<Place> {
         let levels = self.counts.iter().enumerate();
-        levels.flat_map(move |(level, &count)| {
-            let width_hz = width_hz * width(level);
-            (0..count).flat_map(move |number| {
-                let from_hz = number as f64 * width_hz;
-                let panel = Panel { from_hz, width_hz };
-                RULE.into_iter()
-                    .enumerate()
-                    .map(move |(node, (place, _))| Place {
-                        f_hz: from_hz + place * width_hz,
-                        of: Some((panel, node)),
-                    })
-            })
-        })
+        let of_level = |(level, &count)| -> Vec<Place> {
+            Nodes::new(count).places(width_hz * width(level)).collect()
+        };
+        levels.flat_map(of_level).collect()
     }
 
     /// Weights of a bin at [`Self::places`] from those at the nodes of the narrowest panels: each on the widest panel that is far
@@ -126,7 +117,6 @@ fn is_far(weights: &Weights, number: usize) -> bool {
 mod tests {
     use super::*;
     use crate::spectrum::cosine::Run;
-    use crate::spectrum::quadrature::Nodes;
 
     /// Every thirtieth ordinate of a run of `len` samples: its centre, and its weights near and gathered, at the places of both.
     fn rows(len: usize) -> (Vec<Place>, Vec<Place>, Vec<[Vec<f64>; 2]>) {
@@ -142,11 +132,7 @@ mod tests {
             [weights, gathered]
         });
         let rows = rows.collect();
-        (
-            nodes.places(1.0).collect(),
-            gathering.places(1.0).collect(),
-            rows,
-        )
+        (nodes.places(1.0).collect(), gathering.places(1.0), rows)
     }
 
     fn sum(places: &[Place], weights: &[f64], density: &dyn Fn(f64) -> f64) -> f64 {
