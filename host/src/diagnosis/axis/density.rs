@@ -16,6 +16,11 @@ impl AxisState {
         sum * self.filters(f_hz)
     }
 
+    /// Two-sided density at `f_hz` as the bins measure it, with what the model lacks.
+    pub fn measured_density(&self, f_hz: f64) -> f64 {
+        self.density(f_hz) * self.between_bins(f_hz, |log, _| log)
+    }
+
     /// Power that the laws which filter let through, as a record shows it.
     pub fn filters(&self, f_hz: f64) -> f64 {
         let filters = laws::filters(&self.laws);

@@ -1,5 +1,6 @@
 //! Bands of noise that no steady law speaks for: they are excluded from what fits and tests look at.
 
+mod reach;
 #[cfg(test)]
 mod tests;
 
@@ -13,7 +14,7 @@ use crate::diagnosis::result::place::Place;
 use crate::diagnosis::steady::band_events::is_of_band;
 use crate::diagnosis::steady::noise::{self, Unsteady};
 use crate::model::outliers::{self, Outliers};
-use crate::model::steps;
+use crate::model::{shock, steps};
 
 /// Share of the ordinates that a band may hold: a wider one is not a band but all of the noise. A
 /// quarter is a choice.
@@ -39,6 +40,8 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     }
     let half_hz = 0.5 * axis.rate_hz;
     let mut left_hz = axis.excluded_hz();
+    // Beside a tone is what its law leaves of it where it seldom goes.
+    left_hz.extend(axis.tones_with_skirts_hz());
     left_hz.extend(switching_band(axis));
     let found = noise::unsteady(axis, 0.0..half_hz, &left_hz, look.level());
     let Some(found) = found else {
@@ -71,6 +74,9 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     let moments: Vec<Range<usize>> = jumps.map(|jump| jump.index..jump.index + 1).collect();
     if is_of_band(axis, &axis.excluded_with(&excluded.band_hz), &moments) {
         kinds.push(steps::KIND);
+    }
+    if reach::holds_shocks(axis, &found) {
+        kinds.push(shock::KIND);
     }
     Ok(vec![Proposal::Exclude(excluded, kinds)])
 }

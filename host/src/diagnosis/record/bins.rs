@@ -147,6 +147,33 @@ impl SpectralBins {
         self.dof.iter().enumerate().map(dof_of).collect()
     }
 
+    /// The same, with those all but taken out too of whose measured `psd` most leaks into them out of the bands: a strong tone
+    /// shows, 50 dB below, in all bins that are measured at a lower rate.
+    pub fn dof_beside_leaks(&self, bands: &[Range<f64>], psd: &[f64]) -> Vec<f64> {
+        /// Share of what is measured in a bin up to which leaks are noise like any other: a choice.
+        const MOST: f64 = 0.5;
+        let mut dof = self.dof_beside(bands);
+        if bands.is_empty() {
+            return dof;
+        }
+        let bins = &self.estimate.bins;
+        let density = |f_hz: &f64| {
+            let bin = bins
+                .partition_point(|bin| bin.f_hz < *f_hz)
+                .min(bins.len() - 1);
+            let is_inside = bands.iter().any(|band| band.contains(f_hz));
+            if is_inside { psd[bin] } else { 0.0 }
+        };
+        let densities: Vec<f64> = self.nodes.f_hz().iter().map(density).collect();
+        let leaks = self.estimate.operator.apply(&densities);
+        for ((dof, leak), psd) in dof.iter_mut().zip(leaks).zip(psd) {
+            if leak > MOST * psd {
+                *dof *= NOTHING;
+            }
+        }
+        dof
+    }
+
     /// Degrees of freedom of the bins, excluded ones included.
     pub fn dof(&self) -> &[f64] {
         &self.dof

@@ -1,6 +1,7 @@
 //! What is judged no more, and what is again.
 
 use super::*;
+use crate::diagnosis::trial::long;
 
 #[test]
 fn where_noise_was_taken_out_with_a_course_nothing_is_judged() {
@@ -78,4 +79,22 @@ fn what_lies_beyond_a_rail_is_drawn_there_and_counts() {
     let axis = known(Side::Any);
     assert!(!counts(&axis), "seed {SEED}");
     assert!(at.iter().any(|n| axis.filled[*n] < limit), "seed {SEED}");
+}
+
+#[test]
+fn bins_that_hold_what_leaks_out_of_an_excluded_band_say_nothing() {
+    // A line next to a hundredth of the rate shows in bins that are measured at a lower rate.
+    let line_hz = 0.0123 * RATE_HZ;
+    let left_out = |amplitude: f64| {
+        let mut axis = axis(SEED, long(SEED), |n, noise| {
+            noise + amplitude * (std::f64::consts::TAU * line_hz / RATE_HZ * n as f64).cos()
+        });
+        axis.exclude(excluded(0.9 * line_hz, 1.1 * line_hz));
+        axis.refresh().expect("a fit");
+        let below = axis.data.f_hz.iter().zip(&axis.data.dof);
+        let below = below.filter(|(f_hz, _)| **f_hz < 0.5 * line_hz);
+        below.filter(|(_, dof)| **dof < 1e-3).count()
+    };
+    assert_eq!(left_out(1.0), 0, "seed {SEED}");
+    assert!(left_out(1e5) > 0, "seed {SEED}");
 }

@@ -4,8 +4,10 @@ use super::*;
 use crate::diagnosis::detect::look::Lesson;
 use crate::diagnosis::detect::trial::{self, Trial, noise};
 use crate::diagnosis::explanation::Change;
+use crate::diagnosis::record::wave::Wave;
 use crate::model::kind::Kind;
 use crate::model::random::Seed;
+use crate::model::shock::Shock;
 use crate::model::wander::Wander;
 use crate::model::{Term, telegraph, wandering_line};
 
@@ -188,4 +190,56 @@ fn a_record_of_many_bands_is_of_another_kind() {
     }
     assert_eq!(trial.axis.excluded().len(), MOST_BANDS);
     assert!(excluded(&trial).is_none(), "seed 6");
+}
+
+#[test]
+fn what_comes_and_goes_beside_a_tone_is_its_own() {
+    // As far on either side as it is wide itself.
+    for (width_hz, is_excluded) in [(1.0, true), (12.0, false)] {
+        let mut trial = Trial::new(values(0));
+        let tone = Change::Tone(vec![26.5..26.5 + width_hz]);
+        trial.know(wandering_line::KIND, [27.0, 0.1, 5.0, 0.1], tone);
+        let found = excluded(&trial);
+        assert_eq!(
+            found.is_some(),
+            is_excluded,
+            "seed 0, {width_hz} Hz: {found:?}"
+        );
+    }
+}
+
+#[test]
+fn shocks_no_higher_than_the_band_comes_by_itself_are_the_band() {
+    // The band has the deviation 1.2 for a fifth of the time, 0.5 in the mean.
+    for (peaks, f_hz, is_band) in [
+        (&[2.0][..], 20.0, true),
+        (&[2.0, 1.5], 20.0, true),
+        (&[2.0, 9.0], 20.0, false),
+        (&[2.0], 35.0, false),
+        (&[2.0], 0.0, false),
+    ] {
+        let mut trial = Trial::new(values(0));
+        let shock = |peak: &f64| Shock {
+            time_s: 60.0,
+            peak: *peak,
+            duration_s: 2.0,
+            f_hz,
+            decay_s: 1.0,
+        };
+        let wave = Wave::Shocks {
+            shocks: peaks.iter().map(shock).collect(),
+            rate_hz: trial::RATE_HZ,
+        };
+        let change = Change::Happened {
+            masked: vec![6000..6200],
+            waves: vec![wave],
+        };
+        trial.know(shock::KIND, [60.0, 2.0, 2.0, f_hz, 1.0], change);
+        let (_, kinds) = excluded(&trial).expect("a plain band");
+        assert_eq!(
+            kinds.contains(&shock::KIND),
+            is_band,
+            "seed 0, {peaks:?} at {f_hz} Hz"
+        );
+    }
 }

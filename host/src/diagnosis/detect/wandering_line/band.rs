@@ -52,12 +52,13 @@ pub struct Band {
 
 impl Band {
     /// The band about the frequencies `within_hz`, `times` as wide, wider where it would have too few ordinates;
-    /// `None` where the record has none there.
+    /// `None` where the record has none there. What is in `other_hz` is not in it, besides what the axis excludes.
     pub fn about(
         axis: &AxisState,
         seen: &Whitened,
         within_hz: &Range<f64>,
         times: f64,
+        other_hz: Option<&Range<f64>>,
     ) -> Option<Self> {
         let step_hz = seen.transform.frequency(1);
         let middle = 0.5 * (within_hz.start + within_hz.end) / step_hz;
@@ -65,11 +66,18 @@ impl Band {
         let width = (width as usize).clamp(LEAST_WIDTH, MOST_WIDTH);
         let first = (middle - 0.5 * width as f64).max(FIRST as f64) as usize;
         let last = (middle + 0.5 * width as f64).max(0.0) as usize;
-        Self::of(axis, seen, first..last)
+        let mut excluded_hz = axis.excluded_hz();
+        excluded_hz.extend(other_hz.cloned());
+        Self::of(axis, seen, first..last, &excluded_hz)
     }
 
-    /// The band of these ordinates, as far as the record has them.
-    pub fn of(axis: &AxisState, seen: &Whitened, ordinates: Range<usize>) -> Option<Self> {
+    /// The band of these ordinates, as far as the record has them, without those in `excluded_hz`.
+    fn of(
+        axis: &AxisState,
+        seen: &Whitened,
+        ordinates: Range<usize>,
+        excluded_hz: &[Range<f64>],
+    ) -> Option<Self> {
         let first = ordinates.start.max(FIRST);
         let end = ordinates
             .end
@@ -79,10 +87,9 @@ impl Band {
             return None;
         }
         let share = axis.present_share();
-        let floor = floor(axis, seen, &(first..first + len))?.map(|one| one / share);
+        let floor = floor(seen, &(first..first + len), excluded_hz)?.map(|one| one / share);
         let step_hz = seen.transform.frequency(1);
         let all = &seen.transform.ordinates()[first..first + len];
-        let excluded_hz = axis.excluded_hz();
         let ordinate = |k: usize| {
             let f_hz = seen.transform.frequency(first + k);
             if excluded_hz.iter().any(|one| one.contains(&f_hz)) {
@@ -184,10 +191,9 @@ fn at(ends: [f64; 2], k: usize, len: usize) -> f64 {
 
 /// Two-sided density of the noise at both ends of a band, by the medians on either side, which a line or two there
 /// do not move.
-fn floor(axis: &AxisState, seen: &Whitened, band: &Range<usize>) -> Option<[f64; 2]> {
+fn floor(seen: &Whitened, band: &Range<usize>, excluded_hz: &[Range<f64>]) -> Option<[f64; 2]> {
     let all = seen.transform.ordinates();
     let side = SIDE.max(band.len() / 2);
-    let excluded_hz = axis.excluded_hz();
     let density = |range: Range<usize>| {
         let is_free = |k: &usize| {
             let f_hz = seen.transform.frequency(*k);
@@ -246,7 +252,8 @@ mod tests {
         let axis = &trial.axis;
         let seen = axis.whitened();
         let place = |f_hz: f64| (f_hz / seen.transform.frequency(1)) as usize;
-        let across = Band::of(axis, &seen, place(26.5)..place(29.0)).expect("a band");
+        let of = |ordinates| Band::of(axis, &seen, ordinates, &axis.excluded_hz());
+        let across = of(place(26.5)..place(29.0)).expect("a band");
         let inside = across.ordinates.iter().zip(across.first..);
         let mut inside = inside.filter(|(_, k)| seen.transform.frequency(*k) < 27.0);
         assert!(
@@ -254,7 +261,7 @@ mod tests {
             "seed {seed}"
         );
         // Below it all is excluded: its floor is that of above at both ends.
-        let above = Band::of(axis, &seen, place(27.02)..place(29.0)).expect("a band");
+        let above = of(place(27.02)..place(29.0)).expect("a band");
         assert_eq!(above.floor[0], above.floor[1], "seed {seed}");
     }
 }

@@ -5,10 +5,14 @@ use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::detect::lines;
 use crate::diagnosis::detect::shock::NEXT_GROUP;
 use crate::diagnosis::explanation::Explanation;
+use crate::diagnosis::steady::line::IMPERFECT;
 use crate::model::burst::Burst;
 use crate::model::kind::Kind;
 use crate::model::unnamed::Band;
 use crate::model::{burst, motion, shock, sinusoid};
+
+/// Kinds that cut stretches out of the record.
+pub const HAPPENED: [Kind; 2] = [shock::KIND, motion::KIND];
 
 /// Kinds that are taken back: laws that were fitted to the tone with the rest of the spectrum, and lines that stand in
 /// its bands, shocks among them.
@@ -57,7 +61,8 @@ pub fn may_be_made_for_it(axis: &AxisState, lines: &[Line]) -> Vec<Kind> {
     }
 }
 
-/// Whether all that is known to have moved the axis did so about these lines, by no more than they do, and left nothing behind.
+/// Whether all that is known to have moved the axis, but for what a steady line may miss, did so about these lines, by no more
+/// than they do, and left nothing behind.
 /// What is usual is known by [groups of ordinates](NEXT_GROUP): a tone that wanders from one into the next is no event.
 fn moves_as_tone(axis: &AxisState, lines: &[Line]) -> bool {
     let Some(known) = axis.explanation(motion::KIND) else {
@@ -71,9 +76,14 @@ fn moves_as_tone(axis: &AxisState, lines: &[Line]) -> bool {
     };
     let values = known.effect.plain();
     let stretches = values.chunks_exact(motion::ROW).map(motion::Stretch::of);
-    let mut stretches = stretches.peekable();
-    stretches.peek().is_some()
-        && stretches.all(|one| one.step == 0.0 && one.mean == 0.0 && is_line(&one.band))
+    let stretches: Vec<motion::Stretch> = stretches.collect();
+    let power = |band: &Band| band.amplitude.powi(2);
+    let all: f64 = stretches.iter().map(|one| power(&one.band)).sum();
+    let is_of_tone = |band: &Band| is_line(band) || power(band) < IMPERFECT * all;
+    !stretches.is_empty()
+        && stretches
+            .iter()
+            .all(|one| one.step == 0.0 && one.mean == 0.0 && is_of_tone(&one.band))
 }
 
 /// Whether shocks are known that all ring at frequencies of the tone: where it seldom is it stands out of what is usual
@@ -120,5 +130,7 @@ mod tests {
         assert!(!is_made_for_it(&[[0.01, near_hz, 1.3]]), "lies otherwise");
         let beside = [[0.0, near_hz, 1.3], [0.0, 40.0, 1.3]];
         assert!(!is_made_for_it(&beside), "one of two");
+        let beside = [[0.0, near_hz, 1.3], [0.0, 40.0, 0.1]];
+        assert!(is_made_for_it(&beside), "one of two, weak");
     }
 }

@@ -23,7 +23,7 @@ use std::ops::Range;
 use self::band::Band;
 use self::course::{Course, course};
 use self::harmonics::{Line, family};
-use self::made_for_it::{made_for_it, may_be_made_for_it};
+use self::made_for_it::{HAPPENED, made_for_it, may_be_made_for_it};
 use self::track::{Steadiness, Track};
 use super::Detector;
 use super::lines::{self, Group, Measured};
@@ -128,9 +128,29 @@ fn suspects(look: &Look<'_>) -> Vec<Suspect> {
 
 /// A tone that wanders within or about a band, found there otherwise with the probability `p_value` by chance.
 pub fn named(look: &Look<'_>, within_hz: &Range<f64>, p_value: f64) -> Option<Proposal> {
+    let mut found = followed(look, within_hz, p_value)?;
+    if found.supersedes.iter().any(|kind| HAPPENED.contains(kind)) {
+        // What happened is cut out of the record: where it was the tone, that is followed through all of it.
+        let mut without = look.axis.clone();
+        without.withdraw_where(|one| found.supersedes.contains(&one.kind()));
+        without.refresh().ok()?;
+        without.prepare(look.level());
+        let whole = Look {
+            axis: &without,
+            ..*look
+        };
+        let gone = std::mem::take(&mut found.supersedes);
+        found = followed(&whole, within_hz, p_value).unwrap_or(found);
+        found.supersedes.extend(gone);
+    }
+    Some(Proposal::Explain(Box::new(found)))
+}
+
+/// The same as a candidate, through what is left of the record.
+fn followed(look: &Look<'_>, within_hz: &Range<f64>, p_value: f64) -> Option<Candidate> {
     let axis = look.axis;
     let seen = axis.whitened();
-    let band = Band::about(axis, &seen, within_hz, ROOM)?;
+    let band = Band::about(axis, &seen, within_hz, ROOM, None)?;
     let (track, steadiness) = steadiest(axis, &band)?;
     let course = course(&band, &track)?;
     // A tone that stands still is no business of this one.
@@ -149,7 +169,7 @@ pub fn named(look: &Look<'_>, within_hz: &Range<f64>, p_value: f64) -> Option<Pr
         f_hz: course.f_hz.value,
         own,
     };
-    let family = family(axis, &tone, look.level());
+    let family = family(axis, &tone, look.level())?;
     family
         .lines
         .iter()
@@ -175,7 +195,7 @@ pub fn named(look: &Look<'_>, within_hz: &Range<f64>, p_value: f64) -> Option<Pr
             .then_some(kind)
             .filter(|kind| *kind == hum::KIND),
     );
-    Some(Proposal::Explain(Box::new(Candidate {
+    Some(Candidate {
         held_out_nats: Some(track.nats(steadiness.energy)),
         supersedes,
         reopens: may_be_made_for_it(axis, &family.lines),
@@ -184,7 +204,7 @@ pub fn named(look: &Look<'_>, within_hz: &Range<f64>, p_value: f64) -> Option<Pr
             log_odds: -steadiness.p_value.max(f64::MIN_POSITIVE).ln(),
         }],
         ..Candidate::new(effect, p_value, freedom, Change::Tone(bands))
-    })))
+    })
 }
 
 /// A tone that was followed.

@@ -1,6 +1,9 @@
 //! Each of what makes a tone, by windows, lines and courses in which it alone decides.
 
+use realfft::num_complex::Complex64;
+
 use super::*;
+use crate::model::motion;
 
 /// What windows say in which a tone has this energy.
 const fn said(energy: f64, share: f64, p_value: f64) -> Option<Steadiness> {
@@ -86,7 +89,13 @@ fn a_multiple_that_folds_or_lies_partly_in_an_excluded_band_is_none_of_it() {
 /// A band about a tone and the tone as it is followed there.
 fn followed(seed: u64) -> (Band, Track) {
     let trial = with(seed, &tone(20.0, &[0.5]), |_| 1.0);
-    let band = Band::about(&trial.axis, &trial.axis.whitened(), &(19.8..20.2), ROOM);
+    let band = Band::about(
+        &trial.axis,
+        &trial.axis.whitened(),
+        &(19.8..20.2),
+        ROOM,
+        None,
+    );
     let band = band.expect("a band");
     let best = steadiest(&trial.axis, &band).expect("a plain tone");
     (band, best.0)
@@ -130,4 +139,92 @@ fn what_fills_a_quarter_of_the_spectrum_is_no_line() {
     // It fills some 8 Hz of 50, and some 17.
     assert!(is_named(2.0, 200.0, 1.0), "seed 1");
     assert!(!is_named(2.0, 20.0, 4.0), "seed 1");
+}
+
+/// What is 60 dB above the noise stands above it an octave away still.
+#[test]
+fn a_tone_far_above_the_noise_is_one_line_however_far_its_skirts_reach() {
+    let (kind, values) = found(&with(13, &tone(4.0, &[1000.0]), |_| 1.0)).expect("a plain tone");
+    assert_eq!(kind, wandering_line::KIND, "seed 13");
+    let amplitudes = &values[wandering_line::FIRST_AMPLITUDE..];
+    let [Some(amplitude)] = amplitudes else {
+        panic!("seed 13: multiples that are not there: {amplitudes:?}");
+    };
+    assert!(
+        (amplitude.value / 1000.0 - 1.0).abs() < 0.01,
+        "seed 13: {amplitude:?}"
+    );
+}
+
+#[test]
+fn noise_as_loud_as_far_as_the_next_multiple_is_no_line() {
+    let trial = with(5, &tone(20.0, &[0.5]), |_| 1.0);
+    let (mut band, track) = followed(5);
+    let seen = trial.axis.whitened();
+    let within = |band: &Band, own: u32| {
+        let place = |f_hz: f64| (f_hz / band.step_hz) as usize - band.first;
+        let tone = Tone {
+            seen: &seen,
+            band,
+            track: &track,
+            f_hz: 20.0,
+            own: place(19.9)..place(20.1),
+        };
+        // A sixteenth of the tone's frequency is a good part of the band.
+        harmonics::up_to_next(band, &(0..band.ordinates.len()), &tone, [own, own])
+    };
+    let inside = within(&band, 16).expect("a line");
+    let ends = |place: usize| band.frequency_hz(place as f64);
+    let half_way = 0.5 * 20.0 / 16.0;
+    assert!(
+        (ends(inside.start) - (20.0 - half_way)).abs() < 2.0 * band.step_hz,
+        "seed 5"
+    );
+    assert!(
+        (ends(inside.end) - (20.0 + half_way)).abs() < 2.0 * band.step_hz,
+        "seed 5"
+    );
+    band.ordinates.fill(Complex64::new(3.0, 0.0));
+    assert_eq!(within(&band, 16), None, "as loud everywhere");
+}
+
+#[test]
+fn what_the_strongest_lower_multiple_leaks_is_no_base() {
+    assert_eq!(harmonics::number(&[]), 1);
+    assert_eq!(harmonics::number(&[(2, 1.0), (3, 0.05)]), 2);
+    assert_eq!(harmonics::number(&[(2, 1.0), (4, 0.2)]), 4);
+}
+
+#[test]
+fn a_tone_that_was_taken_for_motion_is_followed_through_it() {
+    // Where it goes furthest, for a tenth of the record.
+    let mut values = noise(14);
+    let far = 0..values.len() / 10;
+    let mut turns = 0.0;
+    let mut drawn = numbers(14, 3);
+    let mut off_hz = 0.0;
+    for (n, value) in values.iter_mut().enumerate() {
+        // Over 5 s by 0.05 Hz.
+        off_hz += 0.002 * (0.05 * drawn.draw() * 1000_f64.sqrt() - off_hz);
+        turns += (20.0 + off_hz + if far.contains(&n) { 1.0 } else { 0.0 }) / RATE_HZ;
+        *value += 3.0 * (TAU * turns).cos();
+    }
+    let mut trial = Trial::new(values);
+    let seconds = far.len() as f64 / RATE_HZ;
+    let happened = Change::Happened {
+        masked: vec![far],
+        waves: Vec::new(),
+    };
+    trial.know(
+        motion::KIND,
+        [0.0, seconds, 0.0, 21.0, 0.1, 1.5, 0.0],
+        happened,
+    );
+    let named = trial.look(|look| named(look, &(19.8..20.2), 1e-9));
+    let candidate = trial::candidate(named.into_iter().collect()).expect("a plain tone");
+    assert!(candidate.supersedes.contains(&motion::KIND), "seed 14");
+    let Change::Tone(bands_hz) = &candidate.change else {
+        panic!("seed 14: {:?}", candidate.change);
+    };
+    assert!(bands_hz[0].contains(&21.0), "seed 14: {bands_hz:?}");
 }
