@@ -40,10 +40,16 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     }
     let half_hz = 0.5 * axis.rate_hz;
     let mut left_hz = axis.excluded_hz();
-    // Beside a tone is what its law leaves of it where it seldom goes.
-    left_hz.extend(axis.tones_with_skirts_hz());
     left_hz.extend(switching_band(axis));
-    let found = noise::unsteady(axis, 0.0..half_hz, &left_hz, look.level());
+    let unsteady = |left_hz: &[Range<f64>]| {
+        let within_hz = 0.0..half_hz;
+        noise::unsteady(axis, within_hz, left_hz, look.level())
+    };
+    let mut found = unsteady(&left_hz);
+    if found.is_some_and(|one| is_skirt(axis, &one)) {
+        left_hz.extend(axis.tones_with_skirts_hz());
+        found = unsteady(&left_hz);
+    }
     let Some(found) = found else {
         return Ok(Vec::new());
     };
@@ -79,6 +85,12 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
         kinds.push(shock::KIND);
     }
     Ok(vec![Proposal::Exclude(excluded, kinds)])
+}
+
+/// Whether a band is no more than the skirts of a tone, on one side or both: it is seldom where it seldom goes.
+fn is_skirt(axis: &AxisState, found: &Unsteady) -> bool {
+    let mut skirts_hz = axis.tones_with_skirts_hz();
+    skirts_hz.any(|one| one.start <= found.from_hz && found.to_hz <= one.end)
 }
 
 /// Whether a band is as unsteady as outliers make it that are too small to be taken out one by one,
