@@ -12,14 +12,21 @@ use crate::fft::ring::Series;
 use crate::model::Seed;
 use crate::model::random::Gaussian;
 
-/// Samples behind the end of the record and ahead of its begin that no one knows, where it is closed into a ring: a
+/// Samples behind the end of the record and ahead of its begin that no one knows, where it is closed into a ring, at least: a
 /// choice, as far as the converter's filter spreads a sample.
 const SEAM: usize = 64;
+
+/// Part of the record that they are, and how many at most: choices. The phase in which a tone ends says little of that in
+/// which it began, and as far as it goes on by itself from either end what is drawn there would have to bend it.
+const PART: usize = 32;
+const LONGEST_SEAM: usize = 4096;
 
 /// The ring of a record.
 pub struct Drawn {
     ring: Transformer,
     len: usize,
+    /// Samples of the seam on either side.
+    seam: usize,
     /// Where its random numbers begin.
     seed: Seed,
 }
@@ -27,9 +34,11 @@ pub struct Drawn {
 impl Drawn {
     /// For a record that was `measured` so, with NaN for what is missing.
     pub fn of(measured: &[f64]) -> Self {
+        let seam = (measured.len() / PART).clamp(SEAM, LONGEST_SEAM);
         Self {
-            ring: Transformer::new(smooth_len_from(measured.len() + SEAM)),
+            ring: Transformer::new(smooth_len_from(measured.len() + seam)),
             len: measured.len(),
+            seam,
             seed: seed(measured),
         }
     }
@@ -42,7 +51,10 @@ impl Drawn {
     /// Places of the ring behind the record and ahead of it that count as missing.
     pub fn seam(&self) -> [Range<usize>; 2] {
         let (end, len) = (self.len, self.ring.len());
-        [end..end + SEAM, (len - SEAM).max(end + SEAM)..len]
+        [
+            end..end + self.seam,
+            (len - self.seam).max(end + self.seam)..len,
+        ]
     }
 
     /// `values`, none of which is missing, less noise of the two-sided densities `density` at the ordinates.
