@@ -187,8 +187,6 @@ impl AxisState {
             self.data = self.bins.first();
             self.left_out = left_out;
         }
-        let excluded_hz = self.excluded_hz();
-        self.data.dof = self.bins.dof_beside_leaks(&excluded_hz, &self.data.psd);
         self.laws = Snapshot::of(&self.explanations).laws;
         let fit = search::polish(&self.bins, &self.data, &mut self.laws, 0, 0.05);
         self.fit = fit.ok_or(NoFit)?;

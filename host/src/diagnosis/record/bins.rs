@@ -39,6 +39,8 @@ pub struct SpectralBins {
     data: Data,
     /// Degrees of freedom of the bins, excluded ones included.
     dof: Vec<f64>,
+    /// Bands, hertz, that no fit and no test looks at.
+    left_out: Vec<Range<f64>>,
     rate_hz: f64,
     band_limited: bool,
     plan: Plan,
@@ -98,6 +100,7 @@ impl SpectralBins {
             nodes,
             chain_power,
             dof: data.dof.clone(),
+            left_out: Vec::new(),
             data,
             rate_hz,
             band_limited,
@@ -119,7 +122,11 @@ impl SpectralBins {
     pub fn measure_parts<'a>(&self, parts: impl IntoIterator<Item = (usize, &'a [f64])>) -> Data {
         let cascade = filled(&self.plan, parts);
         let bins = estimate::bins(&cascade, self.rate_hz, &self.settings);
-        self.data.with_psd(bins.iter().map(|bin| bin.psd).collect())
+        let psd: Vec<f64> = bins.iter().map(|bin| bin.psd).collect();
+        Data {
+            dof: self.dof_beside_leaks(&psd),
+            ..self.data.with_psd(psd)
+        }
     }
 
     /// Counts a share of the samples as not measured: what fills them agrees with any law that they were drawn
@@ -130,9 +137,11 @@ impl SpectralBins {
         }
     }
 
-    /// Takes the bins within any of `bands`, hertz, out of what fits and tests look at.
+    /// Takes the bins within any of `bands`, hertz, out of what fits and tests look at, with those of whose power most leaks
+    /// out of the bands.
     pub fn leave_out(&mut self, bands: &[Range<f64>]) {
-        self.data.dof = self.dof_beside(bands);
+        self.left_out = bands.to_vec();
+        self.data.dof = self.dof_beside_leaks(&self.data.psd);
     }
 
     /// Degrees of freedom of the bins, those within any of `bands`, hertz, all but taken out.
@@ -147,22 +156,25 @@ impl SpectralBins {
         self.dof.iter().enumerate().map(dof_of).collect()
     }
 
-    /// The same, with those all but taken out too of whose measured `psd` most leaks into them out of the bands: a strong tone
-    /// shows, 50 dB below, in all bins that are measured at a lower rate.
-    pub fn dof_beside_leaks(&self, bands: &[Range<f64>], psd: &[f64]) -> Vec<f64> {
+    /// Degrees of freedom of the bins beside the bands that are left out, those all but taken out too of whose measured `psd`
+    /// most leaks into them out of the bands: a strong tone shows, 45 dB below, in all bins that are measured at a lower rate.
+    fn dof_beside_leaks(&self, psd: &[f64]) -> Vec<f64> {
         /// Share of what is measured in a bin up to which leaks are noise like any other: a choice.
         const MOST: f64 = 0.5;
-        let mut dof = self.dof_beside(bands);
-        if bands.is_empty() {
+        let mut dof = self.dof_beside(&self.left_out);
+        // Other bins than these there are where samples were lost on the way.
+        if self.left_out.is_empty() || psd.len() != dof.len() {
             return dof;
         }
         let bins = &self.estimate.bins;
         let density = |f_hz: &f64| {
-            let bin = bins
-                .partition_point(|bin| bin.f_hz < *f_hz)
-                .min(bins.len() - 1);
-            let is_inside = bands.iter().any(|band| band.contains(f_hz));
-            if is_inside { psd[bin] } else { 0.0 }
+            let bin = bins.partition_point(|bin| bin.f_hz < *f_hz);
+            let is_inside = self.left_out.iter().any(|band| band.contains(f_hz));
+            if is_inside {
+                psd[bin.min(psd.len() - 1)]
+            } else {
+                0.0
+            }
         };
         let densities: Vec<f64> = self.nodes.f_hz().iter().map(density).collect();
         let leaks = self.estimate.operator.apply(&densities);

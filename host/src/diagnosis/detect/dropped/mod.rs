@@ -2,6 +2,7 @@
 
 mod demodulate;
 mod evidence;
+mod in_motion;
 mod lengths;
 mod line;
 mod loss;
@@ -54,35 +55,18 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     ) {
         return Ok(Vec::new());
     }
-    let Some(mut loss) = search::lost_samples(axis, &found, look.level()) else {
+    let Some(loss) = search::lost_samples(axis, &found, look.level()) else {
         return Ok(vec![Proposal::Learn(Lesson::LinesWithoutLoss(found))]);
     };
-    let in_motion = in_motion(look);
-    let is_motion = in_motion.is_some();
-    loss = in_motion.unwrap_or(loss);
+    let (loss, moved) = match in_motion::loss(look) {
+        Some(loss) => (loss, Some(motion::KIND)),
+        None => (loss, None),
+    };
     let mut proposals = lines::proposals(look, lines::with_hum(measured(look, &loss)), |_| false);
     let mut candidate = candidate(look, &loss);
-    candidate
-        .supersedes
-        .extend(is_motion.then_some(motion::KIND));
+    candidate.supersedes.extend(moved);
     proposals.push(Proposal::Explain(Box::new(candidate)));
     Ok(proposals)
-}
-
-/// The loss as it is without the motion that is known, where its moment lies within all of that: what a loss makes of lines
-/// moves the axis, and hides its moment once it is left out.
-fn in_motion(look: &Look<'_>) -> Option<Loss> {
-    let values = look.axis.explanation(motion::KIND)?.effect.plain();
-    let mut without = look.axis.clone();
-    without.withdraw_where(|one| one.kind() == motion::KIND);
-    without.refresh().ok()?;
-    let found = strongest(lines::lines(&without, look.level()));
-    let loss = search::lost_samples(&without, &found, look.level())?;
-    let time_s = loss.index as f64 / look.axis.rate_hz;
-    let mut stretches = values.chunks_exact(motion::ROW).map(motion::Stretch::of);
-    let is_then =
-        |one: motion::Stretch| (one.time_s..one.time_s + one.duration_s).contains(&time_s);
-    stretches.all(is_then).then_some(loss)
 }
 
 /// Whether lines are those that were seen `before`, in a record of `duration_s` seconds: as many, none of them half an
@@ -180,7 +164,7 @@ mod tests {
     use crate::model::sinusoid;
 
     /// Three lines of which `lost` samples are lost in the middle.
-    fn trial(seed: u64, lost: usize) -> Trial {
+    pub fn trial(seed: u64, lost: usize) -> Trial {
         let mut longer = noise(seed);
         for f_hz in [7.3, 11.9, 17.1] {
             trial::add(&mut longer, &trial::line(f_hz, 0.5));
@@ -202,33 +186,6 @@ mod tests {
         let out = Change::Waves(vec![trial::line(30.0, 0.0)]);
         trial.know(sinusoid::KIND, [30.0, 0.0], out);
         assert!(trial.ask(&DETECTOR).is_empty(), "seed 0: lines are out");
-    }
-
-    #[test]
-    fn motion_in_which_a_loss_lies_is_the_loss_itself() {
-        // Left out, it hides the moment.
-        for (from_end, is_loss) in [(0.01, true), (0.3, false)] {
-            let mut trial = trial(0, 9);
-            let len = trial.axis.residual.len();
-            let from = ((0.5 - from_end) * len as f64) as usize;
-            let stretch = from..from + len / 50;
-            let [time_s, duration_s] =
-                [stretch.start, stretch.len()].map(|n| n as f64 / trial.axis.rate_hz);
-            let change = Change::Happened {
-                masked: vec![stretch],
-                waves: Vec::new(),
-            };
-            let values = [time_s, duration_s, 0.0, 12.0, 1.0, 0.1, 0.0];
-            trial.know(motion::KIND, values, change);
-            let mut proposals = trial.ask(&DETECTOR);
-            let last = proposals.pop().into_iter().collect();
-            let found = trial::candidate(last).expect("a loss");
-            assert_eq!(found.effect.kind, KIND, "seed 0");
-            let goes = found.supersedes.contains(&motion::KIND);
-            assert_eq!(goes, is_loss, "seed 0: {from_end}");
-            let off = found.effect.plain()[0] * trial.axis.rate_hz - 0.5 * len as f64;
-            assert!(off.abs() < 20.0, "seed 0: {off} samples off");
-        }
     }
 
     #[test]

@@ -20,8 +20,8 @@ pub fn holds_shocks(axis: &AxisState, found: &Unsteady) -> bool {
     shocks.all(|one| is_within(one, found) && 0.5 * one.peak.powi(2) < highest)
 }
 
-/// Whether a shock rings within a band: to within the width of its line, of what rings for `decay_s`, and that of the pieces
-/// of which bands are put together.
+/// Whether a shock rings within a band: to within the width of the pieces of which bands are put together and that of its
+/// line, where it rings for longer than these tell apart.
 fn is_within(shock: &Shock, found: &Unsteady) -> bool {
     let line_hz = (PI * shock.decay_s.max(found.tile_s)).recip();
     let more_hz = line_hz + found.tile_s.recip();

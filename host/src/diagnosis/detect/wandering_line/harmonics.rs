@@ -60,7 +60,7 @@ pub fn family(axis: &AxisState, tone: &Tone<'_>, level: f64) -> Option<Family> {
     // The middle of what it fills may be another: skirts of a strong one may end where the band does.
     let f_hz = tone.f_hz;
     let level = level / f64::from(MOST + OWN);
-    let share = |ratio: f64| share(axis, tone, &own.band_hz, ratio, level);
+    let share_at = |ratio: f64| share(axis, tone, &own.band_hz, ratio, level);
     // What a converter's filter shuts out is no multiple, but what folds or leaks.
     let passes_hz = tone.seen.transform.frequency(tone.seen.top);
     let highest_hz = passes_hz.min(HIGHEST * axis.rate_hz);
@@ -68,7 +68,7 @@ pub fn family(axis: &AxisState, tone: &Tone<'_>, level: f64) -> Option<Family> {
         let base_hz = f_hz / f64::from(number);
         let is_member = |k: u32| {
             let f_hz = f64::from(k) * base_hz;
-            f_hz < highest_hz && share(f64::from(k) / f64::from(number)).is_some()
+            f_hz < highest_hz && share_at(f64::from(k) / f64::from(number)).is_some()
         };
         (1..=MOST)
             .filter(|&k| k == number || is_member(k))
@@ -91,7 +91,7 @@ pub fn family(axis: &AxisState, tone: &Tone<'_>, level: f64) -> Option<Family> {
             return Some(of(number, &numbers, true));
         }
     }
-    let lower = (2..=OWN).filter_map(|k| Some((k, share(f64::from(k).recip())?)));
+    let lower = (2..=OWN).filter_map(|k| Some((k, share_at(f64::from(k).recip())?)));
     let number = number(&lower.collect::<Vec<(u32, f64)>>());
     Some(of(number, &members(number), false))
 }
