@@ -14,7 +14,7 @@ use crate::diagnosis::laws::search::{self, Fitted, Starts};
 use crate::diagnosis::record::bins::SpectralBins;
 use crate::fit::likelihood::{Data, Fit};
 use crate::model::kind::Kind;
-use crate::model::{averaging, rolloff};
+use crate::model::{averaging, resonance, rolloff};
 
 /// Share of the data rate from which the spectrum is looked at: half an octave below the wall shows the pole that may be
 /// ahead of it, and little of what moves slowly.
@@ -24,9 +24,13 @@ const FROM: f64 = 0.25;
 /// filter).
 const WALL: f64 = 0.41;
 
-/// Least fall in power from the mean below the wall to the end of the spectrum without which no filter is tried: 10 dB are
-/// far less than the filter's, and more than a pole's (4 dB from a third to half of the rate).
-const LEAST_FALL: f64 = 10.0;
+/// Least fall in power from the mean below the wall to the end of the spectrum without which no filter is tried: to half of it. Coarse
+/// rounding behind the filter hides all but the beginning of its wall; of less nothing would be seen that a pole does not do.
+const LEAST_FALL: f64 = 2.0;
+
+/// The same where samples are missing: what was drawn behind the filter has its wall, be there one or not, and a third of
+/// a record makes a fall to less than a half of it.
+const LEAST_FALL_OF_DRAWN: f64 = 10.0;
 
 /// How far off a bin of the wall may be, as a share, beside what chance makes of it: a choice, less than half of what
 /// the filter of the other phase is off by at its end (39 % at 0.489 of the rate).
@@ -41,6 +45,9 @@ const LEAST_NATS: f64 = 20.0;
 /// What may be ahead of the filter: both let less through at the upper end, in lobes or not, where no wall is.
 const AHEAD: [Kind; 2] = [rolloff::KIND, averaging::KIND];
 
+/// What may be there without a filter: what rings below the wall falls towards half of the rate too.
+const IN_ITS_PLACE: [Kind; 3] = [resonance::KIND, rolloff::KIND, averaging::KIND];
+
 /// By how much likelier one of them has to make the record, nats: what the best of some 150 starts gains by chance, once in
 /// a hundred.
 const AHEAD_NATS: f64 = 10.0;
@@ -49,7 +56,7 @@ const AHEAD_NATS: f64 = 10.0;
 /// [`rolloff`]. What was filled in the place of missing samples is that of an axis `behind` the chain in question.
 pub fn chain(axis: &AxisState, behind: impl Fn(&Chain) -> Option<AxisState>) -> Option<Chain> {
     let is_filled = axis.filled_samples() > 0;
-    if axis.chain.is_some() || !(is_filled || falls(&axis.data, axis.rate_hz)) {
+    if axis.chain.is_some() || !(is_filled || falls(&axis.data, axis.rate_hz, LEAST_FALL)) {
         return None;
     }
     let phases = [Phase::Linear, Phase::Minimum];
@@ -61,7 +68,7 @@ pub fn chain(axis: &AxisState, behind: impl Fn(&Chain) -> Option<AxisState>) -> 
         let seen = is_filled.then(|| behind(&chain));
         let axis = seen.as_ref().map_or(Some(axis), Option::as_ref)?;
         let data = &axis.data;
-        if !falls(data, axis.rate_hz) {
+        if is_filled && !falls(data, axis.rate_hz, LEAST_FALL_OF_DRAWN) {
             return None;
         }
         let bins = |chain| {
@@ -71,8 +78,8 @@ pub fn chain(axis: &AxisState, behind: impl Fn(&Chain) -> Option<AxisState>) -> 
             Some(bins)
         };
         let (bins, unfiltered) = (bins(Some(&chain))?, bins(None)?);
-        let (fit, ahead) = fitted(&bins, data, &Starts::new(&bins)?)?;
-        let (without, _) = fitted(&unfiltered, data, &Starts::new(&unfiltered)?)?;
+        let (fit, ahead) = fitted(&bins, data, &AHEAD)?;
+        let (without, _) = fitted(&unfiltered, data, &IN_ITS_PLACE)?;
         let gain = fit.log_likelihood - without.log_likelihood;
         let is_it = gain > LEAST_NATS && agrees(data, &fit, axis.rate_hz);
         is_it.then_some((chain, ahead, gain))
@@ -87,8 +94,8 @@ fn simplest(fits: impl Iterator<Item = (Chain, usize, f64)>) -> Option<Chain> {
     simplest.map(|(chain, ..)| chain)
 }
 
-/// Whether the spectrum falls by more than a pole at its end.
-fn falls(data: &Data, rate_hz: f64) -> bool {
+/// Whether the spectrum falls at its end, to less than one `least` of what it was below.
+fn falls(data: &Data, rate_hz: f64, least: f64) -> bool {
     let below = |from: f64, to: f64| {
         let band = from * rate_hz..to * rate_hz;
         let bins = data.f_hz.iter().zip(&data.psd);
@@ -98,12 +105,12 @@ fn falls(data: &Data, rate_hz: f64) -> bool {
         })
     };
     let ((level, count), end) = (below(FROM, WALL), data.psd.last());
-    end.is_some_and(|end| count > 0.0 && level > LEAST_FALL * count * end)
+    end.is_some_and(|end| count > 0.0 && level > least * count * end)
 }
 
-/// The likeliest fit of the upper end of a spectrum, ahead of which a pole may be, a mean over some samples, or both, and how
-/// many of them are. Searches begin with `starts`.
-fn fitted(bins: &SpectralBins, data: &Data, starts: &Starts) -> Option<(Fit, usize)> {
+/// The likeliest fit of the upper end of a spectrum with laws of these kinds, two at most, and how many of them there are.
+fn fitted(bins: &SpectralBins, data: &Data, kinds: &[Kind]) -> Option<(Fit, usize)> {
+    let starts = Starts::new(bins)?;
     let counts = |(f_hz, dof): (&f64, &f64)| *f_hz >= WALL * bins.rate_hz() && *dof >= 1.0;
     let shows_wall = data.f_hz.iter().zip(&data.dof).any(counts);
     let below = 0.0..FROM * bins.rate_hz();
@@ -112,17 +119,18 @@ fn fitted(bins: &SpectralBins, data: &Data, starts: &Starts) -> Option<(Fit, usi
         ..data.clone()
     };
     // Where its wall does not count, nothing says that what a mean makes of it is not there.
-    let ahead = if shows_wall { &AHEAD[..] } else { &AHEAD[..1] };
+    let may_be = |kind: &Kind| shows_wall || *kind != averaging::KIND;
+    let kinds: Vec<Kind> = kinds.iter().copied().filter(may_be).collect();
     let (mut laws, mut fit) = (Vec::new(), laws::fit(bins, &data, &[])?);
-    for _ in ahead {
+    for _ in 0..kinds.len().min(AHEAD.len()) {
         let present = Fitted {
             bins,
             data: &data,
             laws: &laws,
             fit: &fit,
         };
-        let found = ahead.iter();
-        let found = found.filter_map(|&kind| search::best(present, starts, kind));
+        let found = kinds.iter();
+        let found = found.filter_map(|&kind| search::best(present, &starts, kind));
         let best = found.max_by(|a, b| a.nats.total_cmp(&b.nats));
         let Some(best) = best.filter(|best| best.nats > AHEAD_NATS) else {
             break;

@@ -121,6 +121,31 @@ fn means_over_some_samples_are_no_converter_and_hide_none() {
 }
 
 #[test]
+fn what_rings_below_the_wall_is_no_converter() {
+    const RATE_HZ: f64 = 120.0;
+    // White noise of a hundredth has a deviation of 0.08 at this rate.
+    for (seed, (share, quality, amplitude)) in (71..).zip([
+        (0.33, 20.0, 3.0),
+        (0.35, 5.0, 1.0),
+        (0.38, 40.0, 0.6),
+        (0.30, 10.0, 3.0),
+    ]) {
+        let f_hz = share * RATE_HZ;
+        let rings = format!(
+            r#", "effects": [ {{ "effect": "resonance", "parameters": {{ "f_hz": {f_hz}, "width_hz": {}, "amplitude": {amplitude} }} }} ]"#,
+            f_hz / quality
+        );
+        let values = record_with(&rings, "120hz", RATE_HZ, seed);
+        for len in [9381, values.len()] {
+            let values = Arc::new(values[..len].to_vec());
+            let axis = AxisState::new(values, RATE_HZ, None).expect("a spectrum");
+            let found = super::chain(&axis, |_| None).map(|chain| chain.to_string());
+            assert_eq!(found, None, "seed {seed}, {len} samples: {share}");
+        }
+    }
+}
+
+#[test]
 fn of_two_filters_it_is_the_one_that_needs_less_ahead() {
     let fit = |phase, laws, gain| {
         let chain = Chain {
