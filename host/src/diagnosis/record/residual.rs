@@ -163,12 +163,23 @@ impl Residual {
         self.where_it_counts(&[])
     }
 
-    /// The record without some waves, NaN where it is excluded.
-    fn where_it_counts(&self, waves: &[Wave]) -> Arc<Vec<f64>> {
+    /// What is left, short gaps filled, of what is excluded too; NaN where more is missing.
+    pub fn everywhere(&self) -> Arc<Vec<f64>> {
+        self.without(&self.taken.waves)
+    }
+
+    /// The record without some waves.
+    fn without(&self, waves: &[Wave]) -> Arc<Vec<f64>> {
         let mut left = Arc::clone(&self.whole);
         for wave in waves {
             wave.take_out(Arc::make_mut(&mut left).as_mut_slice());
         }
+        left
+    }
+
+    /// The record without some waves, NaN where it is excluded.
+    fn where_it_counts(&self, waves: &[Wave]) -> Arc<Vec<f64>> {
+        let mut left = self.without(waves);
         for mask in self.left_out() {
             let end = mask.end.min(left.len());
             Arc::make_mut(&mut left)[mask.start.min(end)..end].fill(f64::NAN);

@@ -22,6 +22,7 @@ use crate::diagnosis::record::wave::{Outlier, Wave};
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
 use crate::diagnosis::statistic::matched_filter::Transform;
+use crate::diagnosis::statistic::p_value;
 use crate::diagnosis::steady::band_events::is_of_excluded;
 use crate::model::kind::Kind;
 use crate::model::outliers::KIND;
@@ -202,8 +203,10 @@ fn sought(look: &Look<'_>, whole: &Transform, density: &[f64], powers: &Powers) 
         let is_filtered = filtered(look.axis);
         let usable = |n| is_filtered(n) || many && look.axis.is_beside_filled(n, 0);
         found = edges::with_edges(found, &with_outliers(look), usable, look.level());
-        let begins = begins(look.axis);
-        found.outliers.retain(|one| one.index >= begins);
+        let means = Beginning::of(look.axis);
+        found
+            .outliers
+            .retain(|one| means.is_beyond(one, look.level()));
     } else if !found.outliers.is_empty() {
         // A jump is larger as a jump than as a single sample.
         let jumps = steps::statistic(look.axis, whole, density);
@@ -212,10 +215,40 @@ fn sought(look: &Look<'_>, whole: &Transform, density: &[f64], powers: &Powers) 
     found
 }
 
-/// The first sample that is one like all others, by the laws that are known.
-fn begins(axis: &AxisState) -> usize {
-    let others = axis.laws.iter().filter_map(|law| axis.begins_with(law));
-    others.map(|some| some.end).max().unwrap_or(0)
+/// The samples that a record of means begins with: the first is one sample, the next a mean of two, until there are all.
+struct Beginning {
+    /// How many there are before the first that is one like all others.
+    means: usize,
+}
+
+impl Beginning {
+    /// By the laws that are known.
+    fn of(axis: &AxisState) -> Self {
+        let others = axis.laws.iter().filter_map(|law| axis.begins_with(law));
+        let means = others.map(|some| some.end).max().unwrap_or(0);
+        Self { means }
+    }
+
+    /// Whether what was found at a sample is more than that it is a mean over fewer: white noise is larger there, by the square
+    /// root of what is missing.
+    fn is_beyond(&self, found: &Outlier, level: f64) -> bool {
+        if found.index >= self.means {
+            return true;
+        }
+        let wider = ((self.means + 1) as f64 / (found.index + 1) as f64).sqrt();
+        found.size.abs()
+            > wider * found.size_sd * p_value::threshold(level, self.means, f64::INFINITY)
+    }
+
+    /// Puts these samples, which no fit looks at, into `values`, unless something else excludes them.
+    fn put_back(&self, axis: &AxisState, values: &mut Arc<Vec<f64>>) {
+        let own = 0..self.means;
+        let mut excluded = axis.residual.left_out();
+        if self.means > 0 && excluded.all(|one| *one == own || one.start >= own.end) {
+            let all = axis.residual.everywhere();
+            Arc::make_mut(values)[own.clone()].copy_from_slice(&all[own]);
+        }
+    }
 }
 
 /// Samples on either side of one that was drawn that the filter leaves out, where few were drawn: a choice, as far as a
@@ -256,6 +289,7 @@ fn with_outliers(look: &Look<'_>) -> Arc<Vec<f64>> {
     } else {
         residual.values()
     };
+    Beginning::of(look.axis).put_back(look.axis, &mut values);
     let known = look.axis.residual.outliers();
     if !known.is_empty() {
         let values = Arc::make_mut(&mut values);

@@ -259,22 +259,24 @@ fn a_mean_that_begins_is_no_outlier() {
         window.iter().sum::<f64>() / window.len() as f64
     };
     let mut measured: Vec<f64> = (0..raw.len()).map(mean).collect();
-    // Nine deviations of a sample by itself: seldom, but so is a record that begins with one.
+    // Two deviations and a half of a sample by itself, nearly nine of a mean over twelve; or what no sample by itself is.
+    measured[0] = 2.5;
+    let alone = measured.clone();
     measured[0] = 9.0;
-    let mut trial = Trial::new(measured);
-    assert!(
-        trial::candidate(trial.ask(&DETECTOR)).is_some(),
-        "seed {seed}: nothing is known of a filter"
-    );
     let law = Law {
         effect: averaging::KIND,
         values: vec![12.0 / trial::RATE_HZ],
     };
-    trial.know(averaging::KIND, [law.values[0]], Change::Law(law));
-    assert!(
-        trial::candidate(trial.ask(&DETECTOR)).is_none(),
-        "seed {seed}"
-    );
+    for (first, is_outlier) in [(alone, false), (measured, true)] {
+        let mut trial = Trial::new(first);
+        assert!(
+            trial::candidate(trial.ask(&DETECTOR)).is_some(),
+            "seed {seed}: nothing is known of a filter"
+        );
+        trial.know(averaging::KIND, [law.values[0]], Change::Law(law.clone()));
+        let found = trial::candidate(trial.ask(&DETECTOR));
+        assert_eq!(found.is_some(), is_outlier, "seed {seed}");
+    }
 }
 
 #[test]
