@@ -28,6 +28,13 @@ pub struct Course {
     pub nats: f64,
 }
 
+/// Whether a course explains most of what stands out in `samples`: of an exponential even a bump does.
+pub fn is_most(about: &About, fitted: &Fitted, samples: &Range<usize>) -> bool {
+    let errors = about.errors_in(samples);
+    let square: f64 = errors.iter().map(|error| error * error).sum();
+    2.0 * fitted.score > square - errors.len() as f64
+}
+
 /// The course that was fitted to `samples`; `None` where it leaves too much of them.
 pub fn of_fit(about: &About, fitted: &Fitted, samples: &Range<usize>) -> Option<Course> {
     let course = about.of_shock(&fitted.shock);

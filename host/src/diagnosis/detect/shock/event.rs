@@ -12,15 +12,13 @@ use super::ends::beside_ends;
 use super::even::{LONG, even};
 use super::fit::{self, Fitted};
 use super::loud;
+use super::moment::{MOMENT, Moment};
 use super::moved::{Moved, NotMoved};
 use super::quiet::Quiet;
-use super::scan::{NOTHING, Scan, Stretch};
+use super::scan::{Scan, Stretch};
 use super::singles::Singles;
 use super::strength;
 use crate::diagnosis::detect::burst::Burst;
-
-/// Samples up to which a stretch may be one moment: two of the shortest windows, and what joins them.
-pub const MOMENT: usize = 64;
 
 /// Samples that are whitened, at most: a choice between time and place.
 const WHITENED: usize = 1 << 20;
@@ -86,10 +84,11 @@ impl<'a> Event<'a> {
 
     /// What it is.
     pub fn what(&self) -> What {
-        if self.is_one_sample() || self.are_single_samples() {
+        let moment = self.moment();
+        if moment.as_ref().is_some_and(Moment::is_one_sample) || self.are_single_samples() {
             return What::Singles;
         }
-        if self.is_cut() || self.is_between_levels() {
+        if moment.as_ref().is_some_and(Moment::is_cut) || self.is_between_levels() {
             return What::Jump;
         }
         let close = self.about(1, self.samples().len() / 2);
@@ -117,7 +116,8 @@ impl<'a> Event<'a> {
             return other;
         }
         // What settles from the start on has a name of its own.
-        if self.samples().start == 0 && fitted.shock.f_hz == 0.0 {
+        let is_first = self.samples().start == 0 && fitted.shock.f_hz == 0.0;
+        if is_first && course::is_most(about, &fitted, self.samples()) {
             return What::Other;
         }
         let later = beside_ends(about, &fitted);
@@ -222,30 +222,11 @@ impl<'a> Event<'a> {
         About::new(&beside, self.samples(), &range, factor)
     }
 
-    /// Values about a stretch that may be one moment, and its place among them.
-    fn moment(&self) -> Option<(&'a [f64], Range<usize>)> {
+    /// The stretch as one moment, where it is short enough.
+    fn moment(&self) -> Option<Moment<'a>> {
         let samples = self.samples();
         let near = self.with(MOMENT);
-        let place = samples.start - near.start..samples.end - near.start;
-        (samples.len() <= MOMENT).then(|| (&self.values()[near], place))
-    }
-
-    /// Whether nothing stands out in a run of some values about the place of the stretch.
-    fn is_nothing(&self, run: Range<usize>, place: &Range<usize>, values: &[f64]) -> bool {
-        self.scan.highest(&run, place, values, MOMENT) < NOTHING
-    }
-
-    /// Whether nothing is left where the record is cut at one moment of it.
-    fn is_cut(&self) -> bool {
-        let Some((values, place)) = self.moment() else {
-            return false;
-        };
-        let len = values.len();
-        // Where nothing is before or after it, that is no cut.
-        let (first, last) = (place.start.max(8), place.end.min(len.saturating_sub(8)));
-        (first..=last).any(|n| {
-            self.is_nothing(0..n, &place, values) && self.is_nothing(n..len, &place, values)
-        })
+        (samples.len() <= MOMENT).then(|| Moment::new(self.scan, near, samples))
     }
 
     /// Whether nothing is left without single samples of it that come close together by chance.
@@ -257,32 +238,6 @@ impl<'a> Event<'a> {
             &near,
             self.stretch.window.max(MOMENT),
         )
-    }
-
-    /// Whether nothing is left without one sample of it, and what was bridged beside that.
-    fn is_one_sample(&self) -> bool {
-        let Some((values, place)) = self.moment() else {
-            return false;
-        };
-        let Some(largest) = course::largest(values, &place) else {
-            return false;
-        };
-        let first = self.samples().start - place.start;
-        let is_seen = |n: &usize| self.scan.is_seen(first + n);
-        let before = (0..largest).rev().find(is_seen);
-        let after = (largest + 1..values.len()).find(is_seen);
-        let Some(level) = before.or(after).map(|n| values[n]) else {
-            return false;
-        };
-        let ends = [before, after].map(|n| n.map_or(level, |n| values[n]));
-        let gone = before.map_or(0, |n| n + 1)..after.unwrap_or(values.len());
-        let parts = (gone.len() + 1) as f64;
-        let mut without = values.to_vec();
-        for (part, value) in without[gone].iter_mut().enumerate() {
-            let share = (part + 1) as f64 / parts;
-            *value = ends[0] + share * (ends[1] - ends[0]);
-        }
-        self.is_nothing(0..without.len(), &place, &without)
     }
 
     /// A jump, or single samples, where these explain it as well as a shock.

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::course::Course;
-use super::event::MOMENT;
+use super::moment::MOMENT;
 use super::moved::Moved;
 use super::scan::{Scan, Stretch};
 use crate::diagnosis::axis::SPREAD;

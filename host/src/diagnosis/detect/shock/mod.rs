@@ -15,6 +15,7 @@ mod event;
 mod fit;
 mod happened;
 mod loud;
+mod moment;
 mod moved;
 mod quiet;
 mod scan;

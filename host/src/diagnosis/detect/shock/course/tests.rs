@@ -51,3 +51,30 @@ fn what_turns_once_does_not_ring() {
     assert_eq!(of(1.0), 0.0);
     assert!((of(4.0) - 0.04).abs() < 0.005);
 }
+
+#[test]
+fn one_course_is_most_of_what_settles_and_not_of_what_sways() {
+    type Wave = fn(f64) -> f64;
+    let settles: Wave = |share| (-5.0 * share).exp();
+    let sways: Wave = |share| {
+        let waves = [(2.3, 0.4), (5.1, 2.0), (7.9, 5.0), (3.6, 1.0)];
+        waves
+            .map(|(f, phase)| (TAU * f * share + phase).sin())
+            .iter()
+            .sum()
+    };
+    for (seed, wave, is_most) in [(60, settles, true), (61, sways, false), (62, sways, false)] {
+        let mut values = noise(seed);
+        let length = EVENT.len() as f64;
+        for (n, value) in values[EVENT].iter_mut().enumerate() {
+            *value += 100.0 * wave(n as f64 / length);
+        }
+        let about = trial::about(&values);
+        let fitted = fit::fit(&about).expect("a course");
+        assert_eq!(
+            super::is_most(&about, &fitted, &EVENT),
+            is_most,
+            "seed {seed}"
+        );
+    }
+}
