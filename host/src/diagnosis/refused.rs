@@ -17,6 +17,16 @@ pub enum Refused {
         /// How many samples count.
         samples: usize,
     },
+    /// The samples repeat few values, each for as long as a clock has it.
+    #[error(
+        "its {samples} samples hold {values} values of the sensor, each repeated until the next came; a diagnosis needs {LEAST} or more; record longer"
+    )]
+    Held {
+        /// How many values there are.
+        values: usize,
+        /// In how many samples.
+        samples: usize,
+    },
     /// Nowhere enough samples in a row.
     #[error(
         "axis {axis}: more than half of its samples are missing, or gaps of more than 32 samples leave no stretch that is long enough for a spectrum; choose a part of the record with --from and --to"

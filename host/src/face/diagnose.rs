@@ -113,7 +113,7 @@ pub fn diagnose(
     }
     at_clock(&mut samples, &clock);
     let signal = samples.signal.clone();
-    let held = Held::of(&samples, level_of_one_test(&options));
+    let held = Held::of(&samples, level_of_one_test(&options))?;
     if let Some(held) = &held {
         samples = held.values(&samples);
         options.covariate = options.covariate.map(|column| held.beside(&column));

@@ -5,7 +5,7 @@
 //! chance are [`stale`](super::stale).
 
 use crate::diagnosis::record::samples::{Samples, Seen};
-use crate::diagnosis::refused::LEAST;
+use crate::diagnosis::refused::{LEAST, Refused};
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::finding::{AxisDiagnosis, Finding};
 use crate::diagnosis::result::value::Value;
@@ -53,21 +53,34 @@ struct Fresh {
 
 impl Held {
     /// That of a record, at the `level` of one test; `None` where its samples are values of their own.
-    pub fn of(record: &Samples, level: f64) -> Option<Self> {
+    ///
+    /// # Errors
+    /// [`Refused::Held`] where these are too few to be diagnosed.
+    pub fn of(record: &Samples, level: f64) -> Result<Option<Self>, Refused> {
         let has_converter = record.signal.axes.iter().any(|axis| {
             let chain = axis.chain.as_ref();
             chain.is_some_and(|chain| chain.converter.is_some())
         });
         // The rate of a declared converter is known.
         if has_converter {
-            return None;
+            return Ok(None);
         }
         // Most records hold nothing, and need no room for their new values.
         let repeats = record.seen().filter(|seen| *seen == Seen::Same).count();
         if (repeats as f64) < SHARE * record.len() as f64 {
-            return None;
+            return Ok(None);
         }
-        Self::of_values(record.seen(), level)
+        let Some(held) = Self::of_values(record.seen(), level) else {
+            return Ok(None);
+        };
+        let values = held.samples.iter().flatten().count();
+        if values < LEAST {
+            return Err(Refused::Held {
+                values,
+                samples: record.len(),
+            });
+        }
+        Ok(Some(held))
     }
 
     fn of_values(seen: impl Iterator<Item = Seen>, level: f64) -> Option<Self> {
@@ -83,10 +96,9 @@ impl Held {
         let (first, last) = (fresh.first()?.sample, fresh.last()?.sample);
         let between = (samples.len() - 1) as f64;
         let values = between / (last - first) as f64;
-        let there = samples.iter().flatten().count();
         // Each end is off by the part of a sample.
         let values_sd = values / (last - first) as f64 * f64::sqrt(2.0 / 12.0);
-        (there >= LEAST).then_some(Self {
+        Some(Self {
             values,
             values_sd,
             samples,
@@ -269,7 +281,6 @@ mod tests {
             assert_eq!(found(&held(pairs, 200_003)), None, "seed {seed}: pairs");
         }
         assert_eq!(found(&vec![Seen::New; 200_003]), None, "no repeats");
-        assert_eq!(found(&held(clock(30.0), 200_003)), None, "too few values");
     }
 
     #[test]

@@ -4,8 +4,10 @@ use super::record::{Disturbance, Room};
 use crate::hidden::draw::Draw;
 
 /// The sensor is slower than the logger, at no simple ratio: each value is written until there is a new one.
-pub fn held(_room: &Room, draw: &mut Draw) -> Disturbance {
-    let ratio = draw.log_uniform(1.2, 10.0);
+pub fn held(room: &Room, draw: &mut Draw) -> Disturbance {
+    /// Values that a diagnosis needs, and some more: with fewer it says so, and that they are held.
+    const VALUES: f64 = 9000.0;
+    let ratio = draw.log_uniform(1.2, (room.samples as f64 / VALUES).min(10.0));
     let hold = move |samples: &mut [f64]| {
         for i in 0..samples.len() {
             // The last sample at which the sensor had a new one.
