@@ -13,6 +13,7 @@ mod band;
 mod course;
 mod harmonics;
 mod made_for_it;
+mod straight;
 #[cfg(test)]
 mod tests;
 mod track;
@@ -179,7 +180,7 @@ fn followed(look: &Look<'_>, within_hz: &Range<f64>, p_value: f64) -> Option<Can
     } else {
         wandering_line::KIND
     };
-    if !look.is_open(kind) {
+    if !look.is_open(kind) || kind == wandering_line::KIND && course.goes_one_way() {
         return None;
     }
     let effect = Estimate {

@@ -228,3 +228,24 @@ fn a_tone_that_was_taken_for_motion_is_followed_through_it() {
     };
     assert!(bands_hz[0].contains(&21.0), "seed 14: {bands_hz:?}");
 }
+
+#[test]
+fn a_tone_that_glides_far_does_not_wander() {
+    // From 20 Hz on, in 200 s: as far as a clock drifts, and as what runs up does.
+    for (seed, far_hz, is_named) in [(90, 0.4, true), (91, 4.0, false), (92, -4.0, false)] {
+        let mut values = noise(seed);
+        let count = values.len() as f64;
+        for (n, value) in values.iter_mut().enumerate() {
+            let share = n as f64 / count;
+            let cycles = (20.0 + 0.5 * far_hz * share) * n as f64 / RATE_HZ;
+            *value += 2.0 * (TAU * cycles).sin();
+        }
+        let trial = Trial::new(values);
+        let named = trial.look(|look| {
+            let ends_hz = [20.0, 20.0 + far_hz];
+            let within_hz = ends_hz[0].min(ends_hz[1])..ends_hz[0].max(ends_hz[1]);
+            named(look, &within_hz, 1e-9).is_some()
+        });
+        assert_eq!(named, is_named, "seed {seed}, {far_hz} Hz");
+    }
+}
