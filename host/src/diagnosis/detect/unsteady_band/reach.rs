@@ -20,11 +20,12 @@ pub fn holds_shocks(axis: &AxisState, found: &Unsteady) -> bool {
     shocks.all(|one| is_within(one, found) && 0.5 * one.peak.powi(2) < highest)
 }
 
-/// Whether a shock rings within a band: to within the width of the pieces of which bands are put together and that of its
-/// line, where it rings for longer than these tell apart.
+/// Whether a shock rings within a band: to within half of its width, for it ends where it is seen no more and not where it is no
+/// more, that of the pieces of which bands are put together, and that of the shock's line, where it rings for longer than these
+/// tell apart.
 fn is_within(shock: &Shock, found: &Unsteady) -> bool {
     let line_hz = (PI * shock.decay_s.max(found.tile_s)).recip();
-    let more_hz = line_hz + found.tile_s.recip();
+    let more_hz = line_hz + found.tile_s.recip() + 0.5 * (found.to_hz - found.from_hz);
     shock.f_hz > 0.0 && (found.from_hz - more_hz..found.to_hz + more_hz).contains(&shock.f_hz)
 }
 

@@ -210,9 +210,16 @@ fn what_comes_and_goes_beside_a_tone_is_its_own() {
 
 #[test]
 fn shocks_no_higher_than_the_band_comes_by_itself_are_the_band() {
+    let (band, _) = excluded(&Trial::new(values(0))).expect("a plain band");
+    let beside_hz = |widths: f64| {
+        let width_hz = band.end - band.start;
+        band.end + widths * width_hz
+    };
     // The band has the deviation 1.2 for a fifth of the time, 0.5 in the mean.
     for (peaks, f_hz, is_band) in [
-        (&[2.0][..], 20.0, true),
+        (&[2.0][..], beside_hz(0.4), true),
+        (&[2.0], beside_hz(2.0), false),
+        (&[2.0], 20.0, true),
         (&[2.0, 1.5], 20.0, true),
         (&[2.0, 9.0], 20.0, false),
         (&[2.0], 35.0, false),
