@@ -59,7 +59,7 @@ impl AxisState {
         let seen = cell.get_or_init(|| {
             let mut transform = self.fast.transform(&self.filled, self.rate_hz);
             let density = self.densities(&transform);
-            transform.close(&density, &self.memories(self.rate_hz));
+            transform.close(&density, &self.seam(self.rate_hz));
             let top = self.shut_out(&transform);
             Arc::new(Whitened {
                 transform,
@@ -107,7 +107,7 @@ impl AxisState {
             }
         }
         let mut whole = self.fast.transform_in_place(series, self.rate_hz);
-        whole.close(density, &self.memories(self.rate_hz));
+        whole.close(density, &self.seam(self.rate_hz));
         whole
     }
 

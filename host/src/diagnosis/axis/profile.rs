@@ -9,8 +9,8 @@
 //! ```
 //!
 //! is made as large as it gets over `k` and `b`, with `a` and without (P. Whittle 1953); all else of the
-//! density is known well from higher frequencies. The ring's seam stays free in both (`whole`): one
-//! sample and one jump there, of any size. Where few ordinates decide, twice the gain is not
+//! density is known well from higher frequencies. What is free at the ring's seam
+//! ([`Seam`](crate::diagnosis::statistic::matched_filter::Seam)) is so in both. Where few ordinates decide, twice the gain is not
 //! chi-squared but what Student's law makes of it.
 
 use nalgebra::{DMatrix, DVector};
@@ -18,9 +18,7 @@ use realfft::num_complex::Complex64;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 use crate::diagnosis::axis::AxisState;
-use crate::diagnosis::statistic::matched_filter::{
-    Impulse, Settling, Step, Transform, Transformer,
-};
+use crate::diagnosis::statistic::matched_filter::Transform;
 
 /// Ordinates, from the lowest, whose density is fitted anew: at the last of them a walk has a
 /// millionth of the density that it has at the first, flicker a thousandth.
@@ -108,27 +106,16 @@ impl<'a> Profile<'a> {
             let first = low.first().map_or(0.0, |&k| density[k] / shapes[term][0]);
             f64::max(fitted[term], BEGINNING * first)
         });
-        let ring = Transformer::new(record.len());
         let mut profile = Self {
             record,
             density,
             rest: rest.collect(),
             low,
             shapes,
-            seam: vec![
-                ring.waveform(&Impulse, record.rate_hz()),
-                ring.waveform(&Step, record.rate_hz()),
-            ],
+            seam: axis.seam(record.rate_hz()).waveforms(record),
             squares: begun,
             null: 0.0,
         };
-        let remembered = axis.memories(record.rate_hz());
-        let remembered = remembered.into_iter().map(|samples| Settling {
-            samples,
-            len: record.len(),
-        });
-        let remembered = remembered.map(|course| ring.waveform(&course, record.rate_hz()));
-        profile.seam.extend(remembered);
         let seam: Vec<&Transform> = profile.seam.iter().collect();
         let null = profile.best(&seam);
         (profile.squares, profile.null) = (null.squares, null.nats);

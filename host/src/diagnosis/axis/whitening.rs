@@ -1,11 +1,13 @@
 //! What whitens an axis's record, and slow copies of it.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::laws::Law;
 use crate::diagnosis::record::bridge::block_means;
-use crate::diagnosis::statistic::matched_filter::{Transform, Transformer};
+use crate::diagnosis::statistic::matched_filter::{Seam, Transform, Transformer};
 use crate::model::effect::Part;
 use crate::model::markov::{self, Markov};
 
@@ -90,9 +92,12 @@ impl AxisState {
         })
     }
 
-    /// Leaves the bands that are excluded out of `densities`.
+    /// Leaves the bands that are excluded out of `densities`, and in a slow copy of the record what tones are folded to.
     fn leave_out(&self, whole: &Transform, densities: &mut [f64]) {
-        for band in self.excluded_hz() {
+        let bands = self.excluded_hz().into_iter();
+        let tones = self.tones_hz().into_iter();
+        let folded = tones.map(|band| folded(&band, whole.rate_hz()));
+        for band in bands.chain(folded) {
             let count = densities.len();
             let of = |f_hz: f64| (f_hz / whole.frequency(1)).ceil().max(0.0) as usize;
             let (start, end) = (of(band.start).min(count), of(band.end).min(count));
@@ -100,12 +105,20 @@ impl AxisState {
         }
     }
 
-    /// For how long the noise that laws describe remembers where it was, in samples of a copy at `rate_hz`.
-    pub fn memories(&self, rate_hz: f64) -> Vec<f64> {
+    /// What is free where a copy of the record at `rate_hz` closes into a ring.
+    pub fn seam(&self, rate_hz: f64) -> Seam {
         let laws = self.laws.iter().filter(|law| law.effect == markov::KIND);
         let samples = laws.map(|law| Markov::of(&law.values).time_s * rate_hz);
-        // What lasts for less than a sample is white.
-        samples.filter(|samples| *samples > 1.0).collect()
+        let tones = self.tones_hz().into_iter();
+        let tones = tones.map(|band| {
+            let band = folded(&band, rate_hz);
+            0.5 * (band.start + band.end) / rate_hz
+        });
+        Seam {
+            // What lasts for less than a sample is white.
+            memories: samples.filter(|samples| *samples > 1.0).collect(),
+            tones: tones.collect(),
+        }
     }
 
     /// Samples that one sample of the slow copy stands for.
@@ -125,7 +138,7 @@ impl AxisState {
         let mut whole = Transformer::new(means.len()).transform(&means, rate_hz);
         let mut density = self.slow_densities(&whole, factor);
         self.leave_out(&whole, &mut density);
-        whole.close(&density, &self.memories(rate_hz));
+        whole.close(&density, &self.seam(rate_hz));
         (whole, density)
     }
 
@@ -154,6 +167,17 @@ impl AxisState {
                 .sum()
         })
     }
+}
+
+/// Where a band is seen at `rate_hz`, hertz: above half of it, folded back.
+fn folded(band_hz: &Range<f64>, rate_hz: f64) -> Range<f64> {
+    let end = |f_hz: f64| {
+        let beyond = f_hz.rem_euclid(rate_hz);
+        beyond.min(rate_hz - beyond)
+    };
+    let middle_hz = end(0.5 * (band_hz.start + band_hz.end));
+    let half_hz = 0.5 * (band_hz.end - band_hz.start);
+    (middle_hz - half_hz).max(0.0)..(middle_hz + half_hz).min(0.5 * rate_hz)
 }
 
 /// Densities at the ordinates of `len` samples on a ring, from a table.
@@ -194,4 +218,20 @@ pub(super) fn tabulate(len: usize, rate_hz: f64, density: impl Fn(f64) -> f64) -
         each.for_each(|(n, density)| *density = begin + slope * n as f64);
     });
     densities
+}
+
+#[cfg(test)]
+mod tests {
+    use super::folded;
+
+    #[test]
+    fn a_band_is_seen_where_it_folds_back_to() {
+        // At 40/s: as it is, about 20 Hz, and about 40 Hz.
+        for (middle_hz, seen_hz) in [(7.5, 7.5), (25.0, 15.0), (38.0, 2.0), (43.0, 3.0)] {
+            let band = folded(&(middle_hz - 0.5..middle_hz + 0.5), 40.0);
+            assert_eq!(band, seen_hz - 0.5..seen_hz + 0.5, "{middle_hz} Hz");
+        }
+        assert_eq!(folded(&(19.5..20.5), 40.0), 19.5..20.0);
+        assert_eq!(folded(&(39.5..40.5), 40.0), 0.0..0.5);
+    }
 }

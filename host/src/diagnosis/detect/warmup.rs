@@ -20,7 +20,7 @@ use crate::diagnosis::record::wave::Wave;
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
 use crate::diagnosis::statistic::matched_filter::{
-    Half, Projection, Settling, Transform, Transformer, held_out_gain,
+    Half, Projection, Seam, Settling, Transform, Transformer, held_out_gain,
 };
 use crate::diagnosis::statistic::p_value;
 use crate::model::warmup::KIND;
@@ -118,7 +118,7 @@ pub fn warm_up(axis: &AxisState, level: f64, noise: Noise) -> Option<SlowChange>
             .max_by(|a, b| a.z.abs().total_cmp(&b.z.abs()))?;
         let density = profile.density(&joint);
         (z, gain_nats) = (joint.z, joint.nats);
-        settling.record.close(&density, &settling.memories);
+        settling.record.close(&density, &settling.seam);
         settling.density = density;
     } else if settling.p_value(z) < level && !settling.is_no_walk(axis, samples, level) {
         return None;
@@ -144,8 +144,8 @@ fn first_sample(samples: f64, factor: usize) -> f64 {
 struct Settlings {
     record: Transform,
     density: Vec<f64>,
-    /// Memories of the noise, means.
-    memories: Vec<f64>,
+    /// What is free where it closes.
+    seam: Seam,
     transformer: Transformer,
     /// The shortest time constant.
     shortest: f64,
@@ -166,7 +166,7 @@ impl Settlings {
             ]
             .into_iter()
             .fold(0.0, f64::max),
-            memories: axis.memories(record.rate_hz()),
+            seam: axis.seam(record.rate_hz()),
             record,
             density,
         }
@@ -178,7 +178,7 @@ impl Settlings {
             len: self.record.len(),
         };
         let mut wave = self.transformer.waveform(&settling, self.record.rate_hz());
-        wave.close(&self.density, &self.memories);
+        wave.close(&self.density, &self.seam);
         wave
     }
 

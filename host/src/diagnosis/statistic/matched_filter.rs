@@ -20,6 +20,7 @@ use crate::diagnosis::statistic::sums::sums;
 use crate::fft::ring::Series;
 
 pub use projection::{Half, Projection, held_out_gain};
+pub use seam::Seam;
 pub use together::together;
 pub use transform::{Transform, Transformer, smooth_len, smooth_len_from};
 pub use waveform::{Impulse, Settling, Step, Waveform};

@@ -23,6 +23,25 @@ pub fn sums<const N: usize>(
     parts.into_iter().fold([0.0; N], add)
 }
 
+/// The same of as many as `count` sums at once, to which `add` adds what each number of `range` gives.
+pub fn sums_of(
+    range: Range<usize>,
+    count: usize,
+    add: impl Fn(usize, &mut [f64]) + Sync,
+) -> Vec<f64> {
+    let parts = range.clone().into_par_iter().step_by(PART);
+    let parts = parts.map(|start| {
+        let mut sums = vec![0.0; count];
+        (start..(start + PART).min(range.end)).for_each(|k| add(k, &mut sums));
+        sums
+    });
+    let parts: Vec<Vec<f64>> = parts.collect();
+    parts.into_iter().fold(vec![0.0; count], |mut sums, part| {
+        sums.iter_mut().zip(part).for_each(|(sum, one)| *sum += one);
+        sums
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -33,7 +52,13 @@ mod tests {
             let count = range.len() as f64;
             let sum = 0.5 * (range.start as f64 + range.end as f64 - 1.0) * count;
             // Whole numbers below 2^53: exact.
-            assert_eq!(sums(range, |k| [1.0, k as f64]), [count, sum]);
+            let (one, other) = (range.clone(), range);
+            assert_eq!(sums(one, |k| [1.0, k as f64]), [count, sum]);
+            let add = |k: usize, sums: &mut [f64]| {
+                sums[0] += 1.0;
+                sums[1] += k as f64;
+            };
+            assert_eq!(sums_of(other, 2, add), [count, sum]);
         }
     }
 }

@@ -31,7 +31,7 @@ pub fn beside_walk(
     let profile = Profile::new(axis, &whole, density);
     let joint = joint(axis, &whole, &profile, first.index);
     let density = profile.density(&joint);
-    whole.close(&density, &axis.memories(whole.rate_hz()));
+    whole.close(&density, &axis.seam(whole.rate_hz()));
     let (jump, filter) = largest(axis, &whole, &density, usable)?;
     Some(Jump {
         z: joint.z,

@@ -46,7 +46,7 @@ fn likeliest(axis: &AxisState, left: &mut [f64], edges: &[Range<usize>]) -> (Tra
     let unknown = Unknown::within(&law, &slower(edges, factor, whole.len()));
     let moves = unknown.moves(&whole);
     whole.add(&unknown.series(&moves, whole.rate_hz()));
-    whole.close(&density, &axis.memories(whole.rate_hz()));
+    whole.close(&density, &axis.seam(whole.rate_hz()));
     if factor == 1 {
         let places = unknown.places().iter().zip(&moves);
         places.for_each(|(&place, by)| left[place] += by);

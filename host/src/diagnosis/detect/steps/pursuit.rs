@@ -170,7 +170,7 @@ impl<'a> Pursuit<'a> {
         let rate_hz = axis.rate_hz / factor as f64;
         let wave = Transformer::new(means.len()).transform(&means, rate_hz);
         let mut wave = wave.behind(axis.passed(&record).as_deref());
-        wave.close(&density, &axis.memories(rate_hz));
+        wave.close(&density, &axis.seam(rate_hz));
         held_out_gain(&record, &density, &wave)
     }
 }

@@ -16,7 +16,7 @@ use crate::diagnosis::record::bridge::block_means;
 use crate::diagnosis::record::reading::Reading;
 use crate::diagnosis::record::wave::Wave;
 use crate::diagnosis::statistic::matched_filter::{
-    Half, Projection, Transform, Transformer, held_out_gain,
+    Half, Projection, Seam, Transform, Transformer, held_out_gain,
 };
 use crate::diagnosis::statistic::p_value;
 use crate::model::follows::{Follows, Leader};
@@ -37,8 +37,8 @@ pub struct Following {
 pub struct Lags<'a> {
     record: Transform,
     density: Vec<f64>,
-    /// Memories of the noise, means.
-    memories: Vec<f64>,
+    /// What is free where it closes.
+    seam: Seam,
     transformer: Transformer,
     reading: &'a Reading,
     /// Samples of the column that a sample of the slow record is a mean over.
@@ -61,7 +61,7 @@ impl<'a> Lags<'a> {
         let lags = lags.take_while(|lag| *lag < longest);
         Self {
             transformer: Transformer::new(record.len()),
-            memories: axis.memories(record.rate_hz()),
+            seam: axis.seam(record.rate_hz()),
             record,
             density,
             trials: std::iter::once(0.0).chain(lags).collect(),
@@ -80,7 +80,7 @@ impl<'a> Lags<'a> {
     fn closed(&self, course: &[f64]) -> Transform {
         let means = block_means(course, self.factor);
         let mut wave = self.transformer.transform(&means, self.record.rate_hz());
-        wave.close(&self.density, &self.memories);
+        wave.close(&self.density, &self.seam);
         wave
     }
 
@@ -109,7 +109,7 @@ impl<'a> Lags<'a> {
             .into_iter()
             .max_by(|a, b| a.z.abs().total_cmp(&b.z.abs()))?;
         self.density = profile.density(&joint);
-        self.record.close(&self.density, &self.memories);
+        self.record.close(&self.density, &self.seam);
         Some((joint.z, joint.nats))
     }
 
