@@ -1,7 +1,5 @@
 //! What whitens an axis's record, and slow copies of it.
 
-use std::ops::Range;
-
 use rayon::prelude::*;
 
 use crate::diagnosis::axis::AxisState;
@@ -92,12 +90,9 @@ impl AxisState {
         })
     }
 
-    /// Leaves the bands that are excluded out of `densities`, and in a slow copy of the record what tones are folded to.
+    /// Leaves the bands that are excluded out of `densities`.
     fn leave_out(&self, whole: &Transform, densities: &mut [f64]) {
-        let bands = self.excluded_hz().into_iter();
-        let tones = self.tones_hz().into_iter();
-        let folded = tones.map(|band| folded(&band, whole.rate_hz()));
-        for band in bands.chain(folded) {
+        for band in self.excluded_hz() {
             let count = densities.len();
             let of = |f_hz: f64| (f_hz / whole.frequency(1)).ceil().max(0.0) as usize;
             let (start, end) = (of(band.start).min(count), of(band.end).min(count));
@@ -110,14 +105,12 @@ impl AxisState {
         let laws = self.laws.iter().filter(|law| law.effect == markov::KIND);
         let samples = laws.map(|law| Markov::of(&law.values).time_s * rate_hz);
         let tones = self.tones_hz().into_iter();
-        let tones = tones.map(|band| {
-            let band = folded(&band, rate_hz);
-            0.5 * (band.start + band.end) / rate_hz
-        });
+        let tones = tones.map(|band| 0.5 * (band.start + band.end) / rate_hz);
         Seam {
             // What lasts for less than a sample is white.
             memories: samples.filter(|samples| *samples > 1.0).collect(),
-            tones: tones.collect(),
+            // Of those above half of its rate the means of a copy leave next to nothing.
+            tones: tones.filter(|cycles| *cycles < 0.5).collect(),
         }
     }
 
@@ -169,17 +162,6 @@ impl AxisState {
     }
 }
 
-/// Where a band is seen at `rate_hz`, hertz: above half of it, folded back.
-fn folded(band_hz: &Range<f64>, rate_hz: f64) -> Range<f64> {
-    let end = |f_hz: f64| {
-        let beyond = f_hz.rem_euclid(rate_hz);
-        beyond.min(rate_hz - beyond)
-    };
-    let middle_hz = end(0.5 * (band_hz.start + band_hz.end));
-    let half_hz = 0.5 * (band_hz.end - band_hz.start);
-    (middle_hz - half_hz).max(0.0)..(middle_hz + half_hz).min(0.5 * rate_hz)
-}
-
 /// Densities at the ordinates of `len` samples on a ring, from a table.
 pub(super) fn tabulate(len: usize, rate_hz: f64, density: impl Fn(f64) -> f64) -> Vec<f64> {
     let count = len / 2 + 1;
@@ -218,20 +200,4 @@ pub(super) fn tabulate(len: usize, rate_hz: f64, density: impl Fn(f64) -> f64) -
         each.for_each(|(n, density)| *density = begin + slope * n as f64);
     });
     densities
-}
-
-#[cfg(test)]
-mod tests {
-    use super::folded;
-
-    #[test]
-    fn a_band_is_seen_where_it_folds_back_to() {
-        // At 40/s: as it is, about 20 Hz, and about 40 Hz.
-        for (middle_hz, seen_hz) in [(7.5, 7.5), (25.0, 15.0), (38.0, 2.0), (43.0, 3.0)] {
-            let band = folded(&(middle_hz - 0.5..middle_hz + 0.5), 40.0);
-            assert_eq!(band, seen_hz - 0.5..seen_hz + 0.5, "{middle_hz} Hz");
-        }
-        assert_eq!(folded(&(19.5..20.5), 40.0), 19.5..20.0);
-        assert_eq!(folded(&(39.5..40.5), 40.0), 0.0..0.5);
-    }
 }

@@ -153,7 +153,11 @@ impl Transform {
             let (high, low) = (one.max(other), one.min(other));
             products[high * (high + 1) / 2 + low]
         };
-        let unit = DVector::from_fn(count, |one, _| product(one, one).sqrt().recip());
+        // What the ordinates do not see at all has no size.
+        let unit = DVector::from_fn(count, |one, _| match product(one, one) {
+            0.0 => 0.0,
+            power => power.sqrt().recip(),
+        });
         let gram = DMatrix::from_fn(count, count, |one, other| {
             product(one, other) * unit[one] * unit[other]
         });
@@ -250,6 +254,9 @@ mod tests {
             let (free, held) = (largest(vec![cycles]), largest(Vec::new()));
             assert!(free < 5.5, "seed {seed}: {free}");
             assert!(held > 8.0, "seed {seed}, {held}: nothing to set free");
+            // One quadrature of what does not turn is nothing, and keeps nothing else from being free.
+            let beside = largest(vec![cycles, 0.0]);
+            assert!(beside < 5.5, "seed {seed}: {beside}");
         }
     }
 }
