@@ -130,13 +130,16 @@ impl<'a> Axis<'a> {
         };
         let slow = &mut self.stream("slow");
         let mut samples = gaussian(count, rate_hz, |f_hz| self.slow(f_hz), slow);
-        let short = &mut self.stream("short");
-        let short = gaussian(count, rate_hz, |f_hz| self.short(f_hz), short);
+        // Strength changes in the sensor: what passes is smoothed behind it.
+        let ahead = |f_hz: f64| self.scene.short_ahead(self.axis, f_hz);
+        let mut short = gaussian(count, rate_hz, ahead, &mut self.stream("short"));
         // The level that a synthesis starts at is no noise.
         let level = short.iter().sum::<f64>() / count as f64;
-        for ((sample, short), factor) in samples.iter_mut().zip(&short).zip(&envelope) {
-            *sample += factor * (short - level);
+        for (sample, factor) in short.iter_mut().zip(&envelope) {
+            *sample = factor * (*sample - level);
         }
+        self.pass(&mut short);
+        add_all(&mut samples, [short].into_iter());
         samples
     }
 
@@ -150,11 +153,10 @@ impl<'a> Axis<'a> {
             effects().filter_map(|(i, one)| one.waveform(scene, self.axis, &mut draw(i)));
         let mut sum = vec![0.0; scene.samples];
         let any = add_all(&mut sum, waveforms);
-        let power = |f_hz: f64| scene.chain.power(f_hz, scene.rate_hz) * self.power(f_hz);
-        if any && (self.power(0.5 * scene.rate_hz) != 1.0 || !scene.chain.is_none()) {
-            filter(&mut sum, scene.rate_hz, power);
+        if any {
+            self.pass(&mut sum);
         }
-        let gain = |f_hz: f64| power(f_hz).sqrt();
+        let gain = |f_hz: f64| self.passed(f_hz).sqrt();
         add_all(
             &mut sum,
             effects().filter_map(|(i, one)| one.tones(scene, &mut draw(i), &gain)),
@@ -180,6 +182,19 @@ impl<'a> Axis<'a> {
     /// The part of it that an envelope multiplies.
     fn short(&self, f_hz: f64) -> f64 {
         self.scene.short_density(self.axis, f_hz) * self.power(f_hz)
+    }
+
+    /// Lets through what the chain and the effects let through.
+    fn pass(&self, samples: &mut [f64]) {
+        let scene = &self.scene;
+        if self.power(0.5 * scene.rate_hz) != 1.0 || !scene.chain.is_none() {
+            filter(samples, scene.rate_hz, |f_hz| self.passed(f_hz));
+        }
+    }
+
+    /// Power of the chain and of all effects together.
+    fn passed(&self, f_hz: f64) -> f64 {
+        self.scene.chain.power(f_hz, self.scene.rate_hz) * self.power(f_hz)
     }
 
     /// The rest.

@@ -26,7 +26,36 @@ pub struct Plan {
     pub samples: usize,
 }
 
+/// Effects as they are hidden, and how strong each is.
+type Hidden = (Vec<Box<dyn Effect>>, Vec<f64>);
+
 impl Plan {
+    /// What is hidden in this scene. None where a kind cannot be seen at any strength, or at the one drawn: a pole that
+    /// is lowered until it undoes what rises towards high frequencies leaves nothing to see.
+    fn hide(&self, scene: &Scene, draw: &mut Draw, strength_draw: &mut Draw) -> Option<Hidden> {
+        let mut units = Vec::new();
+        for kind in &self.kinds {
+            units.push(unit((kind.draw)(scene, draw).as_ref(), scene)?);
+        }
+        let mut strengths = Vec::new();
+        for (effect, kind) in units.iter().zip(&self.kinds) {
+            strengths.push(match self.strength {
+                Strength::At(strength) => strength,
+                Strength::Between(lo, hi) => strength_draw.log_uniform(lo, hi),
+                Strength::Any => {
+                    let cap = wide::limits::cap(kind.name, effect.as_ref(), scene);
+                    strength_draw.log_uniform(1.0, cap)
+                }
+            });
+        }
+        let scaled = units.iter().zip(&strengths);
+        let hidden: Vec<_> = scaled.map(|(effect, &at)| effect.scaled(at)).collect();
+        let seen = hidden.iter().map(|effect| effect.evidence(scene).suffices());
+        seen.zip(&strengths)
+            .all(|(seen, &at)| seen || at <= 1.0)
+            .then_some((hidden, strengths))
+    }
+
     /// The kinds' names, joined by `+`, or `clean`.
     pub fn name(&self) -> String {
         if self.kinds.is_empty() {
@@ -81,8 +110,8 @@ impl Case {
         self.hidden.iter().map(|effect| effect.swell()).product()
     }
 
-    /// Draws the case of this seed. Scenes in which a kind cannot be seen at any strength, or
-    /// not be told from its rival, are drawn again.
+    /// Draws the case of this seed. Scenes in which a kind cannot be seen at any strength or at the one drawn, or not be
+    /// told from its rival, are drawn again.
     pub fn draw(plan: &Plan, seed: u64) -> Self {
         // Every kind has its own noise, or all rows of a study would share their luck.
         let name = plan.name();
@@ -93,40 +122,19 @@ impl Case {
             true => Form::draw(plan, seed),
             false => Form::default(),
         };
+        let mut strength_draw = Draw::new(seed, &format!("{name} strength"));
         let mut redrawn = 0;
-        let (scene, hidden) = loop {
+        let (scene, hidden, strengths) = loop {
             let mut scene = match any {
                 true => wide::scene::draw(&plan.kinds, plan.samples, axes, &mut draw),
                 false => Scene::draw(plan.samples, axes, &mut draw),
             };
             scene.missing = form.missing_at_random(scene.samples);
-            let units: Option<Vec<_>> = plan
-                .kinds
-                .iter()
-                .map(|kind| unit((kind.draw)(&scene, &mut draw).as_ref(), &scene))
-                .collect();
-            if let Some(units) = units {
-                break (scene, units);
+            if let Some((hidden, strengths)) = plan.hide(&scene, &mut draw, &mut strength_draw) {
+                break (scene, hidden, strengths);
             }
             redrawn += 1;
         };
-        let mut draw = Draw::new(seed, &format!("{name} strength"));
-        let strengths: Vec<f64> = hidden
-            .iter()
-            .zip(&plan.kinds)
-            .map(|(effect, kind)| match plan.strength {
-                Strength::At(strength) => strength,
-                Strength::Between(lo, hi) => draw.log_uniform(lo, hi),
-                Strength::Any => {
-                    draw.log_uniform(1.0, wide::limits::cap(kind.name, effect.as_ref(), &scene))
-                }
-            })
-            .collect();
-        let hidden: Vec<Box<dyn Effect>> = hidden
-            .iter()
-            .zip(&strengths)
-            .map(|(effect, strength)| effect.scaled(*strength))
-            .collect();
         let mut case = Self {
             seed,
             form,

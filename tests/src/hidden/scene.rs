@@ -97,11 +97,16 @@ impl Scene {
     /// Two-sided density behind the chain of the two terms that have no memory beyond a sample:
     /// white and quantisation. Of a real record, of what is fast ([`Measured::short`]).
     pub fn short_density(&self, axis: usize, f_hz: f64) -> f64 {
+        self.short_ahead(axis, f_hz) * self.chain.power(f_hz, self.rate_hz)
+    }
+
+    /// The same ahead of the chain. A real record has none that is known.
+    pub fn short_ahead(&self, axis: usize, f_hz: f64) -> f64 {
         if let Some(measured) = &self.measured {
             return measured.density(f_hz) * measured.short(f_hz);
         }
         let squares = self.axes[axis].squares();
-        let parts = self.parts(f_hz);
+        let parts = densities(f_hz, self.rate_hz, self.chain.is_none());
         parts[2] * squares[2] + parts[3] * squares[3]
     }
 

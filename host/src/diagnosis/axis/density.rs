@@ -86,12 +86,25 @@ impl AxisState {
     }
 
     /// Share of all of the density that noise without a memory has, white and quantisation: it is what swings where the
-    /// strength of the noise does. A walk and flicker are sums of what went before, and go on as they were.
+    /// strength of the noise does. A walk and flicker are sums of what went before, and go on as they were; one that may as
+    /// well be none would be all there is where the strength swings to nothing, and counts as none.
     pub fn short_share(&self, f_hz: f64) -> f64 {
-        let short = (0..).zip(SEEN);
-        let short = short.filter(|(_, term)| matches!(term, Coefficient::N | Coefficient::Q));
-        let share: f64 = short.map(|(one, _)| self.term_share(one, f_hz)).sum();
-        share.min(1.0)
+        /// Standard deviations from which a walk or flicker is there: a choice, one record in a thousand has less.
+        const THERE: f64 = 3.0;
+        let (mut short, mut none) = (0.0, 0.0);
+        for (one, term) in (0..).zip(SEEN) {
+            let sd = self.fit.covariance[(one, one)].sqrt();
+            if matches!(term, Coefficient::N | Coefficient::Q) {
+                short += self.term_share(one, f_hz);
+            } else if self.fit.squared[one] < THERE * sd {
+                none += self.term_share(one, f_hz);
+            }
+        }
+        if short > 0.0 {
+            (short / (1.0 - none)).min(1.0)
+        } else {
+            0.0
+        }
     }
 
     /// The same in the mean over some ordinates of a transform with so many hertz between two.

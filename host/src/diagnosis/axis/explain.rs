@@ -108,8 +108,8 @@ impl AxisState {
             _ if makes_room => self.refresh()?,
             // A statement about values leaves record and noise as they are.
             Change::Grid { .. } => {}
-            // So does one about strength, but for what is measured against it.
-            Change::Strength(_) => self.powers = OnceLock::new(),
+            // So does one about strength, but for what is measured against it and what was drawn without it.
+            Change::Strength(_) if self.short_gaps.is_none() => self.powers = OnceLock::new(),
             _ => self.refresh()?,
         }
         let now = Snapshot::of(&self.explanations);

@@ -137,7 +137,13 @@ impl AxisState {
         factors.product()
     }
 
-    /// The same for noise of which a `share` is [without a memory](Self::short_share), and swings.
+    /// Its square as a band shows it whose moments have so many `samples` each.
+    pub fn square_over(&self, sample: f64, samples: f64) -> f64 {
+        let squares = self.envelopes().map(|one| one.square_over(sample, samples));
+        squares.product()
+    }
+
+    /// That factor for noise of which a `share` is [without a memory](Self::short_share), and swings.
     pub fn strength(&self, index: usize, share: f64) -> f64 {
         let squares = self.envelopes().map(|one| one.factor(index).powi(2));
         squares

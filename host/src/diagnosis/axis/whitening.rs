@@ -1,5 +1,7 @@
 //! What whitens an axis's record, and slow copies of it.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 
 use crate::diagnosis::axis::AxisState;
@@ -90,9 +92,10 @@ impl AxisState {
         })
     }
 
-    /// Leaves the bands that are excluded out of `densities`.
+    /// Leaves the bands that are excluded out of `densities`, and in a slow copy of the record what tones are folded to.
     fn leave_out(&self, whole: &Transform, densities: &mut [f64]) {
-        for band in self.excluded_hz() {
+        let bands = self.excluded_hz().into_iter();
+        for band in bands.chain(self.tones_seen_hz(whole.rate_hz())) {
             let count = densities.len();
             let of = |f_hz: f64| (f_hz / whole.frequency(1)).ceil().max(0.0) as usize;
             let (start, end) = (of(band.start).min(count), of(band.end).min(count));
@@ -104,14 +107,27 @@ impl AxisState {
     pub fn seam(&self, rate_hz: f64) -> Seam {
         let laws = self.laws.iter().filter(|law| law.effect == markov::KIND);
         let samples = laws.map(|law| Markov::of(&law.values).time_s * rate_hz);
-        let tones = self.tones_hz().into_iter();
-        let tones = tones.map(|band| 0.5 * (band.start + band.end) / rate_hz);
+        let tones = self.tones_seen_hz(rate_hz);
         Seam {
             // What lasts for less than a sample is white.
             memories: samples.filter(|samples| *samples > 1.0).collect(),
-            // Of those above half of its rate the means of a copy leave next to nothing.
-            tones: tones.filter(|cycles| *cycles < 0.5).collect(),
+            tones: tones
+                .map(|band| 0.5 * (band.start + band.end) / rate_hz)
+                .collect(),
         }
+    }
+
+    /// Bands of the tones that are left out, where a copy at `rate_hz` shows them, hertz: above half of its rate folded back.
+    fn tones_seen_hz(&self, rate_hz: f64) -> impl Iterator<Item = Range<f64>> {
+        /// Part of all of a copy's ordinates that a folded band has, at most: a choice. What wanders further than that is thin
+        /// there, and mains would leave a copy of a long record next to none.
+        const WIDEST: f64 = 0.1;
+        let tones = self.tones_hz().into_iter();
+        tones.filter_map(move |band| {
+            let is_below = band.start + band.end < rate_hz;
+            let is_narrow = band.end - band.start < WIDEST * 0.5 * rate_hz;
+            (is_below || is_narrow).then(|| folded(&band, rate_hz))
+        })
     }
 
     /// Samples that one sample of the slow copy stands for.
@@ -162,6 +178,17 @@ impl AxisState {
     }
 }
 
+/// Where a band is seen at `rate_hz`, hertz: above half of it, folded back.
+fn folded(band_hz: &Range<f64>, rate_hz: f64) -> Range<f64> {
+    let end = |f_hz: f64| {
+        let beyond = f_hz.rem_euclid(rate_hz);
+        beyond.min(rate_hz - beyond)
+    };
+    let middle_hz = end(0.5 * (band_hz.start + band_hz.end));
+    let half_hz = 0.5 * (band_hz.end - band_hz.start);
+    (middle_hz - half_hz).max(0.0)..(middle_hz + half_hz).min(0.5 * rate_hz)
+}
+
 /// Densities at the ordinates of `len` samples on a ring, from a table.
 pub(super) fn tabulate(len: usize, rate_hz: f64, density: impl Fn(f64) -> f64) -> Vec<f64> {
     let count = len / 2 + 1;
@@ -200,4 +227,20 @@ pub(super) fn tabulate(len: usize, rate_hz: f64, density: impl Fn(f64) -> f64) -
         each.for_each(|(n, density)| *density = begin + slope * n as f64);
     });
     densities
+}
+
+#[cfg(test)]
+mod tests {
+    use super::folded;
+
+    #[test]
+    fn a_band_is_seen_where_it_folds_back_to() {
+        // At 40/s: as it is, about 20 Hz, and about 40 Hz.
+        for (middle_hz, seen_hz) in [(7.5, 7.5), (25.0, 15.0), (38.0, 2.0), (43.0, 3.0)] {
+            let band = folded(&(middle_hz - 0.5..middle_hz + 0.5), 40.0);
+            assert_eq!(band, seen_hz - 0.5..seen_hz + 0.5, "{middle_hz} Hz");
+        }
+        assert_eq!(folded(&(19.5..20.5), 40.0), 19.5..20.0);
+        assert_eq!(folded(&(39.5..40.5), 40.0), 0.0..0.5);
+    }
 }

@@ -7,7 +7,7 @@
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use crate::diagnosis::record::drawn::Drawn;
+use crate::diagnosis::record::drawn::{Drawn, Noise};
 use crate::diagnosis::record::wave::{Side, Wave};
 use crate::diagnosis::statistic::matched_filter::Transform;
 
@@ -55,9 +55,10 @@ const PULL: f64 = 0.5;
 /// converter's filter the others leave a sample no room, and one by one none can move.
 const ROOM: f64 = 0.01;
 
-/// Draws the samples of `values` that lie beyond `limits`, ascending, with noise of the two-sided densities `density` at the ordinates of
-/// the ring on which all that is missing is `drawn`.
-pub fn draw(values: &mut [f64], limits: &[Limit], rate_hz: f64, density: &[f64], drawn: &Drawn) {
+/// Draws the samples of `values` that lie beyond `limits`, ascending, with `noise` on the ring on which all that is missing
+/// is `drawn`.
+pub fn draw(values: &mut [f64], limits: &[Limit], noise: &Noise<'_>, drawn: &Drawn) {
+    let (rate_hz, density) = (noise.rate_hz, noise.density);
     let inverse = |record: &Transform| record.filtered(|k| (density[k] * rate_hz).recip().into());
     let row = inverse(&drawn.impulse(rate_hz));
     let far = row[REACH + 1..=row.len() / 2].iter().map(|one| one.abs());
@@ -66,7 +67,7 @@ pub fn draw(values: &mut [f64], limits: &[Limit], rate_hz: f64, density: &[f64],
     if row[0].recip() < ROOM * density[density.len() / 2] * rate_hz || pull > PULL {
         return;
     }
-    let sd = row[0].sqrt().recip();
+    let usual = row[0].sqrt().recip();
     let mut normal = drawn.numbers();
     for _ in 0..TURNS {
         let whole = inverse(&drawn.closed(values, rate_hz));
@@ -74,6 +75,7 @@ pub fn draw(values: &mut [f64], limits: &[Limit], rate_hz: f64, density: &[f64],
         for (place, limit) in limits.iter().enumerate() {
             let value = values[limit.index];
             let mean = value - pulls[place] / row[0];
+            let sd = usual * (noise.strength)(limit.index);
             let least = limit.sign * (limit.value - mean) / sd;
             let now = mean + limit.sign * sd * beyond(least, normal.draw());
             values[limit.index] = now;
@@ -151,7 +153,15 @@ mod tests {
         let drawn = Drawn::of(&values);
         let count = drawn.ring_len() / 2 + 1;
         let density = vec![1.0; count];
-        draw(&mut values, &limits, 1.0, &density, &drawn);
+        let draw = |values: &mut [f64], density: &[f64]| {
+            let noise = Noise {
+                rate_hz: 1.0,
+                density,
+                strength: &|_| 1.0,
+            };
+            draw(values, &limits, &noise, &drawn);
+        };
+        draw(&mut values, &density);
         let square =
             |values: &[f64]| values.iter().map(|one| one * one).sum::<f64>() / LENGTH as f64;
         let (found, is) = (square(&values), square(&truth));
@@ -162,14 +172,14 @@ mod tests {
         let mut filtered = density;
         filtered[2 * count / 3..].fill(1e-6);
         let before = values.clone();
-        draw(&mut values, &limits, 1.0, &filtered, &drawn);
+        draw(&mut values, &filtered);
         assert_eq!(values, before);
         // Nor where each pulls at all others, as in quantisation noise.
         let turn = |k: usize| 0.5 * std::f64::consts::PI * k as f64 / count as f64;
         let rising: Vec<f64> = (0..count).map(|k| 1e-6 + turn(k).sin().powi(2)).collect();
         let mut values: Vec<f64> = truth.iter().map(|value| value.min(0.5 * LIMIT)).collect();
         let before = values.clone();
-        draw(&mut values, &limits, 1.0, &rising, &drawn);
+        draw(&mut values, &rising);
         assert_eq!(values, before);
     }
 }

@@ -21,6 +21,17 @@ const SEAM: usize = 64;
 const PART: usize = 32;
 const LONGEST_SEAM: usize = 4096;
 
+/// Noise to draw from.
+#[derive(Clone, Copy)]
+pub struct Noise<'a> {
+    /// Samples a second.
+    pub rate_hz: f64,
+    /// Its two-sided densities at the ordinates of the ring, per hertz.
+    pub density: &'a [f64],
+    /// Factor on its standard deviation at a sample, whose mean square over the record is one.
+    pub strength: &'a dyn Fn(usize) -> f64,
+}
+
 /// The ring of a record.
 pub struct Drawn {
     ring: Transformer,
@@ -57,14 +68,17 @@ impl Drawn {
         ]
     }
 
-    /// `values`, none of which is missing, less noise of the two-sided densities `density` at the ordinates.
-    pub fn off(&self, values: &[f64], rate_hz: f64, density: &[f64]) -> Series {
+    /// `values`, none of which is missing, less `noise` as it may be.
+    pub fn off(&self, values: &[f64], noise: &Noise<'_>) -> Series {
         let mut normal = Gaussian::new(self.seed, 1.0);
-        let noise = self.ring.noise(density, rate_hz, || normal.draw());
+        let drawn = self
+            .ring
+            .noise(noise.density, noise.rate_hz, || normal.draw());
         let mut off = self.ring.padded(values);
-        let pairs = off.iter_mut().zip(noise.iter());
-        let pairs = pairs.take(self.len);
-        pairs.for_each(|(off, noise)| *off -= noise);
+        let pairs = off.iter_mut().zip(drawn.iter()).take(self.len);
+        for (n, (off, drawn)) in pairs.enumerate() {
+            *off -= (noise.strength)(n) * drawn;
+        }
         off
     }
 
@@ -140,7 +154,12 @@ mod tests {
         let noise = |measured: &[f64]| {
             let drawn = Drawn::of(measured);
             let density = vec![1.0; drawn.ring_len() / 2 + 1];
-            drawn.off(&[0.0; LEN], 1.0, &density).to_vec()
+            let noise = Noise {
+                rate_hz: 1.0,
+                density: &density,
+                strength: &|_| 1.0,
+            };
+            drawn.off(&[0.0; LEN], &noise).to_vec()
         };
         let pairs = || noise(&one).into_iter().zip(noise(&other)).take(LEN);
         let correlation = pairs().map(|(a, b)| a * b).sum::<f64>() / LEN as f64;

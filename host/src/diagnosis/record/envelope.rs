@@ -29,6 +29,18 @@ impl Envelope {
         let swing = self.depth * (TAU * cycles + self.phase_rad).cos();
         (1.0 + swing) / (1.0 + 0.5 * self.depth * self.depth).sqrt()
     }
+
+    /// Mean square at a sample as the ordinates of a band show it at moments of so many `samples` each. What is cut off sharply in
+    /// frequency spreads in time as the square of a sine over its argument, whose spectrum is a triangle: of what swings `n` times
+    /// in a moment it keeps the part `1 - n`.
+    pub fn square_over(&self, sample: f64, samples: f64) -> f64 {
+        let phase_rad = TAU * (sample / self.period).fract() + self.phase_rad;
+        let kept = |swings: f64| (1.0 - swings * samples / self.period).max(0.0);
+        let square = 0.5 * self.depth * self.depth;
+        let once = 2.0 * self.depth * kept(1.0) * phase_rad.cos();
+        let twice = square * kept(2.0) * (2.0 * phase_rad).cos();
+        1.0 + (once + twice) / (1.0 + square)
+    }
 }
 
 /// The mean square of noise of which a `share` has the mean square `square`, and the rest one.
@@ -39,6 +51,37 @@ pub fn of_share(share: f64, square: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_a_band_shows_of_the_strength_is_what_it_keeps_of_its_swings() {
+        let envelope = Envelope {
+            depth: 0.9,
+            period: 1000.0,
+            phase_rad: 0.7,
+        };
+        // Moments of 250 samples: weights of the square of a sine over its argument, cut off where a thousandth is left.
+        let weight = |x: f64| {
+            let turn = std::f64::consts::PI * x / 250.0;
+            if turn == 0.0 {
+                1.0
+            } else {
+                (turn.sin() / turn).powi(2)
+            }
+        };
+        const AT: i32 = 400_000;
+        for at in [AT, AT + 130, AT + 555] {
+            let around = -100_000..=100_000;
+            let mean: f64 = around
+                .map(|n| weight(f64::from(n)) * envelope.factor((at + n) as usize).powi(2))
+                .sum();
+            let shown = envelope.square_over(f64::from(at), 250.0);
+            assert!((mean / 250.0 - shown).abs() < 2e-3, "{at}: {mean}, {shown}");
+        }
+        // Of single samples all, of whole periods none.
+        let of_sample = envelope.square_over(123.0, 0.0);
+        assert!((of_sample - envelope.factor(123).powi(2)).abs() < 1e-12);
+        assert_eq!(envelope.square_over(123.0, 1000.0), 1.0);
+    }
 
     #[test]
     fn the_mean_square_over_whole_periods_is_one() {

@@ -7,7 +7,7 @@
 use std::ops::Range;
 
 use crate::diagnosis::record::bridge::bridge;
-use crate::diagnosis::record::drawn::Drawn;
+use crate::diagnosis::record::drawn::{Drawn, Noise};
 
 /// Samples at either end of a gap that are solved for: a choice. Beyond them noise goes on as it was drawn.
 const END: usize = 1024;
@@ -21,7 +21,12 @@ pub fn fill(
     rate_hz: f64,
     density: &[f64],
 ) {
-    let mut off = drawn.off(values, rate_hz, density);
+    let noise = Noise {
+        rate_hz,
+        density,
+        strength: &|_| 1.0,
+    };
+    let mut off = drawn.off(values, &noise);
     let inside = || gaps.iter().cloned().flatten();
     let before: Vec<f64> = inside().map(|n| off[n]).collect();
     gaps.iter().for_each(|gap| off[gap.clone()].fill(f64::NAN));

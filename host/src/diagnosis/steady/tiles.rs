@@ -14,9 +14,6 @@ use crate::numeric::order::median;
 /// Ordinates of the widest band whose transform is planned.
 const LONGEST: usize = 1 << 16;
 
-/// Moments at which a tile is asked what is known of its strength.
-const ASKED: usize = 8;
-
 /// The least strength that others are taken over: where noise all but vanishes, other noise is all there is.
 const LEAST_KNOWN: f64 = 0.0025;
 
@@ -73,21 +70,15 @@ pub fn as_whole_as_most(
     shares.into_iter().map(counts).collect()
 }
 
-/// What the explanations say of the strength of what swings at each of `size` moments, as a mean square; empty where they
-/// say nothing.
+/// What the explanations say of the strength of what swings at each of `size` moments, as the mean square that a band of
+/// as many ordinates shows; empty where they say nothing.
 pub fn known(axis: &AxisState, length: usize, size: usize) -> Vec<f64> {
     if !axis.has_envelope() {
         return Vec::new();
     }
-    let square = |moment: usize| {
-        let squares = (0..ASKED).map(|part| {
-            let at = moment as f64 - 0.5 + (part as f64 + 0.5) / ASKED as f64;
-            let sample = (at * length as f64 / size as f64).rem_euclid(length as f64);
-            axis.envelope(sample as usize).powi(2)
-        });
-        squares.sum::<f64>() / ASKED as f64
-    };
-    (0..size).map(square).collect()
+    let samples = length as f64 / size as f64;
+    let moments = (0..size).map(|moment| moment as f64 * samples);
+    moments.map(|at| axis.square_over(at, samples)).collect()
 }
 
 /// Takes the strengths of some ordinates over what is known of them, if anything is.
