@@ -27,6 +27,10 @@ const UNSEEN: f64 = 3.0;
 /// The part of what a law is off by that one fill leaves at most, as far as it is trusted to go on so: a choice.
 const SLOWEST: f64 = 0.75;
 
+/// The furthest that a density is moved on so, in logarithms: a choice, a tenth. What tends to nothing by more in each fill needs no
+/// help, and moved on by as much again it would leave a fill no law at all.
+const FURTHEST: f64 = std::f64::consts::LN_10;
+
 impl AxisState {
     /// Gaps of which the record misses few samples each.
     pub(super) fn short_gaps(&self) -> Option<&ShortGaps> {
@@ -168,7 +172,8 @@ fn go_on(course: &mut Vec<Vec<f64>>, density: &mut [f64]) {
         let [first, second] = [then / before, *now / then].map(f64::ln);
         let left = (second / first).min(SLOWEST);
         if left > 0.0 {
-            *now *= (second * left / (1.0 - left)).exp();
+            let by = second * left / (1.0 - left);
+            *now *= by.clamp(-FURTHEST, FURTHEST).exp();
         }
     }
     course.clear();

@@ -86,13 +86,14 @@ impl Transformer {
         Series::new(&vec![0.0; self.len])
     }
 
-    /// A ring that begins with as many of `values` as it has room for, less the line through their ends, and is zero
-    /// from there on.
+    /// A ring that begins with as many of `values` as it has room for, less the line that fits them best, and is zero from
+    /// there on. A line through their ends would be a ramp of its own: of quantisation noise the sums know what a ramp leaves
+    /// far below what a few samples at the ends scatter by.
     pub fn padded(&self, values: &[f64]) -> Series {
         let mut ring = self.zeros();
         let values = &values[..values.len().min(self.len)];
         ring[..values.len()].copy_from_slice(values);
-        take_out_line(&mut ring[..values.len()]);
+        take_out_best_line(&mut ring[..values.len()]);
         ring
     }
 
@@ -163,6 +164,22 @@ fn take_out_line(values: &mut [f64]) {
     let middle = 0.5 * (first + last);
     for (index, value) in values.iter_mut().enumerate() {
         *value -= middle + slope * (index as f64 + 0.5 - 0.5 * length);
+    }
+}
+
+/// Takes out the line of least squares.
+fn take_out_best_line(values: &mut [f64]) {
+    let count = values.len() as f64;
+    let middle = 0.5 * (count - 1.0);
+    let mean = values.iter().sum::<f64>() / count;
+    let moments = (0_u32..)
+        .zip(&*values)
+        .map(|(n, value)| (f64::from(n) - middle) * (value - mean));
+    // The sum of the squared distances from the middle.
+    let square = count * (count * count - 1.0) / 12.0;
+    let slope = moments.sum::<f64>() / square.max(1.0);
+    for (n, value) in (0_u32..).zip(values) {
+        *value -= mean + slope * (f64::from(n) - middle);
     }
 }
 
