@@ -35,6 +35,7 @@ use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::finding::Rival;
 use crate::diagnosis::result::value::Value;
 use crate::diagnosis::steady::line::IMPERFECT;
+use crate::model::kind::Kind;
 use crate::model::{hum, resonance, wandering_line};
 
 /// Shortest windows, samples of the band; those of half the length show how its energy grows.
@@ -130,8 +131,10 @@ fn suspects(look: &Look<'_>) -> Vec<Suspect> {
 /// A tone that wanders within or about a band, found there otherwise with the probability `p_value` by chance.
 pub fn named(look: &Look<'_>, within_hz: &Range<f64>, p_value: f64) -> Option<Proposal> {
     let mut found = followed(look, within_hz, p_value)?;
-    if found.supersedes.iter().any(|kind| HAPPENED.contains(kind)) {
-        // What happened is cut out of the record: where it was the tone, that is followed through all of it.
+    let is_cut_out = |kind: &Kind| HAPPENED.contains(kind) || *kind == hum::KIND;
+    if found.supersedes.iter().any(is_cut_out) {
+        // What happened is cut out of the record: where it was the tone, that is followed through all of it. So is what is
+        // known of the mains already: all of their multiples are followed together.
         let mut without = look.axis.clone();
         without.withdraw_where(|one| found.supersedes.contains(&one.kind()));
         without.refresh().ok()?;

@@ -257,25 +257,32 @@ fn stretches_louder_than_the_tone_could_make_them_stay() {
     assert!(!is_back(6.0), "seed 5: seven tenths of it");
 }
 
-#[test]
-fn steady_mains_that_were_found_first_go_for_mains_that_wander() {
-    let rate_hz = 10.0 * RATE_HZ;
+/// Noise at a thousand samples a second with mains whose multiples have these amplitudes and whose frequency wanders by 0.1 Hz, and
+/// the seed of both.
+fn wandering_mains(amplitudes: &[f64]) -> (Trial, u64) {
+    let (rate_hz, seed) = (10.0 * RATE_HZ, 6);
     let line = WanderingLine {
         wander: Wander {
             rms_hz: 0.1,
             time_s: 1.0,
         },
-        ..tone(50.0, &[0.5])
+        ..tone(50.0, amplitudes)
     };
-    let mut values = noise(6);
-    line.generator(rate_hz, Seed { seed: 6, stream: 7 })
+    let mut values = noise(seed);
+    line.generator(rate_hz, Seed { seed, stream: 7 })
         .add_to(&mut values);
-    let mut trial = Trial::new(noise(6));
+    let mut trial = Trial::new(noise(seed));
     trial.axis = AxisState::new(Arc::new(values), rate_hz, None).expect("a spectrum");
+    (trial, seed)
+}
+
+#[test]
+fn steady_mains_that_were_found_first_go_for_mains_that_wander() {
+    let (mut trial, seed) = wandering_mains(&[0.5]);
     trial.know(hum::KIND, [50.0, 0.1], Change::Waves(Vec::new()));
     let named = trial::candidate(trial.ask(&DETECTOR)).expect("plain mains");
-    assert_eq!(named.effect.kind, hum::KIND, "seed 6");
-    assert_eq!(named.supersedes, [hum::KIND], "seed 6");
+    assert_eq!(named.effect.kind, hum::KIND, "seed {seed}");
+    assert_eq!(named.supersedes, [hum::KIND], "seed {seed}");
 }
 
 #[test]

@@ -249,3 +249,17 @@ fn a_tone_that_glides_far_does_not_wander() {
         assert_eq!(named, is_named, "seed {seed}, {far_hz} Hz");
     }
 }
+
+#[test]
+fn mains_of_which_some_multiples_are_known_are_followed_with_all_of_them() {
+    let (mut trial, seed) = wandering_mains(&[0.5, 0.5]);
+    // The first was found by itself.
+    let known = Change::Tone(vec![49.0..51.0]);
+    trial.know(hum::KIND, [50.0, 0.1, 1.0, 0.5], known);
+    let named = trial::candidate(trial.ask(&DETECTOR)).expect("plain mains");
+    assert_eq!(named.effect.kind, hum::KIND, "seed {seed}");
+    assert_eq!(named.supersedes, [hum::KIND], "seed {seed}");
+    let amplitudes = named.effect.values[hum::FIRST_AMPLITUDE..].iter();
+    let amplitudes: Vec<f64> = amplitudes.flatten().map(|one| one.value).collect();
+    assert_eq!(amplitudes.len(), 2, "seed {seed}: {amplitudes:?}");
+}
