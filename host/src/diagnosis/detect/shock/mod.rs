@@ -35,6 +35,7 @@ use std::ops::Range;
 use super::Detector;
 use crate::diagnosis::axis::NoFit;
 use crate::diagnosis::detect::look::{Look, Proposal};
+use crate::diagnosis::detect::telegraph::short_dwells::are_of_switching;
 use crate::diagnosis::explanation::Candidate;
 use crate::diagnosis::record::runs::without;
 use crate::diagnosis::steady::lasting::Lasting;
@@ -83,7 +84,8 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     let found = scan.map_or_else(Vec::new, |scan| found(scan, look));
     let found = found
         .into_iter()
-        .filter(|one| look.is_open(one.effect.kind));
+        .filter(|one| look.is_open(one.effect.kind))
+        .filter(|one| !are_of_switching(look.axis, one));
     Ok(found.map(|one| Proposal::Explain(Box::new(one))).collect())
 }
 
