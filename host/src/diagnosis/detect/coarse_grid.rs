@@ -84,9 +84,70 @@ pub fn decides(axis: &AxisState) -> bool {
     changes.any(|change| *change == Change::Grid { decides: true })
 }
 
+/// By how much at most the power of an axis may change as its level moves between the values of its grid; 1 where it has
+/// none. Normal noise of `r` steps that is rounded has the power `r^2 + 1/12` in steps squared, and, as the level goes from a value to
+/// the next, a cosine of the size `(1 / pi^2 + 4 r^2) exp(-2 pi^2 r^2)` about it (the first term of the Fourier series of
+/// its rounding: B. Widrow and I. Kollar, Quantization Noise, 2008, chapter 4).
+pub fn most_power(axis: &AxisState) -> f64 {
+    let Some(grid) = axis.explanation(KIND) else {
+        return 1.0;
+    };
+    let step = Rounding::of(&grid.effect.plain()).step;
+    // What is measured is rounded already.
+    let measured = about_level(axis) / (step * step);
+    cosine_of_rounding((measured - 1.0 / 12.0).max(0.0)).powi(2)
+}
+
+/// Variance of noise about a level that moves slowly: of what is next to each other.
+fn about_level(axis: &AxisState) -> f64 {
+    /// Samples whose mean is their level: a choice, a sixteenth of the variance stays in it.
+    const NEXT: usize = 16;
+    let values = axis.residual.seen();
+    let variances = values.chunks_exact(NEXT).map(|some| {
+        let mean = some.iter().sum::<f64>() / NEXT as f64;
+        some.iter().map(|one| (one - mean).powi(2)).sum::<f64>() / (NEXT - 1) as f64
+    });
+    let there = variances.filter(|one| one.is_finite());
+    let (sum, count) = there.fold((0.0, 0.0), |(sum, count), one| (sum + one, count + 1.0));
+    sum / f64::max(count, 1.0)
+}
+
+/// One and the share of the power of noise with this square, in steps, that goes with the level.
+fn cosine_of_rounding(square: f64) -> f64 {
+    const PI_SQUARED: f64 = std::f64::consts::PI * std::f64::consts::PI;
+    let cosine = (1.0 / PI_SQUARED + 4.0 * square) * (-2.0 * PI_SQUARED * square).exp();
+    1.0 + cosine / (square + 1.0 / 12.0)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_power_of_what_is_rounded_goes_with_the_level_as_the_first_harmonic_says() {
+        let seed = 3;
+        let mut normal = crate::diagnosis::trial::numbers(seed, 0);
+        const COUNT: usize = 200_000;
+        for r in [0.4, 0.5, 0.6_f64] {
+            let mut power = |level: f64| {
+                let rounded: Vec<f64> = (0..COUNT)
+                    .map(|_| (level + r * normal.draw()).round())
+                    .collect();
+                let mean = rounded.iter().sum::<f64>() / COUNT as f64;
+                rounded.iter().map(|one| (one - mean).powi(2)).sum::<f64>() / COUNT as f64
+            };
+            let (between, at) = (power(0.5), power(0.0));
+            let said = cosine_of_rounding(r * r) - 1.0;
+            let found = (between - at) / (between + at);
+            // Two mean squares, five deviations; the second harmonic is a hundredth.
+            let sd = (1.0 / COUNT as f64).sqrt();
+            assert!(
+                (found - said).abs() < 5.0 * sd + 0.01 * said,
+                "{r}: {found}, {said}, seed {seed}"
+            );
+        }
+        assert!(cosine_of_rounding(1.0) < 1.0 + 1e-6);
+    }
     use crate::diagnosis::detect::trial::{self, Trial, noise};
 
     #[test]

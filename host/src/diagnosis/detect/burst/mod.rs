@@ -61,13 +61,17 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
 }
 
 /// The stretch that departs most from the rest, if it is a burst: not most of the record, not of a
-/// band alone, and no rest on a coarse grid.
+/// band alone, no rest on a coarse grid, and no more than where the level lies between two of its values makes.
 pub fn even(look: &Look<'_>) -> Option<Burst> {
     let axis = look.axis;
     if look.character.strength_moves || coarse_grid::decides(axis) {
         return None;
     }
     let burst = burst(&axis.powers(), look.level())?;
+    let of_grid = coarse_grid::most_power(axis).ln();
+    if 2.0 * burst.factor.ln().abs() < of_grid {
+        return None;
+    }
     let seen = axis.whitened();
     let range = &burst.range;
     // A stretch that is most of the record is its law.
