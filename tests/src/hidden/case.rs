@@ -50,7 +50,9 @@ impl Plan {
         }
         let scaled = units.iter().zip(&strengths);
         let hidden: Vec<_> = scaled.map(|(effect, &at)| effect.scaled(at)).collect();
-        let seen = hidden.iter().map(|effect| effect.evidence(scene).suffices());
+        let seen = hidden
+            .iter()
+            .map(|effect| effect.evidence(scene).suffices());
         seen.zip(&strengths)
             .all(|(seen, &at)| seen || at <= 1.0)
             .then_some((hidden, strengths))
