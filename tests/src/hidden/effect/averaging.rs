@@ -61,16 +61,21 @@ impl Effect for Averaging {
         }
     }
 
-    /// The square of the sum of the weights, each turned by its lag.
     fn power(&self, f_hz: f64) -> f64 {
-        let turn = TAU * f_hz / self.rate_hz;
-        let whole = self.samples as usize;
-        let weights = std::iter::repeat_n(1.0, whole).chain([self.samples.fract()]);
-        let (mut cosine, mut sine) = (0.0, 0.0);
-        for (lag, weight) in weights.enumerate() {
-            cosine += weight * (lag as f64 * turn).cos();
-            sine += weight * (lag as f64 * turn).sin();
-        }
-        (cosine * cosine + sine * sine) / self.samples.powi(2)
+        of_mean(self.samples, f_hz / self.rate_hz)
     }
+}
+
+/// Power behind a mean over so many `samples` at so many `cycles` a sample: the square of the sum of the weights, each turned by
+/// its lag.
+pub fn of_mean(samples: f64, cycles: f64) -> f64 {
+    let whole = samples as usize;
+    let weights = std::iter::repeat_n(1.0, whole).chain([samples.fract()]);
+    let (mut cosine, mut sine) = (0.0, 0.0);
+    for (lag, weight) in weights.enumerate() {
+        let turn = TAU * cycles * lag as f64;
+        cosine += weight * turn.cos();
+        sine += weight * turn.sin();
+    }
+    (cosine * cosine + sine * sine) / samples.powi(2)
 }

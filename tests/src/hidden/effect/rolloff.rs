@@ -1,5 +1,8 @@
 //! One analog pole ahead of the sampler that no chain declares: it acts on everything.
 
+use std::f64::consts::TAU;
+
+use super::averaging::of_mean;
 use super::lorentzian::{lorentzian, width_of};
 use super::{Effect, Evidence, Scene, Truth};
 use crate::hidden::draw::Draw;
@@ -16,7 +19,10 @@ pub fn draw(scene: &Scene, _draw: &mut Draw) -> Box<dyn Effect> {
     Box::new(Rolloff { corner_hz })
 }
 
-/// Correlation times of the rival, in those of the pole.
+/// Lengths of a mean that is a rival, in those of one that takes away as much at low frequencies.
+const LENGTHS: [f64; 9] = [0.25, 0.5, 0.7, 0.85, 1.0, 1.2, 1.5, 2.0, 3.0];
+
+/// Correlation times of noise that is one, in those of the pole.
 const TIMES: [f64; 9] = [0.1, 0.3, 0.6, 0.8, 1.0, 1.2, 1.6, 3.0, 10.0];
 
 impl Effect for Rolloff {
@@ -32,8 +38,8 @@ impl Effect for Rolloff {
         })
     }
 
-    /// The rival is Markov noise that takes the place of white noise. In noise that is white at
-    /// high frequencies the two differ only by their aliases; behind a chain by nothing, and
+    /// Rivals are Markov noise that takes the place of white noise, and a running mean. In noise that is white at
+    /// high frequencies a pole and Markov noise differ only by their aliases; behind a chain by nothing, and
     /// such a draw has no strength 1.
     fn evidence(&self, scene: &Scene) -> Evidence {
         let grid = Grid::new(scene, &[]);
@@ -44,7 +50,7 @@ impl Effect for Rolloff {
             return seen;
         }
         let markov = TIMES.iter().map(|time| {
-            let width_hz = width_of(time / (std::f64::consts::TAU * self.corner_hz));
+            let width_hz = width_of(time / (TAU * self.corner_hz));
             let mut parts = base.clone();
             parts.push(grid.at(|f_hz| {
                 let passed = scene.chain.power(f_hz, scene.rate_hz);
@@ -52,8 +58,14 @@ impl Effect for Rolloff {
             }));
             parts
         });
+        // 1 - (n^2 - 1) w^2 / 12 against 1 - (f / corner)^2.
+        let bend = 12.0 * (scene.rate_hz / (TAU * self.corner_hz)).powi(2);
+        let means = LENGTHS.iter().map(|length| {
+            let samples = (1.0 + length * length * bend).sqrt();
+            grid.base(scene, |f_hz| of_mean(samples, f_hz / scene.rate_hz))
+        });
         Evidence {
-            rival_error: contrast_nearest(&truth, markov, &grid).error(),
+            rival_error: contrast_nearest(&truth, markov.chain(means), &grid).error(),
             ..seen
         }
     }
