@@ -123,3 +123,33 @@ impl AxisState {
         self.bins.unit_density(component, f_hz, self.filters(f_hz))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::trial::{RATE_HZ, axis, short};
+
+    const SEED: u64 = 1;
+
+    #[test]
+    fn a_walk_that_is_not_resolved_is_no_floor_where_the_strength_swings() {
+        let mut axis = axis(SEED, short(SEED), |_, noise| noise);
+        let walk = SEEN
+            .iter()
+            .position(|term| *term == Coefficient::K)
+            .expect("a walk among the terms");
+        let f_hz = 0.01 * RATE_HZ;
+        // As much of it as of all else there.
+        let unit = axis.component_density(walk, f_hz);
+        axis.fit.squared[walk] = 0.0;
+        axis.fit.squared[walk] = axis.density(f_hz) / unit;
+        let squared = axis.fit.squared[walk];
+        let mut share = |deviations: f64| {
+            axis.fit.covariance[(walk, walk)] = (squared / deviations).powi(2);
+            axis.short_share(f_hz)
+        };
+        let (unresolved, resolved) = (share(2.0), share(10.0));
+        assert!(resolved < 0.51, "{resolved}, seed {SEED}");
+        assert!(unresolved > 1.9 * resolved, "{unresolved}, seed {SEED}");
+    }
+}

@@ -130,18 +130,16 @@ impl AxisState {
         let mut left = std::mem::take(&mut self.filled);
         let values = Arc::make_mut(&mut left).as_mut_slice();
         let limits = beyond::limits(self.residual.waves(), values);
-        let share = match self.has_envelope() {
-            true => {
-                self.mean_short_share(&(1..density.len()), self.rate_hz / gaps.ring_len() as f64)
-            }
-            false => 0.0,
-        };
-        let noise = Noise {
-            rate_hz: self.rate_hz,
-            density: &density,
-            strength: &|n| self.strength(n, share),
-        };
-        gaps.fill(values, &limits, &noise);
+        let spacing_hz = self.rate_hz / gaps.ring_len() as f64;
+        gaps.fill(
+            values,
+            &limits,
+            &Noise {
+                rate_hz: self.rate_hz,
+                density: &density,
+                strength: &self.strength_between(&(1..density.len()), spacing_hz),
+            },
+        );
         self.residual.refill(gaps.places(), &left);
         drop(left);
         let values = self.residual.values();

@@ -1,6 +1,7 @@
 //! What is made of an axis when it is first asked for, and then kept.
 
 use std::borrow::Cow;
+use std::ops::Range;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use crate::diagnosis::axis::{AxisState, Whitened};
@@ -152,6 +153,20 @@ impl AxisState {
             .sqrt()
     }
 
+    /// The same for the noise at some ordinates of a transform with so many hertz between two.
+    pub fn strength_between(
+        &self,
+        ordinates: &Range<usize>,
+        spacing_hz: f64,
+    ) -> impl Fn(usize) -> f64 + Sync + '_ {
+        let share = match self.has_envelope() {
+            true => self.mean_short_share(ordinates, spacing_hz),
+            // Nothing swings.
+            false => 0.0,
+        };
+        move |n| self.strength(n, share)
+    }
+
     /// Power of the whitened record over time, over what is known of it; made once for each state.
     pub fn powers(&self) -> Arc<Powers> {
         let powers = self
@@ -165,12 +180,8 @@ impl AxisState {
     pub fn powers_by(&self, density: &[f64], factor: impl Fn(usize) -> f64 + Sync) -> Powers {
         let seen = self.whitened();
         let density = without_shut_out(density, seen.top);
-        let share = if self.has_envelope() {
-            self.mean_short_share(&(1..seen.top), seen.transform.frequency(1))
-        } else {
-            1.0
-        };
-        let strength = |n| factor(n) * self.strength(n, share);
+        let known = self.strength_between(&(1..seen.top), seen.transform.frequency(1));
+        let strength = |n| factor(n) * known(n);
         powers::powers(&seen.transform, &density, |n| self.usable(n), strength)
     }
 

@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::record::beyond;
 use crate::diagnosis::record::bridge::bridge;
-use crate::diagnosis::record::drawn::Drawn;
+use crate::diagnosis::record::drawn::{Drawn, Noise};
 use crate::diagnosis::record::long_gaps;
 use crate::diagnosis::record::short_gaps::ShortGaps;
 
@@ -105,7 +105,13 @@ impl AxisState {
         if !others.is_empty() {
             let drawn = Drawn::of(self.residual.measured());
             let density = self.law_densities(drawn.ring_len());
-            long_gaps::fill(&drawn, values, &others, self.rate_hz, &density);
+            let spacing_hz = self.rate_hz / drawn.ring_len() as f64;
+            let noise = Noise {
+                rate_hz: self.rate_hz,
+                density: &density,
+                strength: &self.strength_between(&(1..density.len()), spacing_hz),
+            };
+            long_gaps::fill(&drawn, values, &others, &noise);
         }
         gaps
     }

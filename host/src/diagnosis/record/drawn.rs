@@ -118,10 +118,10 @@ impl Drawn {
         self.ring.transform_ring(whole, rate_hz)
     }
 
-    /// By how much a closed ring has to be moved at these `places` to be the likeliest there.
-    pub fn moves(&self, off: Series, places: &[usize], rate_hz: f64, density: &[f64]) -> Vec<f64> {
-        let off = self.ring.transform_ring(off, rate_hz);
-        Unknown::at(&self.ring, places, density).moves(&off)
+    /// By how much a closed ring has to be moved at these `places` to be the likeliest there, of noise that is as strong all along.
+    pub fn moves(&self, off: Series, places: &[usize], noise: &Noise<'_>) -> Vec<f64> {
+        let off = self.ring.transform_ring(off, noise.rate_hz);
+        Unknown::at(&self.ring, places, noise.density).moves(&off)
     }
 }
 

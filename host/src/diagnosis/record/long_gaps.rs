@@ -12,21 +12,9 @@ use crate::diagnosis::record::drawn::{Drawn, Noise};
 /// Samples at either end of a gap that are solved for: a choice. Beyond them noise goes on as it was drawn.
 const END: usize = 1024;
 
-/// Fills `gaps` of `values`, which are bridged, with noise of the two-sided densities `density` at the ordinates of the
-/// ring of `drawn`.
-pub fn fill(
-    drawn: &Drawn,
-    values: &mut [f64],
-    gaps: &[Range<usize>],
-    rate_hz: f64,
-    density: &[f64],
-) {
-    let noise = Noise {
-        rate_hz,
-        density,
-        strength: &|_| 1.0,
-    };
-    let mut off = drawn.off(values, &noise);
+/// Fills `gaps` of `values`, which are bridged, with `noise` on the ring of `drawn`.
+pub fn fill(drawn: &Drawn, values: &mut [f64], gaps: &[Range<usize>], noise: &Noise<'_>) {
+    let mut off = drawn.off(values, noise);
     let inside = || gaps.iter().cloned().flatten();
     let before: Vec<f64> = inside().map(|n| off[n]).collect();
     gaps.iter().for_each(|gap| off[gap.clone()].fill(f64::NAN));
@@ -41,7 +29,7 @@ pub fn fill(
         [first, last]
     });
     let places: Vec<usize> = ends.chain(drawn.seam()).flatten().collect();
-    let moves = drawn.moves(off, &places, rate_hz, density);
+    let moves = drawn.moves(off, &places, noise);
     for (&place, by) in places.iter().zip(moves) {
         if let Some(value) = values.get_mut(place) {
             *value += by;
@@ -94,7 +82,12 @@ mod tests {
             };
             let cut = about(&values);
             let density = law(drawn.ring_len());
-            fill(&drawn, &mut values, &gaps, RATE_HZ, &density);
+            let noise = Noise {
+                rate_hz: RATE_HZ,
+                density: &density,
+                strength: &|_| 1.0,
+            };
+            fill(&drawn, &mut values, &gaps, &noise);
             let filled = about(&values);
             // Of 80 normal numbers one lies beyond 5 in 20 000 runs, and none ever beyond 8.
             assert!(cut > 8.0 && filled < 5.0, "seed {seed}: {cut}, {filled}");

@@ -103,8 +103,7 @@ impl ShortGaps {
     pub fn fill(&self, values: &mut [f64], limits: &[Limit], noise: &Noise<'_>) {
         let mut off = self.drawn.off(values, noise);
         self.drawn.close(&mut off);
-        let (rate_hz, density) = (noise.rate_hz, noise.density);
-        let moves = self.drawn.moves(off, &self.places, rate_hz, density);
+        let moves = self.drawn.moves(off, &self.places, noise);
         for (&place, by) in self.places().iter().zip(moves) {
             values[place] += by;
         }

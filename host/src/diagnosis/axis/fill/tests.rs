@@ -142,6 +142,18 @@ fn no_test_looks_at_what_was_drawn_and_all_look_beside_it() {
 }
 
 #[test]
+fn what_tends_to_nothing_is_moved_on_by_a_tenth_at_most() {
+    // A floor that loses a third in each fill goes on to where three more would bring it, one that all but vanishes no further than a tenth.
+    let mut course = vec![vec![1.0, 1.0], vec![2.0 / 3.0, 1e-5]];
+    let mut density = vec![4.0 / 9.0, 1e-10];
+    go_on(&mut course, &mut density);
+    let three_more = 4.0 / 9.0 * (2.0_f64 / 3.0).powi(3);
+    assert!((density[0] / three_more - 1.0).abs() < 1e-9, "{density:?}");
+    assert!((density[1] / 1e-11 - 1.0).abs() < 1e-9, "{density:?}");
+    assert!(course.is_empty());
+}
+
+#[test]
 fn what_was_drawn_before_a_swing_had_a_name_is_drawn_anew() {
     let seed = 6;
     let envelope = Envelope {

@@ -225,3 +225,33 @@ fn a_loud_stretch_of_noise_whose_strength_lasts_is_no_burst() {
         "nothing to refuse, seeds 40..48"
     );
 }
+
+#[test]
+fn on_a_coarse_grid_a_stretch_that_its_level_makes_louder_is_none() {
+    use crate::diagnosis::explanation::Change;
+    use crate::model::rounding;
+    // Normal noise of 0.45 steps about a value of the grid, and between two of them in the stretch.
+    const STEP: f64 = 1.0;
+    let seed = 12;
+    let rounded = |louder: f64| {
+        let mut normal = Gaussian::new(Seed { seed, stream: 0 }, 0.45 * STEP);
+        let values = (0..40_000).map(|n| {
+            let within = (15_000..25_000).contains(&n);
+            let (level, factor) = if within {
+                (0.5 * STEP, louder)
+            } else {
+                (0.0, 1.0)
+            };
+            ((level + factor * normal.draw()) / STEP).round() * STEP - level
+        });
+        Trial::new(values.collect())
+    };
+    for (louder, is_burst) in [(1.0, false), (1.5, true)] {
+        let mut trial = rounded(louder);
+        let found = trial::candidate(trial.ask(&DETECTOR));
+        assert!(found.is_some(), "seed {seed}: no stretch at all");
+        trial.know(rounding::KIND, [STEP], Change::Grid { decides: false });
+        let found = trial::candidate(trial.ask(&DETECTOR));
+        assert_eq!(found.is_some(), is_burst, "seed {seed}, {louder}");
+    }
+}

@@ -146,8 +146,23 @@ pub fn named(look: &Look<'_>, within_hz: &Range<f64>, p_value: f64) -> Option<Pr
         let gone = std::mem::take(&mut found.supersedes);
         found = followed(&whole, within_hz, p_value).unwrap_or(found);
         found.supersedes.extend(gone);
+        // Or one by one they would go for each other for ever.
+        if !holds_more(&found, look.axis) {
+            return None;
+        }
     }
     Some(Proposal::Explain(Box::new(found)))
+}
+
+/// Whether mains hold more multiples than those that wander and go for them.
+fn holds_more(found: &Candidate, axis: &AxisState) -> bool {
+    let gone = axis.explanation(hum::KIND);
+    let gone = gone.filter(|_| found.supersedes.contains(&hum::KIND));
+    let held = match &found.change {
+        Change::Tone(bands_hz) => bands_hz.len(),
+        _ => 0,
+    };
+    gone.is_none_or(|known| held > known.bands_hz().len())
 }
 
 /// The same as a candidate, through what is left of the record.

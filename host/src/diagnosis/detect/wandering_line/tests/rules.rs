@@ -263,3 +263,12 @@ fn mains_of_which_some_multiples_are_known_are_followed_with_all_of_them() {
     let amplitudes: Vec<f64> = amplitudes.flatten().map(|one| one.value).collect();
     assert_eq!(amplitudes.len(), 2, "seed {seed}: {amplitudes:?}");
 }
+
+#[test]
+fn mains_of_which_fewer_multiples_are_followed_stay_as_they_were() {
+    let (mut trial, seed) = wandering_mains(&[0.5, 0.5]);
+    let known = Change::Tone(vec![49.0..51.0, 149.0..151.0, 249.0..251.0]);
+    trial.know(hum::KIND, [50.0, 0.1, 1.0, 0.5], known);
+    let named = trial::candidate(trial.ask(&DETECTOR));
+    assert!(named.is_none(), "seed {seed}: {named:?}");
+}
