@@ -2,8 +2,9 @@
 
 use std::fmt;
 
-use crate::diagnosis::explanation::Explanation;
+use crate::diagnosis::explanation::{Candidate, Change, Explanation};
 use crate::diagnosis::loser::Loser;
+use crate::model::effect::Parameter;
 use crate::model::kind::Kind;
 use crate::numeric::written::plain;
 
@@ -14,6 +15,8 @@ pub enum Decision {
     Taken {
         /// Its kind.
         kind: Kind,
+        /// Its first parameter, as it is known then: a frequency, a moment, a size.
+        first: Option<(Parameter, f64)>,
         /// Its p-value.
         p_value: f64,
     },
@@ -54,6 +57,21 @@ pub enum Declined {
 }
 
 impl Decision {
+    /// That a candidate was taken in.
+    pub fn taken(candidate: &Candidate) -> Self {
+        let kind = candidate.effect.kind;
+        let values = match &candidate.change {
+            Change::Law(law) => law.values.clone(),
+            _ => candidate.effect.plain(),
+        };
+        let parameters = kind.parameters(&values).into_iter();
+        Self::Taken {
+            kind,
+            first: parameters.zip(values).next(),
+            p_value: candidate.p_value,
+        }
+    }
+
     /// That what there was `before` and is not among the `left` was taken back, and why; `None` where all is left.
     pub fn withdrawn(before: &[Kind], left: &[Explanation], why: &'static str) -> Option<Self> {
         let mut gone = before.to_vec();
@@ -69,7 +87,17 @@ impl Decision {
 impl fmt::Display for Decision {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Taken { kind, p_value } => write!(f, "taken in: {kind}, by chance {p_value:.1e}"),
+            Self::Taken {
+                kind,
+                first,
+                p_value,
+            } => {
+                write!(f, "taken in: {kind}")?;
+                if let Some((parameter, value)) = first {
+                    write!(f, ", {} {}", parameter.name, plain(*value))?;
+                }
+                write!(f, ", by chance {p_value:.1e}")
+            }
             Self::Declined { kind, p_value, why } => {
                 let why = match why {
                     Declined::Lost => {

@@ -256,7 +256,7 @@ impl<'a> Search<'a> {
             && candidate.supersedes.is_empty()
             && candidate.reopens.is_empty();
         if candidate.amends.is_none() {
-            self.say(Decision::Taken { kind, p_value });
+            self.say(Decision::taken(&candidate));
             self.latest = Some(kind);
         }
         let before = self.axis.kinds();

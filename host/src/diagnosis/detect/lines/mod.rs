@@ -6,6 +6,7 @@ mod measure;
 mod slow;
 #[cfg(test)]
 mod tests;
+mod unresolved;
 mod unsteady;
 
 use std::ops::Range;
@@ -19,9 +20,10 @@ use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
 use crate::diagnosis::steady;
 use crate::model::{hum, resonance, sinusoid};
-use crate::spectrum::{Line, record_lines};
+use crate::spectrum::Line;
 pub use mains::{Group, mains_base, wandering, with_hum};
 pub use measure::{Measured, measure_near};
+pub use unresolved::{in_place_of, unresolved};
 pub use unsteady::WANDERING;
 
 /// Looks for lines, all at once.
@@ -129,19 +131,6 @@ fn holds_all(axis: &AxisState, lines: &[Line]) -> bool {
     let all: f64 = lines.iter().map(power).sum();
     let most = lines.iter().map(power).fold(0.0, f64::max);
     most >= (1.0 - steady::line::IMPERFECT) * axis.measured_share() * all
-}
-
-/// A resonance too narrow for the record to resolve: a line, if the record has cycles enough for one; a few of them are
-/// a course of the level like any other.
-pub fn unresolved(look: &Look<'_>, f_hz: f64, p_value: f64) -> Option<Proposal> {
-    if f_hz * look.duration_s() < record_lines::LEAST_CYCLES {
-        return None;
-    }
-    let one = measure_near(look.axis, f_hz, p_value);
-    if wanders(look, &one) {
-        return None;
-    }
-    single(look, &mut taken_out_hz(look.axis), one)
 }
 
 /// Bands about the resonances that are there: lines in them are their tops.

@@ -9,7 +9,7 @@ use crate::numeric::order::median;
 use crate::spectrum::record_lines::LEAST_CYCLES;
 
 /// Cycles at least: a choice. Fewer turns are a course of the level like any other.
-const FEWEST: usize = 5;
+pub const FEWEST: usize = 5;
 
 /// Ordinates beside a line that are its own: between two it has 2 % of its power 2 away.
 const OWN: usize = 2;

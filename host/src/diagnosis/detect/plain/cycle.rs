@@ -140,6 +140,20 @@ fn at(means: &Means, cycles: f64) -> Option<Fitted> {
     all.min_by(|a, b| costs(a, means).total_cmp(&costs(b, means)))
 }
 
+/// A course of `values` with the multiples of its cycle that are too fast for the `means` in which it was found.
+pub fn continued(values: &[f64], means: &Means, course: Course) -> Course {
+    let Some(cycle) = course.cycle else {
+        return course;
+    };
+    if cycle.multiples < multiples(means, cycle.cycles, MOST) {
+        return course;
+    }
+    let finer = (HIGHEST / (cycle.cycles * MOST as f64)) as usize;
+    let finer = Means::over(values, finer.clamp(1, means.factor));
+    let all = Fitted::new(&finer, course.clone()).and_then(|one| with_all(&finer, &one));
+    all.map_or(course, |one| one.course)
+}
+
 /// The same with all multiples that pay for themselves.
 fn with_all(means: &Means, found: &Fitted) -> Option<Fitted> {
     let with = |course: &Course, multiples: usize| {

@@ -21,6 +21,15 @@ pub struct Course {
     pub cycle: Option<Cycle>,
 }
 
+/// A part of a course.
+#[derive(Debug, Clone)]
+pub struct Part {
+    /// The course without it.
+    pub without: Course,
+    /// Its time constant or period, samples.
+    pub samples: f64,
+}
+
 /// A cycle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cycle {
@@ -74,21 +83,22 @@ impl Course {
         settlings.chain(period).fold(f64::INFINITY, f64::min)
     }
 
-    /// The course without each of its parts: every settling, and the cycle.
-    pub fn parts(&self) -> Vec<Self> {
-        let settling = |number: usize| {
+    /// Its parts: every settling, and the cycle.
+    pub fn parts(&self) -> Vec<Part> {
+        let settlings = self.settlings.iter().enumerate();
+        let settlings = settlings.map(|(number, &samples)| {
             let mut without = self.clone();
             without.settlings.remove(number);
-            without
-        };
-        let mut parts: Vec<Self> = (0..self.settlings.len()).map(settling).collect();
-        if self.cycle.is_some() {
-            parts.push(Self {
+            Part { without, samples }
+        });
+        let cycle = self.cycle.map(|cycle| Part {
+            without: Self {
                 cycle: None,
                 ..self.clone()
-            });
-        }
-        parts
+            },
+            samples: cycle.cycles.recip(),
+        });
+        settlings.chain(cycle).collect()
     }
 
     /// Place of a settling's size among those of a fit, behind the constant.

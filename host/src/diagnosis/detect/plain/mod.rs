@@ -16,14 +16,13 @@ mod tests;
 use super::Detector;
 use crate::diagnosis::detect::look::{Look, Proposal};
 use crate::model::{hum, sinusoid, warmup};
-use crate::numeric::product::dot;
-use fit::{Course, Cycle, Fitted};
+use fit::{Course, Cycle, Fitted, Part};
 use means::Means;
 
 /// Share of its energy that a course may leave: a choice, a fifth of its size.
 const LEFT: f64 = 0.04;
 
-/// Means in which what is left is looked at, a time constant and a period: a choice. As many show a bend, and noise that single samples have
+/// Means in which what is left is looked at, a time constant or a period: a choice. As many show a bend, and noise that single samples have
 /// is small in them.
 const RESOLVED: f64 = 16.0;
 
@@ -56,12 +55,12 @@ fn plain(look: &Look<'_>) -> Vec<Proposal> {
     let Some(found) = found(&means) else {
         return Vec::new();
     };
+    let course = cycle::continued(&values, &means, found.course);
     // Noise that rises with the frequency is the smaller the fewer means there are.
     let most = (values.len() / FEWEST_MEANS).max(means.factor);
-    let factor = shown_by(&found.course).clamp(means.factor, most);
-    let coarser = Means::over(&values, factor);
-    let again = Fitted::new(&coarser, found.course).map(|one| one.climbed(&coarser));
-    again.map_or_else(Vec::new, |one| proposals::proposals(look, &coarser, &one))
+    let means = Means::over(&values, shown_by(&course).clamp(1, most));
+    let again = Fitted::new(&means, course).map(|one| one.climbed(&means));
+    again.map_or_else(Vec::new, |one| proposals::proposals(look, &means, &one))
 }
 
 /// Samples from mean to mean of those that still show a course.
@@ -90,24 +89,19 @@ fn found(means: &Means) -> Option<Fitted> {
     (best.course.cycle.is_some() || best.course.settlings.len() > 1).then_some(best)
 }
 
-/// Energy that a course leaves, in means that resolve it.
-fn left(means: &Means, fitted: &Fitted) -> f64 {
-    let quickest = fitted.course.quickest() / means.factor as f64;
-    means.energy(&fitted.left, (quickest / RESOLVED) as usize)
-}
-
-/// Whether next to nothing of the means is left beside a course, and a part of it is plain.
+/// Whether a part of a course is plain.
 fn is_plain(means: &Means, fitted: &Fitted) -> bool {
     let mut parts = fitted.course.parts().into_iter();
-    left(means, fitted) < LEFT * dot(&means.values, &means.values)
-        && parts.any(|without| is_plain_part(means, fitted, without))
+    parts.any(|part| is_plain_part(means, fitted, part))
 }
 
-/// Whether what a course has more than that `without` a part of it is far more than what is left, and than a walk could make that what is
-/// left has room for.
-fn is_plain_part(means: &Means, fitted: &Fitted, without: Course) -> bool {
-    let without = Fitted::new(means, without);
+/// Whether a part of a course, in means that resolve it, is far more than what is left, of which there is next to nothing, and than a walk
+/// could make that what is left has room for.
+fn is_plain_part(means: &Means, fitted: &Fitted, part: Part) -> bool {
+    let m = (part.samples / means.factor as f64 / RESOLVED) as usize;
+    let left = means.energy(&fitted.left, m);
+    let without = Fitted::new(means, part.without);
     let own = without.map_or(0.0, |one| one.energy - fitted.energy);
     let walk = means.known() * means.walk(&fitted.left);
-    own > (OVER_WALK * walk).max(OVER_LEFT * left(means, fitted))
+    left < LEFT * means.energy(&means.values, m) && own > (OVER_WALK * walk).max(OVER_LEFT * left)
 }

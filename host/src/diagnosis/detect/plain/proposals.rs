@@ -1,7 +1,7 @@
 //! A plain course as explanations: each settling a warm-up, a cycle with its multiples lines of one cause.
 
 use super::cycle;
-use super::fit::{Course, Covariance, Cycle, Fitted};
+use super::fit::{Course, Covariance, Cycle, Fitted, Part};
 use super::means::Means;
 use crate::diagnosis::detect::look::{Look, Proposal};
 use crate::diagnosis::explanation::{Candidate, Change};
@@ -27,17 +27,16 @@ pub fn proposals(look: &Look<'_>, means: &Means, fitted: &Fitted) -> Vec<Proposa
     let course = &fitted.course;
     let settlings = (0..course.settlings.len()).map(|number| told.settling(number));
     let cycle = course.cycle.map(|cycle| told.cycle(cycle));
-    let without = course.parts();
-    let candidates = settlings.chain(cycle).zip(&without);
+    let candidates = settlings.chain(cycle).zip(course.parts());
     let candidates =
-        candidates.filter(|(_, without)| super::is_plain_part(means, fitted, (*without).clone()));
-    let candidates = candidates.map(|(candidate, without)| {
+        candidates.filter(|(_, part)| super::is_plain_part(means, fitted, part.clone()));
+    let candidates = candidates.map(|(candidate, Part { without, .. })| {
         let freedom = candidate.freedom;
         let nats = fitted.nats(means)
             - Fitted::new(means, without.clone()).map_or(0.0, |one| one.nats(means));
         Candidate {
             p_value: p_value::chi_squared(2.0 * nats, freedom),
-            held_out_nats: held_out_nats(means, course, without),
+            held_out_nats: held_out_nats(means, course, &without),
             ..candidate
         }
     });

@@ -69,8 +69,14 @@ pub fn strongest_law(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
         }
         found.remove(0);
     }
-    if found.is_empty() {
+    let Some(first) = found.first() else {
         return Ok(Vec::new());
+    };
+    if first.law.effect == resonance::KIND {
+        let (f_hz, worth) = (first.law.values[0], worth(look.axis.rate_hz, first));
+        if let Some(line) = lines::in_place_of(look, f_hz, first.p_value, worth)? {
+            return Ok(vec![line]);
+        }
     }
     // Jumps seen one by one may be a part of it.
     if found[0].law.effect == markov::KIND
