@@ -146,6 +146,12 @@ impl AxisState {
         &self.bridged
     }
 
+    /// Share of the record that was not filled so: a line goes through no more of it, unless the law by which it was knows the line.
+    pub fn unbridged_share(&self) -> f64 {
+        let bridged: usize = self.bridged.iter().map(Range::len).sum();
+        1.0 - bridged as f64 / self.filled.len() as f64
+    }
+
     /// Whether tests of single moments may look at a sample.
     pub fn usable(&self, index: usize) -> bool {
         if index < SEAM || index + SEAM >= self.fast.len() {

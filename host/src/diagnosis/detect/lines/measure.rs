@@ -1,10 +1,12 @@
 //! A line as it is measured, with its phase.
 
 use std::f64::consts::{PI, TAU};
+use std::ops::Range;
 
 use realfft::num_complex::Complex64;
 
 use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::record::runs;
 use crate::diagnosis::record::wave::Wave;
 use crate::diagnosis::steady::line::IMPERFECT;
 use crate::fft::phasor::Phasor;
@@ -91,6 +93,21 @@ pub fn measure(axis: &AxisState, line: &Line) -> Measured {
     }
 }
 
+/// Whether next to nothing is left at some other `lines` where `one` is taken out of the samples that were measured: they are what gaps,
+/// and what is drawn in the place of what is excluded, make of it.
+pub fn holds(axis: &AxisState, one: &Measured, lines: &[Line]) -> bool {
+    /// Noise at a line over its mean, at most: more than by chance once in 20 000 lines.
+    const NOISE: f64 = 10.0;
+    let mut values = axis.filled.to_vec();
+    one.wave.take_out(&mut values);
+    let imperfect = IMPERFECT * one.line.amplitude.powi(2);
+    lines.iter().all(|line| {
+        let seen = Demodulated::of(axis, &values, line.frequency_hz / axis.rate_hz);
+        let noise = 4.0 * axis.density(line.frequency_hz) * axis.rate_hz / seen.weights;
+        seen.power(0.0) / seen.weights.powi(2) < imperfect + NOISE * noise
+    })
+}
+
 /// A record with tapered ends, shifted down by a frequency, in blocks.
 struct Demodulated {
     /// Twice the sum of each block.
@@ -102,18 +119,21 @@ struct Demodulated {
 impl Demodulated {
     /// Down by `cycles` a sample.
     fn new(axis: &AxisState, cycles: f64) -> Self {
-        let length = axis.filled.len();
+        Self::of(axis, &axis.filled, cycles)
+    }
+
+    /// The same of some `values` in the place of what is left of the record.
+    fn of(axis: &AxisState, values: &[f64], cycles: f64) -> Self {
+        let length = values.len();
         let end = ((TAPER * length as f64) as usize).max(1);
         let rise = |edge: usize| (0.5 * PI * (edge as f64 + 0.5) / end as f64).sin().powi(2);
         let rise: Vec<f64> = (0..end).map(rise).collect();
         let phasor = Phasor::new(-cycles);
-        let block = length.div_ceil(BLOCKS);
         let measured = axis.residual.measured();
         let mut weights = 0.0;
-        let sums = axis.filled.chunks(block).zip(measured.chunks(block));
-        let sums = sums.enumerate().map(|(number, (values, measured))| {
-            let first = number * block;
-            let values = (first..).zip(values.iter().zip(measured));
+        let mut sum_of = |run: Range<usize>| {
+            let first = run.start;
+            let values = (first..).zip(values[run.clone()].iter().zip(&measured[run]));
             let mut sum = Complex64::ZERO;
             phasor.zip(
                 first,
@@ -129,6 +149,14 @@ impl Demodulated {
                 },
             );
             sum
+        };
+        let block = length.div_ceil(BLOCKS);
+        let blocks = (0..length).step_by(block);
+        let sums = blocks.map(|first| {
+            // What was drawn in the place of what is excluded has none of the line.
+            let block = first..(first + block).min(length);
+            let runs = runs::without(&[block], axis.bridged()).into_iter();
+            runs.map(&mut sum_of).sum()
         });
         Self {
             sums: sums.collect(),

@@ -74,9 +74,9 @@ fn grouped(axis: &AxisState, found: &[Line]) -> Vec<Group> {
             .count();
         let (cluster, others) = rest.split_at(count);
         rest = others;
-        if count >= 3 && holds_all(axis, cluster) {
-            // Gaps give a strong line others beside it.
-            singles.push(strongest(axis, cluster));
+        let top = (count >= 3).then(|| strongest(axis, cluster));
+        if let Some(top) = top.filter(|top| measure::holds(axis, top, cluster)) {
+            singles.push(top);
         } else if count >= 3 {
             groups.push(Group::Cluster {
                 f_hz: 0.5 * (first.frequency_hz + cluster[count - 1].frequency_hz),
@@ -122,15 +122,6 @@ fn strongest(axis: &AxisState, lines: &[Line]) -> Measured {
     let largest = lines.iter().max_by(|a, b| a.ratio.total_cmp(&b.ratio));
     let (f_hz, false_alarm) = largest.map_or((0.0, 1.0), |one| (one.frequency_hz, one.false_alarm));
     measure_near(axis, f_hz, false_alarm)
-}
-
-/// Whether the strongest of some lines that stand close holds all of their power but for what samples that are missing
-/// spread beside it.
-fn holds_all(axis: &AxisState, lines: &[Line]) -> bool {
-    let power = |line: &Line| line.amplitude.powi(2);
-    let all: f64 = lines.iter().map(power).sum();
-    let most = lines.iter().map(power).fold(0.0, f64::max);
-    most >= (1.0 - steady::line::IMPERFECT) * axis.measured_share() * all
 }
 
 /// Bands about the resonances that are there: lines in them are their tops.

@@ -1,6 +1,7 @@
 //! What looks like a line and is none by itself.
 
 mod cycles;
+mod excluded;
 mod lobes;
 mod mains;
 

@@ -39,23 +39,29 @@ const STRONGEST: usize = 3;
 
 /// A cycle among `means`, beside as many settlings as leave least, at most one.
 pub fn best(means: &Means) -> Option<Fitted> {
-    let strongest = line(means, strongest(means)? / means.factor as f64)?;
+    let found = strongest(means).into_iter();
+    let found = found.filter_map(|turns| about(means, line(means, turns / means.factor as f64)?));
+    let found = found.min_by(|a, b| costs(a, means).total_cmp(&costs(b, means)))?;
+    let found = with_all(means, &found)?;
+    let few = FEWEST as f64 / (means.len() * means.factor) as f64;
+    found.course.cycle.filter(|cycle| cycle.cycles >= few)?;
+    Some(found)
+}
+
+/// A cycle with a line at this frequency, cycles a sample: its first multiple or another.
+fn about(means: &Means, cycles: f64) -> Option<Fitted> {
     let all = (1..=STRONGEST).filter_map(|number| {
-        let found = at(means, strongest / number as f64)?;
+        let found = at(means, cycles / number as f64)?;
         (number == 1 || has_others(means, &found, number)).then_some(found)
     });
     // Any line is the second of half its frequency.
-    let found = all.reduce(|one, slower| {
+    all.reduce(|one, slower| {
         if costs(&slower, means) + 2.0 * SURE < costs(&one, means) {
             slower
         } else {
             one
         }
-    })?;
-    let found = with_all(means, &found)?;
-    let few = FEWEST as f64 / (means.len() * means.factor) as f64;
-    found.course.cycle.filter(|cycle| cycle.cycles >= few)?;
-    Some(found)
+    })
 }
 
 /// Whether a cycle has more than multiples of one `number`, in the noise about each: what a strong line leaves where samples are
@@ -75,18 +81,26 @@ pub fn costs(fitted: &Fitted, means: &Means) -> f64 {
     fitted.course.freedom() * means.known().ln() - 2.0 * fitted.nats(means)
 }
 
-/// The strongest line of steps from mean to mean, in which a settling leaks less, cycles a mean.
-fn strongest(means: &Means) -> Option<f64> {
+/// Where the strongest lines may be, cycles a mean: of steps from mean to mean, in which a settling leaks less, and of the level that goes
+/// by these steps. In steps the kinks of one that is switched stand out at any multiple.
+fn strongest(means: &Means) -> Vec<f64> {
     let steps = means.values.windows(2).map(|two| two[1] - two[0]);
     let mut steps: Vec<f64> = steps.collect();
     let len = steps.len();
     let transform = fft::real_forward(len);
     let mut ordinates = vec![Complex64::ZERO; len / 2 + 1];
-    transform.process(&mut steps, &mut ordinates).ok()?;
+    if transform.process(&mut steps, &mut ordinates).is_err() {
+        return Vec::new();
+    }
     let last = (STRONGEST * LEAST_CYCLES as usize).min(len / 4);
-    let top = (FEWEST..=last)
-        .max_by(|&a, &b| ordinates[a].norm_sqr().total_cmp(&ordinates[b].norm_sqr()))?;
-    Some(top as f64 / len as f64)
+    let top = |power: &dyn Fn(usize) -> f64| {
+        (FEWEST..=last).max_by(|&a, &b| power(a).total_cmp(&power(b)))
+    };
+    let of_steps = top(&|k| ordinates[k].norm_sqr());
+    let of_level = top(&|k| ordinates[k].norm_sqr() / (k * k) as f64);
+    let mut tops: Vec<usize> = of_steps.into_iter().chain(of_level).collect();
+    tops.dedup();
+    tops.into_iter().map(|k| k as f64 / len as f64).collect()
 }
 
 /// The frequency of a line near one, where it has a good part of what the means have.
@@ -145,7 +159,7 @@ pub fn continued(values: &[f64], means: &Means, course: Course) -> Course {
     let Some(cycle) = course.cycle else {
         return course;
     };
-    if cycle.multiples < multiples(means, cycle.cycles, MOST) {
+    if multiples(means, cycle.cycles, MOST) == MOST {
         return course;
     }
     let finer = (HIGHEST / (cycle.cycles * MOST as f64)) as usize;

@@ -88,6 +88,32 @@ fn a_switched_heater_is_a_cycle_with_a_settling() {
 }
 
 #[test]
+fn a_quick_heater_is_followed_to_the_multiples_that_coarse_means_do_not_show() {
+    for (seed, turns, share) in [(13, 23.0, 0.5), (14, 28.5, 0.4)] {
+        let values = noise(seed);
+        let period_s = values.len() as f64 / RATE_HZ / turns;
+        let course = heater(period_s, share, 0.05 * period_s);
+        let trial = proposed(seed, |at_s| 300.0 * course(at_s));
+        let found = trial.ask(&DETECTOR).into_iter();
+        let cycle = found.filter_map(|one| trial::candidate(vec![one]));
+        let cycle = cycle.max_by_key(|one| one.effect.values.len());
+        let lines = cycle.expect("a cycle").effect.values.len();
+        // Of 8192 means, of which a line has four a turn, there are fewer.
+        assert!(lines as f64 > 8192.0 / 4.0 / turns, "seed {seed}: {lines}");
+    }
+}
+
+#[test]
+fn noise_that_hides_a_settling_hides_no_cycle() {
+    for seed in [15, 16] {
+        // Weaker than the noise of as few samples as tell its settling, not of those that tell its turns.
+        let course = heater(30.0, 0.5, 1.2);
+        let found = kinds(&proposed(seed, |at_s| 0.02 * course(at_s)));
+        assert_eq!(found, [hum::KIND], "seed {seed}");
+    }
+}
+
+#[test]
 fn settlings_as_slow_as_a_record_holds_are_measured_in_means_enough() {
     for seed in [4, 5] {
         let duration_s = noise(seed).len() as f64 / RATE_HZ;

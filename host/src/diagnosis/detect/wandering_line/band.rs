@@ -48,6 +48,8 @@ pub struct Band {
     pub duration_s: f64,
     /// Share of the record that was measured or drawn: the mean power of the ordinates of noise.
     pub share: f64,
+    /// Share of the record that a line goes through.
+    unbridged: f64,
 }
 
 impl Band {
@@ -110,6 +112,7 @@ impl Band {
             step_hz,
             duration_s: step_hz.recip(),
             share,
+            unbridged: axis.unbridged_share(),
         })
     }
 
@@ -137,7 +140,7 @@ impl Band {
     }
 
     /// Whether one steady line holds all of the power above noise in these of its `ordinates`, but for the share
-    /// `imperfect` and what the samples that are missing would hold.
+    /// `imperfect` and what the samples that are missing or excluded would hold.
     pub fn is_line(&self, ordinates: &Range<usize>, imperfect: f64) -> bool {
         let power = |k: usize| self.ordinates[k].norm_sqr();
         let noise = self.share * ordinates.len() as f64;
@@ -151,7 +154,7 @@ impl Band {
         // Between two ordinates it is lower in both.
         let at = |k: f64| window::power(&self.values, k / self.values.len() as f64);
         let best = golden_section(top as f64 - 1.0, top as f64 + 1.0, FINEST, at);
-        at(best) >= (1.0 - imperfect) * self.share * above
+        at(best) >= (1.0 - imperfect) * self.unbridged * above
     }
 
     /// Ordinates outwards from `inside` that have more power than noise, in groups.
@@ -236,6 +239,7 @@ mod tests {
             step_hz: 1.0,
             duration_s: 1.0,
             share: 1.0,
+            unbridged: 1.0,
         };
         // By groups of 32, of which the outermost hold more than is left out.
         assert_eq!(band.grown(120..130), 88..162);

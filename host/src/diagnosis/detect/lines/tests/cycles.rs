@@ -79,3 +79,26 @@ fn what_may_follow_a_temperature_is_no_cycle() {
     trial.covariate = Some(Reading::of(&column));
     assert!(proposed(&trial).is_empty(), "seed 33");
 }
+
+#[test]
+fn a_resonance_of_few_cycles_gives_its_place_to_a_line_that_is_worth_more() {
+    let is_line = |trial: &Trial, cycles: f64, worth: f64| {
+        trial.look(|look| {
+            in_place_of(look, cycles / look.duration_s(), 1e-9, worth)
+                .expect("what is left can be fitted")
+                .is_some()
+        })
+    };
+    for (seed, cycles) in [(60, 8.3), (61, 17.6)] {
+        let mut values = noise(seed);
+        let length = values.len() as f64;
+        for (n, value) in values.iter_mut().enumerate() {
+            *value += 0.2 * (TAU * cycles * n as f64 / length).sin();
+        }
+        let trial = Trial::new(values);
+        // A fiftieth of the noise's variance in one of some ten thousand ordinates: hundreds of nats.
+        assert!(is_line(&trial, cycles, 20.0), "seed {seed}");
+        assert!(!is_line(&trial, cycles, 1e4), "seed {seed}: worth less");
+        assert!(!is_line(&trial, 4.0, 20.0), "seed {seed}: a course");
+    }
+}
