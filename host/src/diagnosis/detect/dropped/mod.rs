@@ -107,7 +107,7 @@ fn measured(look: &Look<'_>, loss: &Loss) -> Vec<Measured> {
         Measured {
             line: steady.peak(rate_hz, duration_s),
             wave,
-            amplitude_sd: (4.0 * density / duration_s)
+            amplitude_sd: (2.0 * density / duration_s)
                 .sqrt()
                 .hypot(steady.amplitude_sd),
         }

@@ -65,7 +65,7 @@ pub fn measure_near(axis: &AxisState, f_hz: f64, p_value: f64) -> Measured {
     // The bound of H. Cramer and C. R. Rao for a tone whose amplitude is estimated with it.
     let duration_s = length as f64 / axis.rate_hz;
     best.line.frequency_sd_hz =
-        6_f64.sqrt() / TAU * best.amplitude_sd / best.line.amplitude / duration_s;
+        12_f64.sqrt() / TAU * best.amplitude_sd / best.line.amplitude / duration_s;
     best
 }
 
@@ -75,9 +75,7 @@ pub fn measure(axis: &AxisState, line: &Line) -> Measured {
     let Demodulated { sums, weights } = Demodulated::new(axis, cycles);
     let sum: Complex64 = sums.iter().sum();
     let (cosine, sine) = (sum.re / weights, -sum.im / weights);
-    // var A = 4 S / T for a two-sided density S.
-    let density = axis.density(line.frequency_hz);
-    let amplitude_sd = (4.0 * density * axis.rate_hz / weights).sqrt();
+    let amplitude_sd = amplitude_sd(axis, line.frequency_hz, weights);
     Measured {
         line: Line {
             amplitude: cosine.hypot(sine),
@@ -91,6 +89,16 @@ pub fn measure(axis: &AxisState, line: &Line) -> Measured {
         },
         amplitude_sd,
     }
+}
+
+/// Standard deviation of the amplitude of a line that is measured by so many samples: `var A = 2 S / T` for a two-sided density S.
+pub fn amplitude_sd(axis: &AxisState, f_hz: f64, samples: f64) -> f64 {
+    (2.0 * axis.density(f_hz) * axis.rate_hz / samples).sqrt()
+}
+
+/// How many samples measure a line.
+pub fn weights(axis: &AxisState) -> f64 {
+    Demodulated::new(axis, 0.0).weights
 }
 
 /// Whether next to nothing is left at some other `lines` where `one` is taken out of the samples that were measured: they are what gaps,

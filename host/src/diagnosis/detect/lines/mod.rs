@@ -4,6 +4,7 @@ mod cycles;
 mod mains;
 mod measure;
 mod slow;
+mod spread;
 #[cfg(test)]
 mod tests;
 mod unresolved;
@@ -23,6 +24,7 @@ use crate::model::{hum, resonance, sinusoid};
 use crate::spectrum::Line;
 pub use mains::{Group, mains_base, wandering, with_hum};
 pub use measure::{Measured, measure_near};
+pub use spread::in_noise_left;
 pub use unresolved::{in_place_of, unresolved};
 pub use unsteady::WANDERING;
 
