@@ -12,6 +12,23 @@ use crate::model::clipping::KIND;
 /// Looks for pile-ups at both extremes.
 pub static DETECTOR: Detector = Detector { tests: 1, look };
 
+/// Share of the record at an extreme from which that is no event: a choice. One that lasts as long is most of the record.
+const MUCH: f64 = 0.1;
+
+/// The same ahead of events, where much of the record is at an extreme: between its stays there, it is not loud. The test is that of
+/// [`DETECTOR`].
+pub static OF_MUCH: Detector = Detector {
+    tests: 0,
+    look: |of| {
+        let at_limits = of.context.values.clipping.iter();
+        let count: usize = at_limits.map(|(_, places)| places.len()).sum();
+        if (count as f64) < MUCH * of.axis.residual.len() as f64 {
+            return Ok(Vec::new());
+        }
+        look(of)
+    },
+};
+
 fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     let values = look.context.values;
     let known = look.axis.explanations().iter();
@@ -41,6 +58,17 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
 mod tests {
     use super::*;
     use crate::diagnosis::detect::trial::{self, Trial, noise};
+
+    #[test]
+    fn much_at_a_limit_is_no_event_and_little_may_be_one() {
+        for (seed, limit, is_much) in [(1, 0.8, true), (2, 2.5, false)] {
+            let clipped = noise(seed).into_iter().map(|value| value.min(limit));
+            let trial = Trial::new(clipped.collect());
+            let ahead = trial::kinds(&trial.ask(&OF_MUCH));
+            assert_eq!(ahead == [KIND], is_much, "seed {seed}: {ahead:?}");
+            assert_eq!(trial::kinds(&trial.ask(&DETECTOR)), [KIND], "seed {seed}");
+        }
+    }
 
     #[test]
     fn one_side_is_named_after_the_other() {

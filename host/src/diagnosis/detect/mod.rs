@@ -45,7 +45,7 @@ pub struct Detector {
 }
 
 /// What the values themselves say, and what happened, before any model. A flat stretch of repeats is no event, but what comes
-/// to a limit may be one.
+/// to a limit may be one, unless much of the record is there.
 pub static BEFORE_ROUNDS: &[&Detector] = &[
     &stale::DETECTOR,
     // What a level goes through that switches all the time is no event.
@@ -53,6 +53,7 @@ pub static BEFORE_ROUNDS: &[&Detector] = &[
     // Nor is what comes again and again, nor how it settles from the start.
     &plain::DETECTOR,
     &warmup::plain::DETECTOR,
+    &clipping::OF_MUCH,
     &shock::DETECTOR,
     &clipping::DETECTOR,
     &coarse_grid::DETECTOR,

@@ -6,7 +6,7 @@
 
 use super::{Doubt, Hearing};
 use crate::diagnosis::axis::{AxisState, NoFit};
-use crate::diagnosis::detect::spectral;
+use crate::diagnosis::detect::{lines, spectral};
 use crate::diagnosis::explanation::Explanation;
 use crate::diagnosis::laws::spread::Spread;
 use crate::diagnosis::result::finding::Remark;
@@ -54,7 +54,9 @@ fn least_sure(axis: &AxisState) -> Option<(usize, f64)> {
     let factors = explanations.map(|(place, one)| {
         let values = match axis.law_number(one) {
             Some(which) => spread.values(which).into_iter().map(Some).collect(),
-            None => one.effect.values.clone(),
+            // A line that was found first stood in noise that it was taken for.
+            None => lines::in_noise_left(axis, one)
+                .map_or_else(|| one.effect.values.clone(), |now| now.values),
         };
         (place, unsureness(one.kind(), &values))
     });
