@@ -2,9 +2,10 @@
 
 use super::*;
 use crate::diagnosis::record::envelope::Envelope;
+use crate::diagnosis::record::wave::{Outlier, Wave};
 use crate::diagnosis::trial::take_in;
-use crate::model::cyclic;
 use crate::model::random::{Gaussian, Seed};
+use crate::model::{cyclic, outliers};
 
 const RATE_HZ: f64 = 100.0;
 
@@ -183,4 +184,31 @@ fn what_was_drawn_before_a_swing_had_a_name_is_drawn_anew() {
     let after = quiet(&axis);
     // Of more than a thousand normal numbers; the law is known to a few percent.
     assert!((after - 1.0).abs() < 0.25, "{after}, seed {seed}");
+}
+
+#[test]
+fn what_outliers_made_of_gaps_goes_with_them() {
+    for seed in [21, 22] {
+        let mut values = lost(&noise(seed), 0.524, seed);
+        // Twelve of ten thousand deviations: three million times the noise's power, drawn into every gap.
+        let places = (0..12).filter_map(|n| (4801 * (n + 1)..).find(|&at| values[at].is_finite()));
+        let all = places.map(|index| Outlier {
+            index,
+            size: 5e4,
+            size_sd: 1.0,
+        });
+        let all: Vec<Outlier> = all.collect();
+        all.iter().for_each(|one| values[one.index] += one.size);
+        let mut axis = AxisState::new(Arc::new(values), RATE_HZ, None).expect("a spectrum");
+        let taken = Change::Waves(vec![Wave::Outliers(Arc::new(all))]);
+        take_in(&mut axis, outliers::KIND, taken);
+        for f_hz in [2.0, 10.0, 40.0] {
+            let off = (axis.density(f_hz) / density(f_hz)).ln();
+            // As where none were: 13 % at 2 Hz.
+            assert!(
+                off.abs() < 5.0 * 0.13,
+                "seed {seed}: {f_hz} Hz off by {off}"
+            );
+        }
+    }
 }
