@@ -74,9 +74,9 @@ fn every_decision_of_the_search_can_be_followed() {
         (text(output.stdout), text(output.stderr))
     };
     let (found, said) = diagnose(&["--trace"]);
-    for kind in ["hum", "markov"] {
+    for (kind, first) in [("hum", "f_hz"), ("markov", "time_s")] {
         assert!(found.contains(kind), "{found}");
-        let taken = format!("axis 0: taken in: {kind}, by chance ");
+        let taken = format!("axis 0: taken in: {kind}, {first} ");
         assert!(said.contains(&taken), "{said}");
     }
     assert_eq!(diagnose(&[]), (found, String::new()));

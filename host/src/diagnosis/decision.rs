@@ -15,7 +15,7 @@ pub enum Decision {
     Taken {
         /// Its kind.
         kind: Kind,
-        /// Its first parameter, as it is known then: a frequency, a moment, a size.
+        /// Its first parameter that is known then: a frequency, a moment, a corner.
         first: Option<(Parameter, f64)>,
         /// Its p-value.
         p_value: f64,
@@ -60,14 +60,16 @@ impl Decision {
     /// That a candidate was taken in.
     pub fn taken(candidate: &Candidate) -> Self {
         let kind = candidate.effect.kind;
-        let values = match &candidate.change {
-            Change::Law(law) => law.values.clone(),
-            _ => candidate.effect.plain(),
+        // The size of a law is told by the fit, once it is in.
+        let (values, place) = match &candidate.change {
+            Change::Law(law) => (law.values.clone(), law.shape().next()),
+            _ => (candidate.effect.plain(), Some(0)),
         };
         let parameters = kind.parameters(&values).into_iter();
+        let mut known = parameters.zip(values);
         Self::Taken {
             kind,
-            first: parameters.zip(values).next(),
+            first: place.and_then(|place| known.nth(place)),
             p_value: candidate.p_value,
         }
     }
