@@ -101,15 +101,14 @@ fn strongest(groups: Vec<Group>) -> Vec<Line> {
 /// The lines of a loss as any others are measured.
 fn measured(look: &Look<'_>, loss: &Loss) -> Vec<Measured> {
     let (rate_hz, duration_s) = (look.axis.rate_hz, look.duration_s());
+    let samples = look.axis.filled.len() as f64;
     let both = loss.waves().zip(&loss.lines);
     both.map(|(wave, steady)| {
-        let density = look.axis.density(steady.cycles * rate_hz);
+        let sd = lines::amplitude_sd(look.axis, steady.cycles * rate_hz, samples);
         Measured {
             line: steady.peak(rate_hz, duration_s),
             wave,
-            amplitude_sd: (2.0 * density / duration_s)
-                .sqrt()
-                .hypot(steady.amplitude_sd),
+            amplitude_sd: sd.hypot(steady.amplitude_sd),
         }
     })
     .collect()

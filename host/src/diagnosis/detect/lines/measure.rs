@@ -98,7 +98,12 @@ pub fn amplitude_sd(axis: &AxisState, f_hz: f64, samples: f64) -> f64 {
 
 /// How many samples measure a line.
 pub fn weights(axis: &AxisState) -> f64 {
-    Demodulated::new(axis, 0.0).weights
+    let measured = axis.residual.measured();
+    let all = 0..axis.filled.len();
+    let runs = runs::without(&[all], axis.bridged()).into_iter();
+    let there = runs.flatten().filter(|&n| measured[n].is_finite());
+    // Half of each end is tapered away.
+    (1.0 - TAPER) * there.count() as f64
 }
 
 /// Whether next to nothing is left at some other `lines` where `one` is taken out of the samples that were measured: they are what gaps,
@@ -111,7 +116,7 @@ pub fn holds(axis: &AxisState, one: &Measured, lines: &[Line]) -> bool {
     let imperfect = IMPERFECT * one.line.amplitude.powi(2);
     lines.iter().all(|line| {
         let seen = Demodulated::of(axis, &values, line.frequency_hz / axis.rate_hz);
-        let noise = 4.0 * axis.density(line.frequency_hz) * axis.rate_hz / seen.weights;
+        let noise = 2.0 * amplitude_sd(axis, line.frequency_hz, seen.weights).powi(2);
         seen.power(0.0) / seen.weights.powi(2) < imperfect + NOISE * noise
     })
 }
@@ -212,8 +217,8 @@ pub fn stands_out(axis: &AxisState, line: &Line, level: f64) -> bool {
         return true;
     }
     let measured = axis.measured_share() * axis.filled.len() as f64;
-    let noise = 4.0 * axis.density(line.frequency_hz) * axis.rate_hz;
-    let over_noise = line.amplitude.powi(2) * measured / noise;
+    let noise = 2.0 * amplitude_sd(axis, line.frequency_hz, measured).powi(2);
+    let over_noise = line.amplitude.powi(2) / noise;
     let frequencies = 0.5 * measured;
     frequencies * (-over_noise).exp() < level
 }

@@ -45,8 +45,8 @@ impl Cycle {
         self.multiples as f64 * self.cycles
     }
 
-    /// What cosine and sine of each multiple come to in the means.
-    fn columns(self, means: &Means) -> Vec<Vec<f64>> {
+    /// What cosine and sine of each multiple come to in the means, one after the other.
+    fn columns(self, means: &Means) -> impl Iterator<Item = Vec<f64>> {
         let factor = means.factor as f64;
         let middle = factor - 1.0;
         let begin = Complex64::cis(TAU * self.cycles * middle);
@@ -56,16 +56,15 @@ impl Cycle {
             *base = if *known { turned } else { Complex64::ZERO };
         });
         let mut turned: Vec<Complex64> = base.clone();
-        let mut columns = Vec::new();
-        for multiple in 1..=self.multiples {
+        (1..=self.multiples).flat_map(move |multiple| {
             let cycles = multiple as f64 * self.cycles;
             let mean = (PI * cycles * factor).sin() / (factor * (PI * cycles).sin());
-            columns.push(turned.iter().map(|one| mean * mean * one.re).collect());
-            columns.push(turned.iter().map(|one| mean * mean * one.im).collect());
+            let cosines = turned.iter().map(|one| mean * mean * one.re).collect();
+            let sines = turned.iter().map(|one| mean * mean * one.im).collect();
             let both = turned.iter_mut().zip(&base);
             both.for_each(|(turned, base)| *turned *= base);
-        }
-        columns
+            [cosines, sines]
+        })
     }
 }
 
@@ -118,8 +117,8 @@ impl Course {
         self.place_of_multiple(1 + multiples.min(TOGETHER))
     }
 
-    /// What sizes of 1 come to in the means, the constant first.
-    fn columns(&self, means: &Means) -> Vec<Vec<f64>> {
+    /// What sizes of 1 come to in the means, the constant first: one after the other, for those of all multiples are many times the means.
+    fn columns(&self, means: &Means) -> impl Iterator<Item = Vec<f64>> {
         let column = |value: &dyn Fn(f64) -> f64| -> Vec<f64> {
             let firsts = (0..means.len()).map(|block| (block * means.factor) as f64);
             let both = firsts.zip(&means.measured);
@@ -133,8 +132,8 @@ impl Course {
                 (1.0 - (-factor / samples).exp()) / (factor * (1.0 - (-1.0 / samples).exp()));
             columns.push(column(&|first| mean * mean * (-first / samples).exp()));
         }
-        columns.extend(self.cycle.iter().flat_map(|cycle| cycle.columns(means)));
-        columns
+        let of_cycle = self.cycle.map(|cycle| cycle.columns(means));
+        columns.into_iter().chain(of_cycle.into_iter().flatten())
     }
 
     /// What its means become by a small change of each number that is no size, at some `sizes`: those of the logarithms of
@@ -174,8 +173,8 @@ impl Course {
     /// Its means with some sizes.
     pub fn total(&self, means: &Means, sizes: &[f64]) -> Vec<f64> {
         let mut total = vec![0.0; means.len()];
-        for (column, size) in self.columns(means).iter().zip(sizes) {
-            let pairs = total.iter_mut().zip(column);
+        for (column, size) in self.columns(means).zip(sizes) {
+            let pairs = total.iter_mut().zip(&column);
             pairs.for_each(|(total, one)| *total += size * one);
         }
         total
@@ -197,16 +196,16 @@ pub struct Fitted {
 impl Fitted {
     /// A course among `means`; `None` where its parts cannot be told from each other.
     pub fn new(means: &Means, course: Course) -> Option<Self> {
-        let columns = course.columns(means);
-        let (together, further) = columns.split_at(course.together());
-        let mut sizes = sizes(together, &means.values)?;
+        let mut columns = course.columns(means);
+        let together: Vec<Vec<f64>> = columns.by_ref().take(course.together()).collect();
+        let mut sizes = sizes(&together, &means.values)?;
         let mut left = means.values.clone();
         for (column, size) in together.iter().zip(&sizes) {
             take_out(&mut left, column, *size);
         }
-        for column in further {
-            let size = dot(column, &left) / dot(column, column);
-            take_out(&mut left, column, size);
+        for column in columns {
+            let size = dot(&column, &left) / dot(&column, &column);
+            take_out(&mut left, &column, size);
             sizes.push(size);
         }
         Some(Self {
@@ -256,8 +255,8 @@ impl Fitted {
 
     /// Columns of the sizes that are fitted together, and the slopes behind them.
     fn columns(&self, means: &Means) -> Vec<Vec<f64>> {
-        let mut columns = self.course.columns(means);
-        columns.truncate(self.course.together());
+        let columns = self.course.columns(means);
+        let mut columns: Vec<Vec<f64>> = columns.take(self.course.together()).collect();
         columns.extend(self.course.slopes(means, &self.sizes));
         columns
     }

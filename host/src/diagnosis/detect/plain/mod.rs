@@ -91,16 +91,16 @@ fn found(means: &Means) -> Option<Fitted> {
 
 /// Whether a part of a course is plain.
 fn is_plain(means: &Means, fitted: &Fitted) -> bool {
-    let mut parts = fitted.course.parts().into_iter();
-    parts.any(|part| is_plain_part(means, fitted, part))
+    let parts = fitted.course.parts();
+    parts.iter().any(|part| is_plain_part(means, fitted, part))
 }
 
 /// Whether a part of a course, in means that resolve it, is far more than what is left, of which there is next to nothing, and than a walk
 /// could make that what is left has room for.
-fn is_plain_part(means: &Means, fitted: &Fitted, part: Part) -> bool {
+fn is_plain_part(means: &Means, fitted: &Fitted, part: &Part) -> bool {
     let m = (part.samples / means.factor as f64 / RESOLVED) as usize;
     let left = means.energy(&fitted.left, m);
-    let without = Fitted::new(means, part.without);
+    let without = Fitted::new(means, part.without.clone());
     let own = without.map_or(0.0, |one| one.energy - fitted.energy);
     let walk = means.known() * means.walk(&fitted.left);
     left < LEFT * means.energy(&means.values, m) && own > (OVER_WALK * walk).max(OVER_LEFT * left)

@@ -28,8 +28,7 @@ pub fn proposals(look: &Look<'_>, means: &Means, fitted: &Fitted) -> Vec<Proposa
     let settlings = (0..course.settlings.len()).map(|number| told.settling(number));
     let cycle = course.cycle.map(|cycle| told.cycle(cycle));
     let candidates = settlings.chain(cycle).zip(course.parts());
-    let candidates =
-        candidates.filter(|(_, part)| super::is_plain_part(means, fitted, part.clone()));
+    let candidates = candidates.filter(|(_, part)| super::is_plain_part(means, fitted, part));
     let candidates = candidates.map(|(candidate, Part { without, .. })| {
         let freedom = candidate.freedom;
         let nats = fitted.nats(means)

@@ -10,7 +10,7 @@ fn excluded(seed: u64, amplitude: f64) -> Trial {
     trial::add(&mut values, &trial::line(3.7, -amplitude));
     let mut trial = Trial::new(values);
     let masked = vec![3001..5602, 12_345..15_001];
-    trial.know(burst::KIND, [30.0], Change::Mask(masked));
+    trial.know(burst::KIND, [30.0, 150.0, 3.0], Change::Mask(masked));
     trial
 }
 
