@@ -7,7 +7,7 @@ use crate::diagnosis::attempts::{Attempt, without_losers};
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::decision::Decision;
 use crate::diagnosis::detect::look::Context;
-use crate::diagnosis::detect::{lines, telegraph};
+use crate::diagnosis::detect::telegraph;
 use crate::diagnosis::doubt;
 use crate::diagnosis::family::level_of_one_test;
 use crate::diagnosis::laws;
@@ -227,8 +227,8 @@ fn attempt(axis: &mut AxisState, context: &Context<'_>) -> Result<Attempt<Vec<Re
     })
 }
 
-/// Gives the laws of an axis the parameters of the last fit, with their intervals, and its lines those that they have beside it; standard
-/// deviations of the squares of the base components.
+/// Gives the laws of an axis the parameters of the last fit, with their intervals; standard deviations of the
+/// squares of the base components.
 fn with_intervals(axis: &mut AxisState) -> Vec<f64> {
     let spread = Spread::new(&axis.bins, &axis.data, &axis.laws, &axis.fit);
     let values = |which: usize| -> Vec<Value> {
@@ -248,9 +248,6 @@ fn with_intervals(axis: &mut AxisState) -> Vec<f64> {
             Estimate::new(one.kind(), values[which].iter().copied())
         }
     });
-    let all = axis.explanations().iter();
-    let lines = all.map(|one| lines::in_noise_left(axis, one)).collect();
-    axis.set_estimates(lines);
     squares_sd
 }
 

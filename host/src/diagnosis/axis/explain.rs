@@ -133,15 +133,6 @@ impl AxisState {
         }
     }
 
-    /// Takes over what is known of the parameters of explanations by now, in their order; `None` leaves one as it is.
-    pub fn set_estimates(&mut self, estimates: Vec<Option<Estimate>>) {
-        for (one, estimate) in self.explanations.iter_mut().zip(estimates) {
-            if let Some(estimate) = estimate {
-                one.effect = estimate;
-            }
-        }
-    }
-
     /// Numbers of the explanations that are tones which no fit looks at.
     pub(super) fn tones(&self) -> Vec<usize> {
         let places = self.explanations.iter().enumerate();

@@ -108,7 +108,7 @@ fn measured(look: &Look<'_>, loss: &Loss) -> Vec<Measured> {
         Measured {
             line: steady.peak(rate_hz, duration_s),
             wave,
-            amplitude_sd: sd.hypot(steady.amplitude_sd),
+            amplitude_sd: (lines::UNDECLARED.sqrt() * sd).hypot(steady.amplitude_sd),
         }
     })
     .collect()

@@ -17,6 +17,11 @@ use crate::spectrum::Line;
 /// 5 % of the samples, in their weight, and takes away most of what drift leaks.
 const TAPER: f64 = 0.05;
 
+/// Variance of an amplitude as it is said, over what noise makes of it: a choice. What a filter that no chain declares takes off a line is
+/// not known to the noise; with it, and in the noise that it was found in, 95 % of the judge's
+/// amplitudes lie in their intervals (docs/studies/diagnosis.md).
+pub const UNDECLARED: f64 = 2.0;
+
 /// A line with its phase.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
@@ -64,8 +69,10 @@ pub fn measure_near(axis: &AxisState, f_hz: f64, p_value: f64) -> Measured {
     );
     // The bound of H. Cramer and C. R. Rao for a tone whose amplitude is estimated with it.
     let duration_s = length as f64 / axis.rate_hz;
-    best.line.frequency_sd_hz =
-        12_f64.sqrt() / TAU * best.amplitude_sd / best.line.amplitude / duration_s;
+    best.line.frequency_sd_hz = 12_f64.sqrt() / TAU * best.amplitude_sd
+        / UNDECLARED.sqrt()
+        / best.line.amplitude
+        / duration_s;
     best
 }
 
@@ -75,7 +82,7 @@ pub fn measure(axis: &AxisState, line: &Line) -> Measured {
     let Demodulated { sums, weights } = Demodulated::new(axis, cycles);
     let sum: Complex64 = sums.iter().sum();
     let (cosine, sine) = (sum.re / weights, -sum.im / weights);
-    let amplitude_sd = amplitude_sd(axis, line.frequency_hz, weights);
+    let amplitude_sd = UNDECLARED.sqrt() * amplitude_sd(axis, line.frequency_hz, weights);
     Measured {
         line: Line {
             amplitude: cosine.hypot(sine),

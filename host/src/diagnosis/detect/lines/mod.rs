@@ -23,7 +23,7 @@ use crate::diagnosis::steady;
 use crate::model::{hum, resonance, sinusoid};
 use crate::spectrum::Line;
 pub use mains::{Group, mains_base, wandering, with_hum};
-pub use measure::{Measured, amplitude_sd, measure_near};
+pub use measure::{Measured, UNDECLARED, amplitude_sd, measure_near};
 pub use spread::in_noise_left;
 pub use unresolved::{in_place_of, unresolved};
 pub use unsteady::WANDERING;
