@@ -15,16 +15,19 @@ struct Dropped {
 
 /// One gap of 2 to 30 samples in the middle of the record, under a hum.
 pub fn draw(scene: &Scene, draw: &mut Draw) -> Box<dyn Effect> {
+    let hum = Hum::draw(scene, draw);
+    // The moment of the first sample that is lost: more is not in the record.
+    let index = (draw.uniform(0.25, 0.75) * scene.duration_s() * scene.rate_hz).floor();
     Box::new(Dropped {
-        hum: Hum::draw(scene, draw),
-        time_s: draw.uniform(0.25, 0.75) * scene.duration_s(),
+        hum,
+        time_s: index / scene.rate_hz,
         samples: 2 + draw.index(29),
     })
 }
 
 impl Dropped {
     fn index(&self, scene: &Scene) -> usize {
-        (self.time_s * scene.rate_hz) as usize
+        (self.time_s * scene.rate_hz).round() as usize
     }
 }
 

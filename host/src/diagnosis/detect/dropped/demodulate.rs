@@ -1,7 +1,8 @@
 //! A record seen at one line: shifted down to zero frequency, in blocks.
 //!
 //! Each block's straight line is taken out first, so that drift does not leak to the line, and
-//! what is not usable counts for nothing. With `n_b` usable samples in block `b` at the middle
+//! what is not usable counts for nothing. Of a line of few cycles it takes a share with it, which depends
+//! on the phase in the block and would be a line of its own beside a strong one: it is given back. With `n_b` usable samples in block `b` at the middle
 //! `u_b` (a share of the record), a line of complex amplitude `a` that is `w` cycles a record away
 //! from the frequency it is looked at gives
 //!
@@ -97,24 +98,13 @@ impl Blocks {
 
     /// The record at `cycles` a sample.
     pub fn at(&self, cycles: f64) -> Demodulated {
-        let (s, c) = (TAU * cycles).sin_cos();
-        let step = Complex64::new(c, -s);
-        let sums: Vec<Complex64> = self
-            .values
-            .chunks_exact(self.len)
-            .enumerate()
-            .map(|(block, part)| {
-                // The fraction of a cycle, so that long records lose no digits.
-                let turn = TAU * ((block * self.len) as f64 * cycles).fract();
-                let mut phasor = Complex64::from_polar(2.0, -turn);
-                let mut sum = Complex64::ZERO;
-                for &value in part {
-                    sum += phasor * value;
-                    phasor *= step;
-                }
-                sum
-            })
-            .collect();
+        let sums = self.values.chunks_exact(self.len).enumerate();
+        let sums = sums.map(|(block, part)| {
+            // The fraction of a cycle, so that long records lose no digits.
+            let turn = TAU * ((block * self.len) as f64 * cycles).fract();
+            Part::new(part, turn, TAU * cycles).line(self.usable[block])
+        });
+        let sums: Vec<Complex64> = sums.collect();
         let noise = noise(&sums, self.usable.iter().sum());
         Demodulated {
             cycles,
@@ -122,6 +112,65 @@ impl Blocks {
             weights: self.usable.clone(),
             noise,
         }
+    }
+}
+
+/// What a block whose straight line is out says of a line, and what that takes of the line: with `q` its phasor turned
+/// back, and `q~` the same without its own straight line, a line `a` gives
+///
+/// ```text
+/// S = sum of 2 x q = a g + a* h,    g = sum of q~* q,    h = sum of q~ q
+/// ```
+struct Part {
+    sum: Complex64,
+    g: Complex64,
+    h: Complex64,
+}
+
+impl Part {
+    /// Of the samples of a block, for a line that has the phase `turn` in its first and goes on by `step` a sample, radians.
+    fn new(values: &[f64], turn: f64, step: f64) -> Self {
+        let step = Complex64::cis(-step);
+        let middle = 0.5 * (values.len() as f64 - 1.0);
+        let (mut sum, mut squares, mut count) = (Complex64::ZERO, 0.0, 0.0);
+        // Mean and slope of the phasor in all samples and in those that are usable; its square.
+        let (mut all, mut usable) = ([Complex64::ZERO; 2], [Complex64::ZERO; 2]);
+        let mut twice = Complex64::ZERO;
+        let mut q = Complex64::cis(-turn);
+        for (index, &value) in values.iter().enumerate() {
+            let away = index as f64 - middle;
+            squares += away * away;
+            let moments = [q, away * q];
+            all[0] += moments[0];
+            all[1] += moments[1];
+            // What is not usable is exactly zero.
+            if value != 0.0 {
+                usable[0] += moments[0];
+                usable[1] += moments[1];
+                twice += q * q;
+                count += 1.0;
+                sum += 2.0 * value * q;
+            }
+            q *= step;
+        }
+        let [mean, slope] = [all[0] / values.len() as f64, all[1] / squares];
+        Self {
+            sum,
+            g: count - mean.conj() * usable[0] - slope.conj() * usable[1],
+            h: twice - mean * usable[0] - slope * usable[1],
+        }
+    }
+
+    /// The line's complex amplitude times the `weight` of the samples that are usable; what the sum says where these are
+    /// too few for both of its numbers.
+    fn line(&self, weight: f64) -> Complex64 {
+        /// Share of the information that must be left, at least: a choice.
+        const LEFT: f64 = 0.25;
+        let left = self.g.norm_sqr() - self.h.norm_sqr();
+        if left <= LEFT * weight * weight {
+            return self.sum;
+        }
+        (self.g.conj() * self.sum - self.h * self.sum.conj()) / left * weight
     }
 }
 

@@ -2,7 +2,10 @@
 //!
 //! The lines ahead of the loss and behind it are taken out of a short stretch about it, one up to a moment and the other
 //! from there on; what is left is noise, of which neighbours foretell each sample. The moment is the one at which the
-//! errors of these predictions are likeliest.
+//! errors of these predictions are likeliest. The noise is cut with the lines, so that nothing ahead of the loss foretells
+//! what is behind it: or a moment beside the true one is likelier where the lines' jump there is that of the noise.
+
+use std::slice::SliceIndex;
 
 use rustfft::num_complex::Complex64;
 
@@ -47,20 +50,22 @@ pub(super) fn moment(
         phasor.zip(from, &mut ahead, turned.amplitude, out);
         phasor.zip(from + samples, &mut behind, turned.amplitude, out);
     }
+    about_mean(&mut ahead, ..RESTS_ON);
+    about_mean(&mut behind, about.len() - RESTS_ON..);
     let noise = [
         ahead[..RESTS_ON].to_vec(),
-        behind[ahead.len() - RESTS_ON..].to_vec(),
+        behind[about.len() - RESTS_ON..].to_vec(),
     ];
     let prediction = Prediction::new(&noise)?;
-    let window = RESTS_ON - ORDER..RESTS_ON + 2 * TRIED + ORDER;
-    let mut gains = vec![f64::NEG_INFINITY; tried.len() + 1];
-    for (number, gain) in gains.iter_mut().enumerate() {
+    let (from, to) = (RESTS_ON - ORDER, RESTS_ON + 2 * TRIED + ORDER);
+    let sum = |errors: &[f64]| errors.iter().map(|one| one * one).sum::<f64>();
+    let ahead = prediction.errors(&ahead[from..to]);
+    let gains = (0..=tried.len()).map(|number| {
         let cut = RESTS_ON + number;
-        let both = [&ahead[window.start..cut], &behind[cut..window.end]].concat();
-        let errors = prediction.errors(&both);
-        let squares = errors[ORDER..].iter().map(|one| one * one);
-        *gain = -0.5 * squares.sum::<f64>();
-    }
+        let behind = prediction.errors(&behind[cut..to]);
+        -0.5 * (sum(&ahead[ORDER..cut - from]) + sum(&behind))
+    });
+    let gains: Vec<f64> = gains.collect();
     let found = posterior(&gains.iter().copied());
     let first = tried.start as f64;
     Some(Posterior {
@@ -69,4 +74,11 @@ pub(super) fn moment(
         hi: first + found.hi,
         sd: found.sd.max(12f64.sqrt().recip()),
     })
+}
+
+/// What is left of a stretch without the mean of some of it.
+fn about_mean(values: &mut [f64], of: impl SliceIndex<[f64], Output = [f64]>) {
+    let of = &values[of];
+    let mean = of.iter().sum::<f64>() / of.len() as f64;
+    values.iter_mut().for_each(|value| *value -= mean);
 }

@@ -26,12 +26,14 @@ use crate::spectrum::Line as Peak;
 
 /// Blocks that a record is cut into, at most and at least. The tables hold every block times every
 /// number lost, so that more cost time; a moment is followed to the sample afterwards. Of fewer the
-/// noise would be the median of less than 48 ordinates. Both are choices.
+/// noise would be the median of less than 30 ordinates. Both are choices.
 const BLOCKS: usize = 512;
-const FEWEST_BLOCKS: usize = 64;
+const FEWEST_BLOCKS: usize = 40;
 
-/// Cycles of a line in a block, at least: a choice. Fewer are not resolved from drift.
-const CYCLES: f64 = 8.0;
+/// Cycles of a line in a block, at least: of fewer the block's straight line takes more than 4 % of the energy.
+/// Mains that are too slow for that leave their multiples alone with a loss, each with the skirts of the others: a
+/// record of 5 s has but 250 cycles of them.
+const CYCLES: f64 = 4.0;
 
 /// Samples lost that are looked for, at most: as many as the slowest line has to a cycle, but
 /// within these, which are choices: the time grows with the number.

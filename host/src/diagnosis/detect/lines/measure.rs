@@ -67,12 +67,12 @@ pub fn measure_near(axis: &AxisState, f_hz: f64, p_value: f64) -> Measured {
             false_alarm: p_value,
         },
     );
+    let amplitude_sd = best.amplitude_sd / UNDECLARED.sqrt();
+    best.line.ratio = 0.5 * (best.line.amplitude / amplitude_sd).powi(2);
     // The bound of H. Cramer and C. R. Rao for a tone whose amplitude is estimated with it.
     let duration_s = length as f64 / axis.rate_hz;
-    best.line.frequency_sd_hz = 12_f64.sqrt() / TAU * best.amplitude_sd
-        / UNDECLARED.sqrt()
-        / best.line.amplitude
-        / duration_s;
+    best.line.frequency_sd_hz =
+        12_f64.sqrt() / TAU * amplitude_sd / best.line.amplitude / duration_s;
     best
 }
 
