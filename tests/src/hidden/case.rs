@@ -165,6 +165,12 @@ impl Case {
             .filter(|_| !self.form.is_integer() || self.temperature.is_some())
     }
 
+    /// White noise that rounding to codes adds, units of a sample times the root of a second: a twelfth of a code's square
+    /// in each sample (W. R. Bennett, Bell Syst. Tech. J. 27 (1948) 446).
+    pub fn rounding_n(&self) -> f64 {
+        self.step.unwrap_or(0.0) / (12.0 * self.scene.rate_hz).sqrt()
+    }
+
     fn fill(&mut self) {
         for axis in 0..self.scene.axes.len() {
             let here = self.effects(axis);

@@ -166,11 +166,14 @@ fn compare(truth: &Truth, found: &[(usize, &Finding)]) -> Vec<Parameter> {
 
 fn coefficients(case: &Case, axis: &Axis) -> Vec<Parameter> {
     let base = &case.scene.axes[case.scene.target];
+    // Named, rounding has its own floor.
+    let is_named = axis.findings.iter().any(|one| one.effect == "quantisation");
+    let rounding = if is_named { 0.0 } else { case.rounding_n() };
     let truths = [
         ("R", base.r.abs()),
         ("K", base.k),
         ("B", base.b),
-        ("N", base.n * case.swell().sqrt()),
+        ("N", (base.n * case.swell().sqrt()).hypot(rounding)),
         ("Q", base.q * case.swell().sqrt()),
     ];
     let Some(last) = &axis.last else {
