@@ -154,8 +154,12 @@ impl Case {
             name,
         };
         case.fill();
-        let settled = case.form.settle(&mut case.columns, seed);
-        case.step = settled;
+        let sample = |at_s: f64| (at_s * case.scene.rate_hz).round() as usize;
+        let happened = case.hidden.iter().filter_map(|effect| effect.happens_s());
+        let happened: Vec<_> = happened
+            .map(|one| sample(one.start)..sample(one.end))
+            .collect();
+        case.step = case.form.settle(&mut case.columns, &happened, seed);
         case
     }
 

@@ -1,5 +1,7 @@
 //! A stretch of time in which the short-term noise is larger.
 
+use std::ops::Range;
+
 use super::{Effect, Evidence, Scene, Truth};
 use crate::hidden::draw::Draw;
 use crate::hidden::ideal::envelope::contrast;
@@ -40,6 +42,10 @@ impl Effect for Burst {
                 ("factor", self.factor),
             ],
         )]
+    }
+
+    fn happens_s(&self) -> Option<Range<f64>> {
+        Some(self.from_s..self.to_s)
     }
 
     /// What the factor adds to one.

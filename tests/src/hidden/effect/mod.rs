@@ -28,6 +28,8 @@ pub mod tone;
 mod wandering_line;
 mod warmup;
 
+use std::ops::Range;
+
 use super::draw::Draw;
 use super::ideal::detector::Evidence;
 use super::ideal::grid::Feature;
@@ -120,6 +122,11 @@ pub trait Effect: Send + Sync {
 
     /// What a reference record, made of the same noise, holds.
     fn in_reference(&self) -> Option<Box<dyn Effect>> {
+        None
+    }
+
+    /// From when to when it happens, in seconds, where it is nowhere else: of that no more than half may go missing.
+    fn happens_s(&self) -> Option<Range<f64>> {
         None
     }
 

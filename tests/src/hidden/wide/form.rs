@@ -1,5 +1,7 @@
 //! How a record is written: doubles, codes, with samples missing.
 
+use std::ops::Range;
+
 use super::scene::SHORTEST;
 use crate::hidden::case::Plan;
 use crate::hidden::draw::Draw;
@@ -73,8 +75,14 @@ impl Form {
         self.numbers == Numbers::Integers && self.missing == Missing::Nothing
     }
 
-    /// Rounds and loses samples; the size of a code, where there are any.
-    pub fn settle(&self, columns: &mut [Vec<f64>], seed: u64) -> Option<f64> {
+    /// Rounds and loses samples, in no stretch more than half of what `happened` there; the size of a code, where there
+    /// are any.
+    pub fn settle(
+        &self,
+        columns: &mut [Vec<f64>],
+        happened: &[Range<usize>],
+        seed: u64,
+    ) -> Option<f64> {
         let step = match self.numbers {
             Numbers::Doubles => None,
             _ => columns
@@ -94,7 +102,7 @@ impl Form {
                     .iter_mut()
                     .for_each(|value| *value = (*value / step).round() * step);
             }
-            self.lose(column, &mut draw);
+            self.lose(column, happened, &mut draw);
         }
         step
     }
@@ -112,7 +120,7 @@ impl Form {
     }
 
     /// Loses samples.
-    fn lose(&self, column: &mut [f64], draw: &mut Draw) {
+    fn lose(&self, column: &mut [f64], happened: &[Range<usize>], draw: &mut Draw) {
         let share = match self.missing {
             Missing::Nothing => return,
             Missing::Single | Missing::Third => self.missing_at_random(column.len()),
@@ -122,7 +130,13 @@ impl Form {
                 for _ in 0..=draw.index(4) {
                     let length = draw.index(longest + 1);
                     let from = draw.index(column.len() - length);
-                    column[from..from + length].fill(f64::NAN);
+                    let lost = from..from + length;
+                    if happened
+                        .iter()
+                        .all(|one| 2 * common(one, &lost) <= one.len())
+                    {
+                        column[lost].fill(f64::NAN);
+                    }
                 }
                 return;
             }
@@ -133,6 +147,12 @@ impl Form {
             }
         }
     }
+}
+
+/// Samples that two stretches have in common.
+fn common(one: &Range<usize>, other: &Range<usize>) -> usize {
+    let (from, to) = (one.start.max(other.start), one.end.min(other.end));
+    to.saturating_sub(from)
 }
 
 /// Typical difference between neighbouring samples, whatever a few are: the median of its size.

@@ -251,6 +251,19 @@ fn a_roll_off_that_hardly_anybody_builds_costs_more() {
 }
 
 #[test]
+fn noise_that_forgets_within_two_samples_costs_more() {
+    let cost_at = |samples: f64| {
+        let law = Law {
+            effect: markov::KIND,
+            values: vec![1.0, samples / trial::RATE_HZ],
+        };
+        cost(trial::RATE_HZ, &law)
+    };
+    assert_eq!(cost_at(2.1), 2.0);
+    assert!(cost_at(1.9) >= 5.0, "as a filter does");
+}
+
+#[test]
 fn a_mean_over_any_number_of_samples_is_found_and_lines_are_asked_anew() {
     for (seed, samples) in (80..).zip([1.7, 4.7, 11.3, 20.9, 28.6]) {
         let trial = Trial::new(trial::averaged(noise(seed), samples));
