@@ -34,7 +34,7 @@ fn plain(look: &Look<'_>) -> Option<super::Proposal> {
 }
 
 /// Share of the energy of a settling that is left about it once it is taken out, until it has settled; `None` where the
-/// record ends before.
+/// record ends before, or too soon behind for its level.
 fn left_of(axis: &AxisState, change: &SlowChange) -> Option<f64> {
     let Wave::WarmUp { amplitude, samples } = change.wave else {
         return None;
@@ -42,7 +42,11 @@ fn left_of(axis: &AxisState, change: &SlowChange) -> Option<f64> {
     let block = (samples / MEANS).max(1.0) as usize;
     let until = (FOLLOWED * samples) as usize;
     let values = axis.residual.values();
-    let values = values.get(..2 * until)?;
+    // Where it has settled is known from a time constant on.
+    let end = (2 * until).min(values.len());
+    if end < until + samples as usize {
+        return None;
+    }
     let mean = |from: usize, to: usize, settling: f64| {
         let good = (from..to).filter(|&n| values[n].is_finite());
         let without = |n: usize| values[n] - settling * (-(n as f64) / samples).exp();
@@ -51,7 +55,7 @@ fn left_of(axis: &AxisState, change: &SlowChange) -> Option<f64> {
         });
         (count > 0.0).then(|| sum / count)
     };
-    let settled = mean(until, 2 * until, 0.0)?;
+    let settled = mean(until, end, 0.0)?;
     let energy = |settling: f64| -> f64 {
         let blocks = (0..until / block).map(|number| number * block);
         let means = blocks.filter_map(|from| mean(from, from + block, settling));
@@ -77,7 +81,7 @@ mod tests {
 
     #[test]
     fn a_settling_far_above_the_noise_is_read_off_the_beginning() {
-        for (seed, time_s) in (1..).zip([1.3, 5.0, 20.0]) {
+        for (seed, time_s) in (1..).zip([1.3, 5.0, 20.0, 33.0]) {
             let settling = |size: f64| move |at_s: f64| size * (-at_s / time_s).exp();
             assert!(is_plain(seed, settling(300.0)), "seed {seed}, {time_s} s");
             assert!(is_plain(seed, settling(-300.0)), "seed {seed}, {time_s} s");
