@@ -83,7 +83,7 @@ fn what_is_missing_leaves_enough_for_a_diagnosis() {
                 ..Form::default()
             };
             let mut columns = vec![vec![1.0; samples]; 2];
-            form.settle(&mut columns, seed);
+            form.settle(&mut columns, &[], seed);
             for column in &columns {
                 let counting = column.iter().filter(|value| value.is_finite()).count();
                 let said = format!("{missing:?}, seed {seed}: {counting} of {samples}");
@@ -91,6 +91,30 @@ fn what_is_missing_leaves_enough_for_a_diagnosis() {
                 assert!(samples < SHORTEST + 3000 || counting < samples, "{said}");
             }
         }
+    }
+}
+
+#[test]
+fn of_what_happened_no_stretch_that_is_missing_takes_more_than_half() {
+    let form = Form {
+        missing: Missing::Stretches,
+        ..Form::default()
+    };
+    let samples = SHORTEST + 20_000;
+    let lost_of = |happened: &[std::ops::Range<usize>], seed| {
+        let mut columns = vec![vec![1.0; samples]];
+        form.settle(&mut columns, happened, seed);
+        let lost = columns[0][10_000..10_040].iter();
+        lost.filter(|value| value.is_nan()).count()
+    };
+    let happened = 10_000..10_040;
+    let seeds = 1..300;
+    let most = seeds.clone().map(|seed| lost_of(&[], seed)).max();
+    assert_eq!(most, Some(40), "the seeds try it");
+    for seed in seeds {
+        let lost = lost_of(std::slice::from_ref(&happened), seed);
+        // Two stretches may take a half each from either side.
+        assert!(lost < 40, "seed {seed}: {lost}");
     }
 }
 
