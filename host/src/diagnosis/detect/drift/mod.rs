@@ -23,7 +23,7 @@ use crate::diagnosis::result::value::Value;
 use crate::model::drift::{Drift, KIND};
 use crate::model::kind::Kind;
 use crate::model::random::Generator;
-use crate::model::{steps, warmup};
+use crate::model::{burst, steps, warmup};
 use cosines::{Cosines, Fitted};
 
 /// Means of the record that the course is sought in, at most: a choice, eight for each half-wave that is looked at.
@@ -113,6 +113,11 @@ pub fn proposal(look: &Look<'_>, found: Found) -> Proposal {
     let levels = drift.levels.iter().zip(levels_sd);
     let levels = levels.map(|(level, sd)| Value::normal(*level, sd));
     let values = std::iter::once(Value::exact(drift.duration_s)).chain(levels);
+    let mut supersedes = found.supersedes;
+    if !supersedes.is_empty() && look.axis.has(burst::KIND) {
+        // It may be where what stood for the course bends another way than this: what is there of it is found again.
+        supersedes.push(burst::KIND);
+    }
     let wave = Wave::Drift {
         rate_hz: look.axis.rate_hz,
         absorbs_hz,
@@ -120,7 +125,7 @@ pub fn proposal(look: &Look<'_>, found: Found) -> Proposal {
     };
     Proposal::Explain(Box::new(Candidate {
         held_out_nats: Some(found.nats),
-        supersedes: found.supersedes,
+        supersedes,
         // For a walk, whose bends a course is, its wanderings are far from steady.
         readmits_bands: true,
         ..Candidate::new(

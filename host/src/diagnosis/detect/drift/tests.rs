@@ -1,6 +1,7 @@
 use super::*;
 use crate::diagnosis::detect::level;
 use crate::diagnosis::detect::trial::{self, LEVEL, RATE_HZ, Trial};
+use crate::model::burst;
 use crate::model::random::{Gaussian, Seed};
 
 /// Samples of a record of a seed, odd.
@@ -112,6 +113,30 @@ fn jumps_and_settlings_that_stood_for_a_course_go() {
     );
     trial::add(&mut values, &Wave::Steps(vec![trial::jump(middle, 3.0)]));
     assert_eq!(step(&values, 3.0), [], "seed {seed}: it was there");
+}
+
+#[test]
+fn a_burst_beside_what_stood_for_a_course_goes_with_it() {
+    let seed = 7;
+    let truth = course(seed, 2.0);
+    let mut values = noise(seed, 1e-3);
+    let middle = values.len() / 2;
+    let each = values.iter_mut().enumerate();
+    each.for_each(|(n, value)| *value += truth(n));
+    let gone = |with_step: bool| {
+        let mut trial = Trial::new(values.clone());
+        trial.know(burst::KIND, [0.0, 1.0, 1.1], Change::Mask(vec![0..100]));
+        if with_step {
+            let change = trial::steps(&[trial::jump(middle, 0.5)]);
+            trial.know(steps::KIND, [middle as f64 / RATE_HZ, 0.5], change);
+        }
+        trial.look(|look| match proposal(look, find(look).expect("a course")) {
+            Proposal::Explain(one) => one.supersedes,
+            _ => panic!("seed {seed}: no explanation"),
+        })
+    };
+    assert_eq!(gone(true), [steps::KIND, burst::KIND], "seed {seed}");
+    assert_eq!(gone(false), [], "seed {seed}: nothing stood for it");
 }
 
 #[test]
