@@ -92,14 +92,20 @@ fn a_smooth_course_is_found_and_its_levels_held() {
     assert!((share - 0.95).abs() < 4.0 * sd, "{held} of {all}");
 }
 
+/// Noise with a course in it.
+fn drifting(seed: u64) -> Vec<f64> {
+    let truth = course(seed, 2.0);
+    let mut values = noise(seed, 1e-3);
+    let each = values.iter_mut().enumerate();
+    each.for_each(|(n, value)| *value += truth(n));
+    values
+}
+
 #[test]
 fn jumps_and_settlings_that_stood_for_a_course_go() {
     let seed = 7;
-    let truth = course(seed, 2.0);
-    let mut values = noise(seed, 1e-3);
+    let mut values = drifting(seed);
     let middle = values.len() / 2;
-    let each = values.iter_mut().enumerate();
-    each.for_each(|(n, value)| *value += truth(n));
     let step = |values: &[f64], height| {
         let mut trial = Trial::new(values.to_vec());
         let change = trial::steps(&[trial::jump(middle, height)]);
@@ -118,11 +124,8 @@ fn jumps_and_settlings_that_stood_for_a_course_go() {
 #[test]
 fn a_burst_beside_what_stood_for_a_course_goes_with_it() {
     let seed = 7;
-    let truth = course(seed, 2.0);
-    let mut values = noise(seed, 1e-3);
+    let values = drifting(seed);
     let middle = values.len() / 2;
-    let each = values.iter_mut().enumerate();
-    each.for_each(|(n, value)| *value += truth(n));
     let gone = |with_step: bool| {
         let mut trial = Trial::new(values.clone());
         trial.know(burst::KIND, [0.0, 1.0, 1.1], Change::Mask(vec![0..100]));
