@@ -17,6 +17,7 @@ use std::f64::consts::{LN_2, TAU};
 use rustfft::FftPlanner;
 use rustfft::num_complex::Complex64;
 
+use super::part::Part;
 use crate::numeric::order::median;
 use crate::numeric::top::golden_section;
 
@@ -112,65 +113,6 @@ impl Blocks {
             weights: self.usable.clone(),
             noise,
         }
-    }
-}
-
-/// What a block whose straight line is out says of a line, and what that takes of the line: with `q` its phasor turned
-/// back, and `q~` the same without its own straight line, a line `a` gives
-///
-/// ```text
-/// S = sum of 2 x q = a g + a* h,    g = sum of q~* q,    h = sum of q~ q
-/// ```
-struct Part {
-    sum: Complex64,
-    g: Complex64,
-    h: Complex64,
-}
-
-impl Part {
-    /// Of the samples of a block, for a line that has the phase `turn` in its first and goes on by `step` a sample, radians.
-    fn new(values: &[f64], turn: f64, step: f64) -> Self {
-        let step = Complex64::cis(-step);
-        let middle = 0.5 * (values.len() as f64 - 1.0);
-        let (mut sum, mut squares, mut count) = (Complex64::ZERO, 0.0, 0.0);
-        // Mean and slope of the phasor in all samples and in those that are usable; its square.
-        let (mut all, mut usable) = ([Complex64::ZERO; 2], [Complex64::ZERO; 2]);
-        let mut twice = Complex64::ZERO;
-        let mut q = Complex64::cis(-turn);
-        for (index, &value) in values.iter().enumerate() {
-            let away = index as f64 - middle;
-            squares += away * away;
-            let moments = [q, away * q];
-            all[0] += moments[0];
-            all[1] += moments[1];
-            // What is not usable is exactly zero.
-            if value != 0.0 {
-                usable[0] += moments[0];
-                usable[1] += moments[1];
-                twice += q * q;
-                count += 1.0;
-                sum += 2.0 * value * q;
-            }
-            q *= step;
-        }
-        let [mean, slope] = [all[0] / values.len() as f64, all[1] / squares];
-        Self {
-            sum,
-            g: count - mean.conj() * usable[0] - slope.conj() * usable[1],
-            h: twice - mean * usable[0] - slope * usable[1],
-        }
-    }
-
-    /// The line's complex amplitude times the `weight` of the samples that are usable; what the sum says where these are
-    /// too few for both of its numbers.
-    fn line(&self, weight: f64) -> Complex64 {
-        /// Share of the information that must be left, at least: a choice.
-        const LEFT: f64 = 0.25;
-        let left = self.g.norm_sqr() - self.h.norm_sqr();
-        if left <= LEFT * weight * weight {
-            return self.sum;
-        }
-        (self.g.conj() * self.sum - self.h * self.sum.conj()) / left * weight
     }
 }
 

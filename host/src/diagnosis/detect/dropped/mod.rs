@@ -7,6 +7,7 @@ mod lengths;
 mod line;
 mod loss;
 mod moment;
+mod part;
 mod peaks;
 mod sample;
 mod search;

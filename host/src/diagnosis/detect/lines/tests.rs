@@ -1,5 +1,6 @@
 //! What looks like a line and is none by itself.
 
+mod close;
 mod cycles;
 mod excluded;
 mod lobes;
