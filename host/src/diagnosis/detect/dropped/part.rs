@@ -71,7 +71,7 @@ mod tests {
     fn a_line_of_few_cycles_is_itself_whatever_its_phase() {
         let (len, cycles) = (58, 0.073);
         let line = Complex64::from_polar(1.3, 0.7);
-        let middle = 0.5 * (len as f64 - 1.0);
+        let middle = 0.5 * (f64::from(len) - 1.0);
         for block in 0..7 {
             let turn = TAU * cycles * f64::from(block * len);
             let at =
