@@ -103,15 +103,16 @@ fn named(look: &Look<'_>, found: Found, powers: &Powers) -> Vec<Proposal> {
             Proposal::Withdraw(vec![KIND]),
         ];
     }
-    if is_within_burst(&found, powers, look.level()) {
+    if is_within_burst(look, &found, powers) {
         return Vec::new();
     }
     vec![Proposal::Explain(Box::new(candidate(look, found)))]
 }
 
 /// Whether most of them are what the noise of one louder stretch reaches: then they are no outliers.
-fn is_within_burst(found: &Found, powers: &Powers, level: f64) -> bool {
-    let Some(burst) = burst::burst(powers, level) else {
+fn is_within_burst(look: &Look<'_>, found: &Found, powers: &Powers) -> bool {
+    let burst = burst::burst(powers, look.level());
+    let Some(burst) = burst.filter(|burst| !burst::few::carry(look.axis, burst)) else {
         return false;
     };
     let wide = (3.0 * burst.end_sd) as usize;
@@ -207,7 +208,8 @@ fn sought(look: &Look<'_>, whole: &Transform, density: &[f64], powers: &Powers) 
         found
             .outliers
             .retain(|one| means.is_beyond(one, look.level()));
-    } else if !found.outliers.is_empty() {
+    }
+    if !found.outliers.is_empty() {
         // A jump is larger as a jump than as a single sample.
         let jumps = steps::statistic(look.axis, whole, density);
         found.outliers.retain(|one| !steps::is_jump(&jumps, one));

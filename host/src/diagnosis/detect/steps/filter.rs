@@ -98,11 +98,10 @@ pub fn is_jump(statistic: &Match, outlier: &Outlier) -> bool {
     const PLACING: usize = 4;
     /// Difference of squared statistics that is no chance: eight nats, odds of 3000 to 1.
     const PLAINLY: f64 = 16.0;
-    let from = outlier.index.saturating_sub(PLACING);
-    let to = (outlier.index + PLACING).min(statistic.z.len() - 1);
-    let jump = statistic.z[from..=to]
-        .iter()
-        .fold(0.0, |most: f64, z| most.max(z.abs()));
+    let near = outlier.index.saturating_sub(PLACING)..=outlier.index + PLACING;
+    // The last few samples may be left over of the ring.
+    let there = near.filter_map(|n| statistic.z.get(n));
+    let jump = there.fold(0.0, |most: f64, z| most.max(z.abs()));
     // The waveform that is there has the larger statistic; by several nats, as both have chance.
     jump * jump > (outlier.size / outlier.size_sd).powi(2) + PLAINLY
 }
