@@ -1,7 +1,6 @@
 //! Burst: for a while the noise is larger, or smaller, at the same level.
 
 pub mod even;
-pub mod few;
 mod stretch;
 #[cfg(test)]
 mod tests;
@@ -62,8 +61,7 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
 }
 
 /// The stretch that departs most from the rest, if it is a burst: not most of the record, not of a
-/// band alone nor by a few samples, no rest on a coarse grid, and no more than where the level lies between two of its
-/// values makes.
+/// band alone, no rest on a coarse grid, and no more than where the level lies between two of its values makes.
 pub fn even(look: &Look<'_>) -> Option<Burst> {
     let axis = look.axis;
     if look.character.strength_moves || coarse_grid::decides(axis) {
@@ -88,7 +86,7 @@ pub fn even(look: &Look<'_>) -> Option<Burst> {
         is_of_excluded(axis, std::slice::from_ref(range))
             || even::p_value(&seen, range) < look.level()
     };
-    (!is_law && !rests && !remains && !few::carry(axis, &burst) && !of_band()).then_some(burst)
+    (!is_law && !rests && !remains && !of_band()).then_some(burst)
 }
 
 /// Whether a stretch is as loud as noise whose strength lasts is anyway.

@@ -103,16 +103,15 @@ fn named(look: &Look<'_>, found: Found, powers: &Powers) -> Vec<Proposal> {
             Proposal::Withdraw(vec![KIND]),
         ];
     }
-    if is_within_burst(look, &found, powers) {
+    if is_within_burst(&found, powers, look.level()) {
         return Vec::new();
     }
     vec![Proposal::Explain(Box::new(candidate(look, found)))]
 }
 
 /// Whether most of them are what the noise of one louder stretch reaches: then they are no outliers.
-fn is_within_burst(look: &Look<'_>, found: &Found, powers: &Powers) -> bool {
-    let burst = burst::burst(powers, look.level());
-    let Some(burst) = burst.filter(|burst| !burst::few::carry(look.axis, burst)) else {
+fn is_within_burst(found: &Found, powers: &Powers, level: f64) -> bool {
+    let Some(burst) = burst::burst(powers, level) else {
         return false;
     };
     let wide = (3.0 * burst.end_sd) as usize;

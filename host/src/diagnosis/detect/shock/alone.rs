@@ -22,8 +22,10 @@ const MANY: usize = 16;
 /// Probability of as many close to one another below which they are none by chance: a choice.
 const BY_CHANCE: f64 = 1e-3;
 
-/// Samples of a stretch for each that may be far off: a choice. With more, it is what the stretch consists of.
+/// Samples of a stretch for each that may be far off: a choice. With more, it is what the stretch consists of, unless the
+/// record has so many that some stretch holds as many by chance; never one in so few as the second.
 const SHARE: usize = 32;
+const MOST: usize = 8;
 
 /// Whether nothing is left of a `stretch` without single samples, each by itself: of what is `near`, in windows of `longest`
 /// samples at most.
@@ -41,7 +43,7 @@ pub fn are_all(scan: &Scan<'_>, stretch: &Stretch, near: &Range<usize>, longest:
         .windows(2)
         .filter(|two| seen[two[1]] - seen[two[0]] < APART);
     if within == 0
-        || within > 1 + place.len() / SHARE
+        || within > 1 + place.len() / SHARE && !is_by_chance(scan, within, place.len())
         || !come_together(close.count(), far.len(), values.len())
     {
         return false;
@@ -51,6 +53,20 @@ pub fn are_all(scan: &Scan<'_>, stretch: &Stretch, near: &Range<usize>, longest:
         bridge(&mut without, &seen, at);
     }
     scan.highest(&(0..without.len()), &place, &without, longest) < NOTHING
+}
+
+/// Whether a record holds so many single samples far off that some stretch of a `length` has so many `within` by chance.
+fn is_by_chance(scan: &Scan<'_>, within: usize, length: usize) -> bool {
+    if within > length / MOST {
+        return false;
+    }
+    let values = scan.values();
+    let seen: Vec<usize> = (0..values.len()).filter(|n| scan.is_seen(*n)).collect();
+    // Those within may be what is asked about.
+    let others = far_off(values, &seen).map_or(0, |far| far.len().saturating_sub(within));
+    let expected = others as f64 * length as f64 / values.len() as f64;
+    let stretches = values.len() as f64 / length as f64;
+    p_value::searched(p_value::poisson(within as u64, expected), stretches) > BY_CHANCE
 }
 
 /// Whether so many `close` pairs of `all` come about by chance among so many samples.
