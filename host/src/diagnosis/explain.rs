@@ -7,10 +7,9 @@ use crate::diagnosis::attempts::{Attempt, without_losers};
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::decision::Decision;
 use crate::diagnosis::detect::look::Context;
-use crate::diagnosis::detect::telegraph;
+use crate::diagnosis::detect::{coarse_grid, telegraph};
 use crate::diagnosis::doubt;
 use crate::diagnosis::family::level_of_one_test;
-use crate::diagnosis::laws;
 use crate::diagnosis::laws::departure::departure;
 use crate::diagnosis::laws::spread::Spread;
 use crate::diagnosis::options::Options;
@@ -96,15 +95,25 @@ pub fn explain(
     long_enough(signal, &measured)?;
     let level = level_of_one_test(options);
     let measured = Arc::new(measured);
-    let begin_with = |chain: Option<&Chain>| {
+    let bare = |chain: Option<&Chain>| {
         let axis = AxisState::new(Arc::clone(&measured), rate_hz, chain);
         axis.ok_or_else(|| refusal(signal, &measured))
     };
     let own_mean = mean - signal.zero * signal.scale;
     let (values, first) = rayon::join(
         || ValueFindings::new(declared, level, &measured, own_mean),
-        || begin_with(signal.chain.as_ref()),
+        || bare(signal.chain.as_ref()),
     );
+    let floor = |axis: &AxisState| {
+        let step = values.rounded_to?;
+        Some(coarse_grid::floor(axis, step, level))
+    };
+    let rounded = |mut axis: AxisState| {
+        axis.bins.know_floor(floor(&axis).unwrap_or(0.0));
+        axis
+    };
+    let first = first.map(rounded);
+    let begin_with = |chain: Option<&Chain>| bare(chain).map(rounded);
     let covariate = options.covariate.as_deref().map(Reading::of);
     let decided = |decision| progress(&signal.name, Step::Decided(decision));
     let from = |first: AxisState, chain: Option<&Chain>| {
@@ -231,13 +240,8 @@ fn attempt(axis: &mut AxisState, context: &Context<'_>) -> Result<Attempt<Vec<Re
 /// squares of the base components.
 fn with_intervals(axis: &mut AxisState) -> Vec<f64> {
     let spread = Spread::new(&axis.bins, &axis.data, &axis.laws, &axis.fit);
-    let values = |which: usize| -> Vec<Value> {
-        let values = laws::sized(&axis.bins, &axis.laws, which, &axis.fit);
-        let both = values.iter().zip(spread.log_deviations(which));
-        both.map(|(value, sd)| Value::log_normal(*value, sd))
-            .collect()
-    };
-    let values: Vec<Vec<Value>> = (0..axis.laws.len()).map(values).collect();
+    let laws = 0..axis.laws.len();
+    let values: Vec<Vec<Value>> = laws.map(|which| spread.values(which)).collect();
     let units = 0..axis.bins.units().len();
     let squares_sd = units.map(|component| spread.square_sd(component)).collect();
     drop(spread);

@@ -75,6 +75,7 @@ pub fn chain(axis: &AxisState, behind: impl Fn(&Chain) -> Option<AxisState>) -> 
             let mut bins = SpectralBins::new(&axis.residual.values(), axis.rate_hz, chain)?;
             bins.know_less(axis.filled_share());
             bins.leave_out(&axis.excluded_hz());
+            bins.know_floor(axis.bins.floor());
             Some(bins)
         };
         let (bins, unfiltered) = (bins(Some(&chain))?, bins(None)?);

@@ -19,6 +19,13 @@ impl Rounding {
         Self { step: values[0] }
     }
 
+    /// The rounding whose error has this [density](Self::density) at a data rate of `rate_hz`.
+    pub fn of_density(density: f64, rate_hz: f64) -> Self {
+        Self {
+            step: (12.0 * density * rate_hz).sqrt(),
+        }
+    }
+
     /// Two-sided density of the rounding's error at a data rate of `rate_hz`: white noise of the variance
     /// `step^2 / 12`, uncorrelated with what is rounded. W. R. Bennett, Bell Syst. Tech. J. 27 (1948) 446. It
     /// needs a change of half a step or more (one standard deviation) from one sample to the next; below

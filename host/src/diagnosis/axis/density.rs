@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::diagnosis::axis::AxisState;
-use crate::diagnosis::laws;
+use crate::diagnosis::laws::{self, Law};
 use crate::fit::likelihood::components::SEEN;
 use crate::model::effect::Part;
 use crate::model::{Coefficient, unnamed};
@@ -13,7 +13,13 @@ impl AxisState {
     pub fn density(&self, f_hz: f64) -> f64 {
         let laws = (0..self.laws.len()).map(|which| self.law_density(which, f_hz));
         let sum = self.bins.base_density(&self.fit.squared, f_hz) + laws.sum::<f64>();
-        sum * self.filters(f_hz)
+        sum * self.filters(f_hz) + self.floor()
+    }
+
+    /// Density of what joins behind the laws that filter; zero where none does.
+    pub fn floor(&self) -> f64 {
+        let filters = self.laws.iter().any(Law::filters);
+        if filters { self.bins.floor() } else { 0.0 }
     }
 
     /// Two-sided density at `f_hz` as the bins measure it, with what the model lacks.

@@ -180,8 +180,10 @@ impl AxisState {
             }
         } else {
             self.starts = OnceLock::new();
+            let floor = self.bins.floor();
             let bins = SpectralBins::new(&values, self.rate_hz, self.chain.as_ref());
             self.bins = bins.ok_or(NoFit)?;
+            self.bins.know_floor(floor);
             self.bins.know_less(self.filled_share());
             self.bins.leave_out(&self.excluded_hz());
             self.data = self.bins.first();

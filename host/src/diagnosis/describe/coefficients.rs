@@ -68,7 +68,10 @@ pub fn even_density(axis: &AxisState) -> [f64; 2] {
     if axis.bins.units().len() > SEEN.len() {
         return [0.0; 2];
     }
-    let rounding = axis.explanation(rounding::KIND).map_or(0.0, |one| {
+    // Behind other filters rounding is no part of the white noise.
+    let within = axis.explanation(rounding::KIND);
+    let within = within.filter(|_| axis.floor() == 0.0);
+    let rounding = within.map_or(0.0, |one| {
         Rounding::of(&one.effect.plain()).density(axis.rate_hz)
     });
     let small = axis.explanation(outliers::KIND);

@@ -2,33 +2,37 @@
 
 use crate::diagnosis::describe::coefficients::coefficients_of;
 use crate::diagnosis::explanation::{Explanation, Snapshot};
-use crate::diagnosis::laws;
+use crate::diagnosis::laws::{self, Law};
 use crate::diagnosis::record::bins::SpectralBins;
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::finding::{Finding, Gain};
 use crate::fit::likelihood::Fit;
 use crate::model::axis::{ModelAxis, ModelEffect};
 use crate::model::effect::Part;
+use crate::model::rounding::{self, Rounding};
 use crate::model::{PerCoefficient, unnamed};
 
-/// Findings as a model file has them, where data can be made of them, and what of the `noise` has no name, in the order in
-/// which they act: a sample is repeated behind all filters, whatever was found first. A harmonic that was not found is zero
+/// Findings as a model file has them, where data can be made of them, and what else the `noise` has, without a name or
+/// because the values are written so, in the order in which they act: a sample is repeated behind all filters, whatever was found first. A harmonic that was not found is zero
 /// there.
 pub fn all_effects(findings: &[Finding], noise: &ModelAxis) -> Vec<ModelEffect> {
     let effect =
         |finding: &Finding| ModelEffect::of(finding.effect, &finding.estimate.plain()).ok();
-    let unnamed = noise.effects.iter();
-    let unnamed = unnamed.filter(|one| one.kind() == unnamed::KIND).cloned();
+    let is_found = |kind| findings.iter().any(|one| one.effect == kind);
+    let is_silent = |kind| kind == unnamed::KIND || kind == rounding::KIND && !is_found(kind);
+    let silent = noise.effects.iter();
+    let silent = silent.filter(|one| is_silent(one.kind())).cloned();
     let stage = |one: &ModelEffect| match one.part() {
         Part::Distortion(distortion) => Some(distortion.stage()),
         Part::Term(_) | Part::Clock(_) | Part::Hold(_) | Part::Follows(_) => None,
     };
-    let mut all: Vec<ModelEffect> = findings.iter().filter_map(effect).chain(unnamed).collect();
+    let mut all: Vec<ModelEffect> = findings.iter().filter_map(effect).chain(silent).collect();
     all.sort_by_key(stage);
     all
 }
 
-/// The laws of a snapshot with the sizes of a fit that has them, and its tones as they were measured.
+/// The laws of a snapshot with the sizes of a fit that has them, its tones as they were measured, and the rounding behind those
+/// that filter.
 pub fn law_effects(bins: &SpectralBins, snapshot: &Snapshot, fit: &Fit) -> Vec<ModelEffect> {
     let sized = |which: usize| {
         let values = laws::sized(bins, &snapshot.laws, which, fit);
@@ -36,7 +40,12 @@ pub fn law_effects(bins: &SpectralBins, snapshot: &Snapshot, fit: &Fit) -> Vec<M
     };
     let measured = |one: &Estimate| ModelEffect::of(one.kind, &one.plain()).ok();
     let laws = (0..snapshot.laws.len()).filter_map(sized);
+    let is_filtered = snapshot.laws.iter().any(Law::filters);
+    let step = (is_filtered && bins.floor() > 0.0)
+        .then(|| Rounding::of_density(bins.floor(), bins.rate_hz()).step);
+    let rounding = step.and_then(|step| ModelEffect::of(rounding::KIND, &[step]).ok());
     laws.chain(snapshot.tones.iter().filter_map(measured))
+        .chain(rounding)
         .collect()
 }
 

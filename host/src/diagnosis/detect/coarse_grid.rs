@@ -37,6 +37,15 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     Ok(candidate.into_iter().collect())
 }
 
+/// Density of the white noise that rounding to a `step` adds to an axis behind all filters; zero where the noise is quieter than
+/// that, by less chance than `level`.
+pub fn floor(axis: &AxisState, step: f64, level: f64) -> f64 {
+    if is_quieter(axis, step, level) {
+        return 0.0;
+    }
+    Rounding { step }.density(axis.rate_hz)
+}
+
 /// Whether the spectrum of an axis is below what rounding to a `step` leaves, by less chance than `level`: what is cut off
 /// carries over to the next value then, as in a counter of pulses, and is the Q of the five terms. Of noise that spans
 /// less than a step nothing is said: what its rounding leaves depends on the level.

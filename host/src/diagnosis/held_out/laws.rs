@@ -57,16 +57,17 @@ impl<'a> Ordinates<'a> {
 
     /// Log-likelihood of the held half with the sizes that fit the other best.
     fn score(&self, laws: &[Law]) -> Option<f64> {
-        let nothing = vec![0.0; self.fitted.data.len()];
+        let filters = laws.iter().any(Law::filters);
+        let floor = if filters { self.axis.bins.floor() } else { 0.0 };
         let components = self.components(laws, &self.fitted);
         let (squared, _) = greatest_beside(
             &self.fitted.data,
             &components,
-            &nothing,
+            &vec![floor; self.fitted.data.len()],
             None,
             Range::NonNegative,
         )?;
-        let mut expected = vec![0.0; self.held.data.len()];
+        let mut expected = vec![floor; self.held.data.len()];
         add_mixture(&mut expected, &self.components(laws, &self.held), &squared);
         Some(log_likelihood(&self.held.data, &expected))
     }

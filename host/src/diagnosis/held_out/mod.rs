@@ -19,13 +19,12 @@ pub mod size;
 
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::explanation::{Explanation, Snapshot};
-use crate::diagnosis::laws::{components, search};
+use crate::diagnosis::laws::{expected, search};
 use crate::diagnosis::record::bins::SpectralBins;
 use crate::diagnosis::record::residual::Residual;
 use crate::fit::likelihood::components::SEEN;
 use crate::fit::likelihood::log_likelihood;
 use crate::model::PerCoefficient;
-use crate::numeric::mixture::add_mixture;
 
 /// Gain that a name for the noise itself needs there, nats: all ordinates or blocks speak of it. What is fitted to one half
 /// is one law among all for the other. Where nothing is there the mean of `e^gain` is 1 at most, so that a gain of 3 is chance in
@@ -66,8 +65,10 @@ impl Halves {
         let (train, held) = rayon::join(|| bins(0), || bins(1));
         let (mut train, mut held) = (train?, held?);
         let excluded_hz = axis.excluded_hz();
-        train.leave_out(&excluded_hz);
-        held.leave_out(&excluded_hz);
+        for bins in [&mut train, &mut held] {
+            bins.leave_out(&excluded_hz);
+            bins.know_floor(axis.bins.floor());
+        }
         Some(Self {
             train,
             held,
@@ -85,9 +86,7 @@ impl Halves {
         drop(values);
         let mut laws = snapshot.laws.clone();
         let fit = search::polish(&self.train, &train, &mut laws, 0, 0.05)?;
-        let components = components(&self.held, &laws);
-        let mut expected = vec![0.0; held.len()];
-        add_mixture(&mut expected, &components, &fit.squared);
+        let expected = expected(&self.held, &laws, &fit.squared);
         Some(log_likelihood(&held, &expected))
     }
 

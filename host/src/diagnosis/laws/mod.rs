@@ -11,10 +11,12 @@ pub mod spread;
 mod starts;
 
 use crate::diagnosis::record::bins::{Filtered, SpectralBins};
-use crate::fit::likelihood::{Data, Fit, maximise};
+use crate::fit::likelihood::scoring::maximise_beside;
+use crate::fit::likelihood::{Data, Fit};
 use crate::model::Term;
 use crate::model::effect::{Distortion, Part, Quantity};
 use crate::model::kind::Kind;
+use crate::numeric::mixture::add_mixture;
 
 /// An effect with its values; the size, if it has one, is 1 and its square is a component.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,10 +28,13 @@ pub struct Law {
 }
 
 impl Law {
-    /// Places of the parameters that are not the size.
+    /// Places of the parameters that are neither the size nor a count: what is moved in its logarithm.
     pub fn shape(&self) -> impl Iterator<Item = usize> + use<> {
         let size = self.effect.size();
-        (0..self.values.len()).filter(move |&place| Some(place) != size)
+        let parameters = self.effect.parameters(&self.values);
+        (0..self.values.len()).filter(move |&place| {
+            Some(place) != size && parameters[place].quantity != Quantity::Count
+        })
     }
 
     /// Whether it is what its name says, and lies where the bins could show it: frequencies and widths of
@@ -50,6 +55,11 @@ impl Law {
 
     fn adds(&self) -> bool {
         self.effect.size().is_some()
+    }
+
+    /// Whether it changes what all others add.
+    pub fn filters(&self) -> bool {
+        !self.adds()
     }
 }
 
@@ -72,6 +82,14 @@ pub fn behind<'a>(bins: &'a SpectralBins, laws: &[Law]) -> Filtered<'a> {
         return bins.unfiltered();
     }
     bins.behind(|f_hz| power_of(&filters, f_hz, bins.rate_hz()))
+}
+
+/// What laws of these squares make the bins expect, with what joins behind those that filter.
+pub fn expected(bins: &SpectralBins, laws: &[Law], squared: &[f64]) -> Vec<f64> {
+    let filtered = behind(bins, laws);
+    let mut expected = filtered.fixed();
+    add_mixture(&mut expected, &components_of(&filtered, laws), squared);
+    expected
 }
 
 /// Those of the laws that filter.
@@ -104,7 +122,13 @@ fn term(law: &Law) -> Option<Box<dyn Term>> {
 
 /// The likeliest sizes of the five terms and of these laws, their shapes as they are.
 pub fn fit(bins: &SpectralBins, data: &Data, laws: &[Law]) -> Option<Fit> {
-    maximise(data, &components(bins, laws))
+    let filtered = behind(bins, laws);
+    maximise_beside(
+        data,
+        &components_of(&filtered, laws),
+        &filtered.fixed(),
+        None,
+    )
 }
 
 /// Place of a law's component in a fit.

@@ -33,14 +33,14 @@ struct Standing<'a> {
     value: f64,
 }
 
-/// Best squares of `components`, searched from `start`, with their log-likelihood.
+/// Best squares of `components` of `bins`, searched from `start`, with their log-likelihood.
 fn greatest(
+    bins: &Filtered<'_>,
     data: &Data,
     components: &[Vec<f64>],
     start: Option<&[f64]>,
 ) -> Option<(Vec<f64>, f64)> {
-    let nothing = vec![0.0; data.len()];
-    greatest_beside(data, components, &nothing, start, Range::NonNegative)
+    greatest_beside(data, components, &bins.fixed(), start, Range::NonNegative)
 }
 
 /// Moves the shapes of the laws from number `from` on until the likelihood gains no more.
@@ -77,8 +77,8 @@ pub fn polish(
             _ => laws[law] = own,
         }
     }
-    let nothing = vec![0.0; data.len()];
-    maximise_beside(data, &best.components, &nothing, Some(&best.squared))
+    let fixed = best.bins.fixed();
+    maximise_beside(data, &best.components, &fixed, Some(&best.squared))
 }
 
 /// Moves each of these shapes a step up or down where that gains: where it ends, and whether any gained.
@@ -154,7 +154,7 @@ fn standing<'a>(
 ) -> Option<Standing<'a>> {
     let filtered = behind(bins, laws);
     let components = components_of(&filtered, laws);
-    let (squared, value) = greatest(data, &components, start)?;
+    let (squared, value) = greatest(&filtered, data, &components, start)?;
     Some(Standing {
         bins: filtered,
         components,
@@ -177,7 +177,7 @@ fn moved<'a>(
     }
     let mut components = from.components.clone();
     components[component_of(bins, laws, which)] = component(&from.bins, &laws[which])?;
-    let (squared, value) = greatest(data, &components, Some(&from.squared))?;
+    let (squared, value) = greatest(&from.bins, data, &components, Some(&from.squared))?;
     Some(Standing {
         bins: from.bins.clone(),
         components,
@@ -257,25 +257,28 @@ fn best_start<'a>(
         laws,
         fit: base,
     } = present;
-    let filtered = (!present.is_unfiltered()).then(|| behind(bins, laws));
+    let present_bins = behind(bins, laws);
     let mut best: Option<(f64, &Law)> = None;
     for start in starts.promising(present, components, kind) {
         // What adds leaves all others as they are; what filters changes all of them.
-        let own = match &filtered {
-            Some(filtered) => component(filtered, &start.law),
-            None => start.component.clone(),
+        let own = if present.is_unfiltered() {
+            start.component.clone()
+        } else {
+            component(&present_bins, &start.law)
         };
-        let all = match own {
-            Some(own) => [components, &[own]].concat(),
+        let (filtered, all) = match own {
+            Some(own) => (present_bins.clone(), [components, &[own]].concat()),
             None => {
                 let mut all = laws.to_vec();
                 all.push(start.law.clone());
-                super::components(bins, &all)
+                let filtered = behind(bins, &all);
+                let components = components_of(&filtered, &all);
+                (filtered, components)
             }
         };
         let mut squared = base.squared.clone();
         squared.resize(all.len(), 0.0);
-        let Some((_, value)) = greatest(data, &all, Some(&squared)) else {
+        let Some((_, value)) = greatest(&filtered, data, &all, Some(&squared)) else {
             continue;
         };
         if best.is_none_or(|(most, _)| value > most) {

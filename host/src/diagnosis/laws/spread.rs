@@ -6,6 +6,7 @@ use crate::diagnosis::laws::{Law, component_of, fit, sized, squared_power};
 use crate::diagnosis::record::bins::SpectralBins;
 use crate::diagnosis::result::value::Value;
 use crate::fit::likelihood::{Data, Fit};
+use crate::model::effect::Quantity;
 use crate::model::unnamed;
 
 /// Uncertainty of a fit with laws: covariance of the logarithms of all shapes, from the curvature of
@@ -93,9 +94,18 @@ impl<'a> Spread<'a> {
     /// The values of a law with the size that the fit gives it, each with its interval.
     pub fn values(&self, which: usize) -> Vec<Value> {
         let values = sized(self.bins, self.laws, which, self.best);
-        let both = values.iter().zip(self.log_deviations(which));
-        both.map(|(value, sd)| Value::log_normal(*value, sd))
-            .collect()
+        let law = &self.laws[which];
+        let parameters = law.effect.parameters(&values);
+        let all = values
+            .iter()
+            .zip(self.log_deviations(which))
+            .zip(parameters);
+        all.map(|((value, sd), parameter)| match parameter.quantity {
+            // Another count is another filter.
+            Quantity::Count => Value::exact(*value),
+            _ => Value::log_normal(*value, sd),
+        })
+        .collect()
     }
 
     /// Standard deviations of the logarithms of a law's values. Infinite where the data do not determine one.

@@ -3,13 +3,12 @@
 use rayon::prelude::*;
 
 use crate::diagnosis::laws::rise::Rise;
-use crate::diagnosis::laws::{Law, component, components};
+use crate::diagnosis::laws::{Law, component, expected};
 use crate::diagnosis::record::bins::SpectralBins;
 use crate::fit::likelihood::{Data, Fit};
 use crate::model::catalogue::CATALOGUE;
 use crate::model::effect::Band;
 use crate::model::kind::Kind;
-use crate::numeric::mixture::add_mixture;
 
 /// Starts that are fitted, of those whose first rise is known: a choice, for each costs a fit.
 const TRIED: usize = 16;
@@ -80,7 +79,9 @@ impl Starts {
     /// Whether these values of an effect lie beyond all that its searches begin with, by a factor of two.
     pub(super) fn are_beyond(&self, effect: Kind, values: &[f64]) -> bool {
         values.iter().enumerate().any(|(place, &value)| {
-            let begins = self.laws(effect).map(|law| law.values[place]);
+            let begins = self
+                .laws(effect)
+                .filter_map(|law| law.values.get(place).copied());
             let (least, most) = begins
                 .fold((f64::INFINITY, 0.0), |(least, most): (f64, f64), one| {
                     (least.min(one), most.max(one))
@@ -104,8 +105,9 @@ impl Starts {
                 None => {
                     let mut all = laws.to_vec();
                     all.push(start.law.clone());
-                    let mut change: Vec<f64> = base.expected.iter().map(|e| -e).collect();
-                    add_mixture(&mut change, &components(bins, &all), &base.squared);
+                    let mut change = expected(bins, &all, &base.squared);
+                    let pairs = change.iter_mut().zip(&base.expected);
+                    pairs.for_each(|(change, before)| *change -= before);
                     change
                 }
             })

@@ -96,7 +96,7 @@ impl<'a> Search<'a> {
         let mut squared = axis.fit.squared.clone();
         components.extend_from_slice(tones);
         squared.extend(tones.iter().map(|_| 1.0));
-        let sizes = Sizes::beside(data);
+        let sizes = Sizes::beside(data, bins.fixed());
         let squared = sizes.start(&components, squared);
         Self {
             axis,
@@ -129,7 +129,7 @@ impl<'a> Search<'a> {
     }
 
     fn expected(&self) -> Vec<f64> {
-        let mut expected = vec![0.0; self.data.len()];
+        let mut expected = self.sizes.fixed.clone();
         add_mixture(&mut expected, &self.components, &self.squared);
         expected
     }
@@ -190,7 +190,7 @@ impl<'a> Search<'a> {
         if best.log_likelihood - before <= cost_nats {
             return None;
         }
-        let mut others = vec![0.0; self.data.len()];
+        let mut others = self.sizes.fixed.clone();
         add_mixture(&mut others, &self.components, &best.squared);
         let moved = self.moved(best.band, &others);
         if let Some(moved) = self.with(moved, &expected) {
@@ -278,12 +278,12 @@ impl<'a> Search<'a> {
         let places = self.named - self.tones..self.named;
         let tones: Vec<f64> = self.squared.drain(places.clone()).collect();
         let own: Vec<Vec<f64>> = self.components.drain(places).collect();
-        let mut fixed = vec![0.0; self.data.len()];
+        let mut fixed = self.sizes.fixed.clone();
         add_mixture(&mut fixed, &own, &tones);
         let start = Some(self.squared.as_slice());
         let mut fit = maximise_beside(self.data, &self.components, &fixed, start)?;
-        let pairs = fit.expected.iter_mut().zip(&fixed);
-        pairs.for_each(|(all, fixed)| *all -= fixed);
+        let tones_taken: Vec<f64> = tones.iter().map(|squared| -squared).collect();
+        add_mixture(&mut fit.expected, &own, &tones_taken);
         let bands = self.bands.into_iter().map(Band::law);
         let named = self.axis.laws.iter().cloned();
         Some(Completed {

@@ -33,15 +33,17 @@ pub struct Sizes<'a> {
     pub data: &'a Data,
     /// The most that each bin may be expected to be.
     most: Vec<f64>,
+    /// What each is expected to be beside all components.
+    pub fixed: Vec<f64>,
 }
 
 impl<'a> Sizes<'a> {
-    /// Beside this spectrum.
-    pub fn beside(data: &'a Data) -> Self {
+    /// Beside this spectrum, of which a part is `fixed`.
+    pub fn beside(data: &'a Data, fixed: Vec<f64>) -> Self {
         let bins = data.dof.iter().zip(&data.psd);
         let most = bins.map(|(&dof, psd)| psd / least_share(dof));
         let most = most.collect();
-        Self { data, most }
+        Self { data, most, fixed }
     }
 
     /// The largest square of a component that leaves room in each of its bins.
@@ -69,11 +71,10 @@ impl<'a> Sizes<'a> {
     /// The likeliest squares of `components`, from a start, and their log-likelihood. The start leaves room. Scoring may fail to get
     /// anywhere from one that is far off: then the sizes are first multiplied towards the data, which never loses, and both as often as that gains.
     pub fn likeliest(&self, components: &[Vec<f64>], squared: &[f64]) -> Option<(Vec<f64>, f64)> {
-        let nothing = vec![0.0; self.data.len()];
         let most: Vec<f64> = components.iter().map(|one| self.most(one)).collect();
         let scored = |start: &[f64]| {
             let range = Range::NonNegative;
-            let sizes = greatest_beside(self.data, components, &nothing, Some(start), range)?;
+            let sizes = greatest_beside(self.data, components, &self.fixed, Some(start), range)?;
             let mut pairs = sizes.0.iter().zip(&most);
             pairs.all(|(own, most)| own <= most).then_some(sizes)
         };
@@ -104,7 +105,7 @@ impl<'a> Sizes<'a> {
     ) -> (Vec<f64>, f64) {
         let data = self.data;
         for _ in 0..MULTIPLIED {
-            let mut expected = vec![0.0; data.len()];
+            let mut expected = self.fixed.clone();
             add_mixture(&mut expected, components, &squared);
             let bins = data.dof.iter().zip(&data.psd).zip(&expected);
             let (up, down): (Vec<f64>, Vec<f64>) = bins
@@ -116,7 +117,7 @@ impl<'a> Sizes<'a> {
                 *squared = squared.min(*most);
             }
         }
-        let mut expected = vec![0.0; data.len()];
+        let mut expected = self.fixed.clone();
         add_mixture(&mut expected, components, &squared);
         let nats = log_likelihood(data, &expected);
         (squared, nats)

@@ -24,6 +24,8 @@ pub struct ValueFindings {
     pub clipping: Vec<(Clipping, Vec<usize>)>,
     /// Grid of the values that is coarser than declared, and not lost in the short-term noise.
     pub coarse: Option<Coarse>,
+    /// Step of the grid that all values lie on, where there is one and what is cut off is white noise.
+    pub rounded_to: Option<f64>,
     /// Largest size of a value: what its rounding is a share of.
     pub largest: f64,
 }
@@ -74,12 +76,25 @@ impl ValueFindings {
                 })
                 .collect(),
             coarse,
+            rounded_to: grid.filter(|step| is_white(rms / step)),
             largest: measured
                 .iter()
                 .filter(|value| value.is_finite())
                 .fold(mean.abs(), |most, value| most.max((value + mean).abs())),
         }
     }
+}
+
+/// Whether what rounding cuts off is white noise where increments of the rounded values have the root mean square `rms`, over the
+/// root of two and in steps. Neighbours of a normal series whose increments have `r` before they are rounded are cut off by
+/// numbers with the correlation `6 / pi^2 exp(-4 pi^2 r^2)` (the first harmonic of the rounding: B. Widrow and I. Kollar,
+/// Quantization Noise, 2008, chapter 4), and what is cut off adds `1/12` to its square.
+fn is_white(rms: f64) -> bool {
+    /// Correlation that is none: a choice, it moves the density by 3 %.
+    const NONE: f64 = 0.015;
+    const PI_SQUARED: f64 = std::f64::consts::PI * std::f64::consts::PI;
+    let squared = (rms * rms - 1.0 / 12.0).max(0.0);
+    6.0 / PI_SQUARED * (-4.0 * PI_SQUARED * squared).exp() < NONE
 }
 
 /// The `places` of repeats, with those that repeat the last sample that was measured before some were missing: the rest of a run

@@ -55,7 +55,8 @@ impl<'a> Held<'a> {
             return (Self::Axis(&axis.bins), psd);
         }
         match own() {
-            Some(bins) => {
+            Some(mut bins) => {
+                bins.know_floor(axis.bins.floor());
                 let psd = bins.first().psd;
                 (Self::Own(Box::new(bins)), psd)
             }
@@ -78,7 +79,7 @@ impl<'a> Pooled<'a> {
         let measured = axis.residual.whole();
         let (held, psd) = Held::of(axis, measured);
         let bins = held.get();
-        let mut after = sum(&laws::components(bins, &axis.laws), &axis.fit.squared);
+        let mut after = laws::expected(bins, &axis.laws, &axis.fit.squared);
         for (after, bin) in after.iter_mut().zip(bins.all()) {
             *after += passing.adds(bin.f_hz, *after);
         }

@@ -76,7 +76,8 @@ fn filled(axis: &AxisDiagnosis) -> Option<String> {
 
 /// What a chain that was recognised asks for.
 fn recognised(axis: &AxisDiagnosis, chain: &Chain) -> String {
-    let is_pole = |one: &&Finding| one.effect == rolloff::KIND;
+    // A chain is declared with single poles.
+    let is_pole = |one: &&Finding| one.effect == rolloff::KIND && one.estimate.values.len() == 1;
     let poles = axis.findings.iter().filter(is_pole);
     let poles = poles.flat_map(Finding::marks);
     let poles = poles.filter_map(|mark| match mark {

@@ -4,6 +4,8 @@
 //! These depend on length, gaps and chain alone, and cost far more than a spectrum or a fit; they
 //! are made once.
 
+mod filtered;
+
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -14,6 +16,7 @@ use crate::fit::likelihood::components::SEEN;
 use crate::model::{Frequencies, Term};
 use crate::spectrum::estimate::{self, Estimate};
 use crate::spectrum::{Cascade, Plan, Settings};
+pub use filtered::Filtered;
 
 /// What is left of the weight of a bin that is excluded: no number, but no zero to divide by.
 const NOTHING: f64 = 1e-9;
@@ -43,6 +46,8 @@ pub struct SpectralBins {
     left_out: Vec<Range<f64>>,
     rate_hz: f64,
     band_limited: bool,
+    /// Density of white noise that joins behind all filters; zero where none is known.
+    floor: f64,
     plan: Plan,
 }
 
@@ -104,6 +109,7 @@ impl SpectralBins {
             data,
             rate_hz,
             band_limited,
+            floor: 0.0,
             plan,
         })
     }
@@ -135,6 +141,17 @@ impl SpectralBins {
         for dof in self.dof.iter_mut().chain(&mut self.data.dof) {
             *dof *= 1.0 - share;
         }
+    }
+
+    /// Takes it that white noise of this two-sided density joins behind all filters, as the rounding of numbers does. Behind a
+    /// converter's filter it has a component of its own, and without any filter it is a part of the white noise.
+    pub fn know_floor(&mut self, density: f64) {
+        self.floor = if self.band_limited { 0.0 } else { density };
+    }
+
+    /// Density of the white noise that is [known](Self::know_floor) to join behind all filters; zero where there is none.
+    pub fn floor(&self) -> f64 {
+        self.floor
     }
 
     /// Takes the bins within any of `bands`, hertz, out of what fits and tests look at, with those of whose power most leaks
@@ -202,23 +219,6 @@ impl SpectralBins {
         &self.units
     }
 
-    /// The bins behind nothing but the chain.
-    pub fn unfiltered(&self) -> Filtered<'_> {
-        Filtered {
-            bins: self,
-            power: None,
-        }
-    }
-
-    /// The bins behind one more filter of this `power`, which is asked once at each node.
-    pub fn behind(&self, power: impl Fn(f64) -> f64) -> Filtered<'_> {
-        let nodes = self.nodes.f_hz().iter();
-        Filtered {
-            bins: self,
-            power: Some(nodes.map(|&f_hz| power(f_hz)).collect()),
-        }
-    }
-
     /// Two-sided density of the base components with these squares, chain included.
     pub fn base_density(&self, squared: &[f64], f_hz: f64) -> f64 {
         let terms: f64 = SEEN
@@ -277,55 +277,6 @@ impl SpectralBins {
     /// Samples a second.
     pub fn rate_hz(&self) -> f64 {
         self.rate_hz
-    }
-}
-
-/// Spectral bins behind a filter: what laws ahead of it are expected to be in them.
-#[derive(Clone)]
-pub struct Filtered<'a> {
-    bins: &'a SpectralBins,
-    /// Power of the filter at the nodes, if there is one.
-    power: Option<Arc<[f64]>>,
-}
-
-impl Filtered<'_> {
-    /// Expectations of the bins for a term ahead of filter and chain.
-    pub fn expect(&self, term: &dyn Term) -> Vec<f64> {
-        self.bins.estimate.operator.apply(&self.densities(term))
-    }
-
-    /// [`SpectralBins::units`], the filter ahead of what joins behind the converter, and then the terms', as
-    /// [`Self::expect`] has them.
-    pub fn expect_all(&self, terms: &[Box<dyn Term>]) -> Vec<Vec<f64>> {
-        let bins = self.bins;
-        let operator = &bins.estimate.operator;
-        let terms = terms.iter().map(|term| self.densities(&**term));
-        if self.power.is_none() {
-            let terms: Vec<Vec<f64>> = terms.collect();
-            return [bins.units.clone(), operator.apply_all(&terms)].concat();
-        }
-        let units = bins.densities.iter();
-        let units = units.map(|densities| self.through(densities.clone()));
-        let mut all = operator.apply_all(&units.chain(terms).collect::<Vec<_>>());
-        let behind = bins.units[SEEN.len()..].iter().cloned();
-        all.splice(SEEN.len()..SEEN.len(), behind);
-        all
-    }
-
-    /// Densities of a term at the nodes, behind filter and chain.
-    fn densities(&self, term: &dyn Term) -> Vec<f64> {
-        let mut behind = self.through(self.bins.term_densities(term));
-        let pairs = behind.iter_mut().zip(&self.bins.chain_power);
-        pairs.for_each(|(density, power)| *density *= power);
-        behind
-    }
-
-    /// What the filter lets through of densities at the nodes.
-    fn through(&self, mut densities: Vec<f64>) -> Vec<f64> {
-        let power = self.power.iter().flat_map(|power| power.iter());
-        let pairs = densities.iter_mut().zip(power);
-        pairs.for_each(|(density, power)| *density *= power);
-        densities
     }
 }
 

@@ -1,4 +1,6 @@
-//! Roll-off: an analog pole that the declared signal chain does not have.
+//! Roll-off: analog poles that the declared signal chain does not have.
+
+mod poles;
 
 use std::f64::consts::PI;
 
@@ -7,21 +9,69 @@ use super::effect::{Band, Distorter, Distortion, Effect, Parameter, Part, Quanti
 use super::kind::Kind;
 use super::marks::Mark;
 use super::symmetric_filter::{REACH, SymmetricFilter};
+use poles::Poles;
 
-/// One pole ahead of the sampler: power `1 / (1 + (f / corner)^2)` on all that is there.
+/// Poles of a Butterworth response ahead of the sampler, on all that is there:
+///
+/// ```text
+/// B(f) = 1 / (1 + (f / corner)^(2 poles))
+/// |H|^2 = B(f) of one pole,   sum_k B(f + k rate) / sum_k B(k rate) of more,   k = 0, +-1, +-2, ...
+/// ```
+///
+/// One is an RC or a sensor's own, and what digitises it has a filter of its own. More of them are the filter in a digital
+/// sensor: it runs several times as fast as it is read, and of white noise the images fold down.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RollOff {
     /// Frequency of half power, hertz.
     pub corner_hz: f64,
+    /// How many poles, one or more.
+    pub poles: u8,
 }
+
+impl RollOff {
+    /// With these parameters, in the catalogue's order; of one pole where their number is left out.
+    pub fn of(values: &[f64]) -> Self {
+        Self {
+            corner_hz: values[0],
+            poles: values
+                .get(1)
+                .map_or(1, |poles| poles.clamp(1.0, MOST_POLES) as u8),
+        }
+    }
+
+    /// Power ahead of the sampler.
+    fn butterworth(&self, f_hz: f64) -> f64 {
+        1.0 / (1.0 + (f_hz / self.corner_hz).powi(2 * i32::from(self.poles)))
+    }
+}
+
+/// Images that are summed up on either side, where the corner is below half the rate: of two poles the next one is `10^-4` of the
+/// first.
+const IMAGES: f64 = 10.0;
+
+/// Poles that are told apart, at most: a choice. Nine and twelve have the same response to a percent, but for the last
+/// part in twenty before the corner.
+const MOST_POLES: f64 = 12.0;
 
 impl Distortion for RollOff {
     fn stage(&self) -> Stage {
         Stage::Filter
     }
 
-    fn power(&self, f_hz: f64, _rate_hz: f64) -> f64 {
-        1.0 / (1.0 + (f_hz / self.corner_hz).powi(2))
+    fn power(&self, f_hz: f64, rate_hz: f64) -> f64 {
+        if self.poles == 1 {
+            return self.butterworth(f_hz);
+        }
+        // What is left out of the sum is a part in ten thousand of it, for two poles.
+        let images = IMAGES + (2.0 * self.corner_hz / rate_hz).min(IMAGES).ceil();
+        let folded = |f_hz: f64| -> f64 {
+            let image = |k: f64| {
+                self.butterworth(f_hz + k * rate_hz) + self.butterworth(f_hz - k * rate_hz)
+            };
+            let beyond = (1..=images as u32).map(|k| image(f64::from(k)));
+            self.butterworth(f_hz) + beyond.sum::<f64>()
+        };
+        folded(f_hz) / folded(0.0)
     }
 
     fn distorter(&self, rate_hz: f64, _seed: Seed) -> Box<dyn Distorter> {
@@ -29,20 +79,19 @@ impl Distortion for RollOff {
     }
 }
 
-/// Time constants that the digital pole runs ahead of the record: what it began with is then `e^-8` of it, 0.03 %.
+/// Time constants of the slowest pole that the recursion runs ahead of the record: what it began with is then `e^-8` of it,
+/// 0.03 %.
 const SETTLED: f64 = 8.0;
 
 /// Samples that it runs ahead, at most, as they are held: 8 MB. A corner below a millionth of the rate begins unsettled.
 const MOST_SETTLING: usize = 1 << 20;
 
-/// A digital pole of the same time constant, whose memory is as long as it has to be, behind a symmetric filter with what is
-/// left of the amplitude response up to half the rate. Phases, which no spectrum shows, are the digital pole's.
+/// Digital poles of the same decays, whose memory is as long as it has to be, behind a symmetric filter with what is
+/// left of the amplitude response up to half the rate. Phases, which no spectrum shows, are the digital poles'.
 struct Filter {
     symmetric: SymmetricFilter,
-    /// What the digital pole keeps of its last value a sample.
-    kept: f64,
-    last: f64,
-    /// Samples that are mirrored before the record: those in which the pole settles, and a window's.
+    poles: Poles,
+    /// Samples that are mirrored before the record: those in which the poles settle, and a window's.
     mirrored: usize,
     /// The beginning of the record, until there is enough for its mirror image.
     beginning: Vec<f64>,
@@ -52,35 +101,20 @@ struct Filter {
 
 impl Filter {
     fn new(law: &RollOff, rate_hz: f64) -> Self {
-        let decay = 2.0 * PI * law.corner_hz / rate_hz;
-        let kept = (-decay).exp();
+        let poles = Poles::new(usize::from(law.poles), 2.0 * PI * law.corner_hz / rate_hz);
         let gain = |share: f64| {
-            let pole = pole_power(kept, PI * share);
-            (law.power(0.5 * rate_hz * share, rate_hz) / pole).sqrt()
+            let digital = poles.power(PI * share);
+            (law.power(0.5 * rate_hz * share, rate_hz) / digital).sqrt()
         };
-        let settling = ((SETTLED / decay).ceil() as usize).min(MOST_SETTLING);
+        let settling = ((SETTLED / poles.slowest()).ceil() as usize).min(MOST_SETTLING);
         Self {
             symmetric: SymmetricFilter::new(gain),
-            kept,
-            last: 0.0,
+            poles,
             mirrored: settling + REACH,
             beginning: Vec::new(),
             unsettled: None,
         }
     }
-
-    /// The next value of the digital pole.
-    fn follow(&mut self, value: f64) -> f64 {
-        self.last = self.kept * self.last + (1.0 - self.kept) * value;
-        self.last
-    }
-}
-
-/// Power response of the digital pole at an angular frequency, radians a sample.
-fn pole_power(kept: f64, radians: f64) -> f64 {
-    // (1 - kept)^2 + 4 kept sin^2(radians / 2) does not cancel where `kept` is next to one.
-    let straight = (1.0 - kept).powi(2);
-    straight / (straight + 4.0 * kept * (0.5 * radians).sin().powi(2))
 }
 
 impl Distorter for Filter {
@@ -96,13 +130,13 @@ impl Distorter for Filter {
                 // Before the record its mirror image: at the same level, and as loud.
                 let mut mirror: Vec<f64> = self.beginning[1..=self.mirrored].to_vec();
                 mirror.reverse();
-                self.last = mirror[0];
+                self.poles.rest_at(mirror[0]);
                 came = [mirror, std::mem::take(&mut self.beginning)].concat();
                 self.mirrored - REACH
             }
         };
         for value in self.symmetric.pass(&came) {
-            let value = self.follow(value);
+            let value = self.poles.follow(value);
             if unsettled > 0 {
                 unsettled -= 1;
             } else {
@@ -134,6 +168,13 @@ impl Effect for Entry {
     }
 
     fn check(&self, values: &[f64]) -> String {
+        if RollOff::of(values).poles > 1 {
+            return format!(
+                "compare {:.4} Hz with the bandwidth that is set in the sensor's registers or its driver, and with the filters \
+                 of the data sheet: that many poles are a filter's, not an RC's",
+                values[0]
+            );
+        }
         format!(
             "compare {:.4} Hz with the data sheet's bandwidth and the RC at the sensor's output; \
              if it is one of them, declare it: --chain {:.0}hz",
@@ -141,12 +182,15 @@ impl Effect for Entry {
         )
     }
 
-    fn parameters(&self, _values: &[f64]) -> Vec<Parameter> {
-        vec![Parameter::new(
-            "corner_hz",
-            Quantity::Hertz,
-            "frequency of half power",
-        )]
+    fn parameters(&self, values: &[f64]) -> Vec<Parameter> {
+        let corner = Parameter::new("corner_hz", Quantity::Hertz, "frequency of half power");
+        let poles = Parameter::new(
+            "poles",
+            Quantity::Count,
+            "poles of a Butterworth response; one where they are left out",
+        );
+        let more = (values.len() > 1).then_some(poles);
+        std::iter::once(corner).chain(more).collect()
     }
 
     fn marks(&self, values: &[f64]) -> Vec<Mark> {
@@ -154,9 +198,7 @@ impl Effect for Entry {
     }
 
     fn part(&self, values: &[f64]) -> Part {
-        Part::Distortion(Box::new(RollOff {
-            corner_hz: values[0],
-        }))
+        Part::Distortion(Box::new(RollOff::of(values)))
     }
 
     fn surprise_nats(&self, values: &[f64], rate_hz: f64) -> f64 {
@@ -175,13 +217,18 @@ impl Effect for Entry {
         // too low by more than the root of two the likelihood would not rise. What is found at less than half of
         // where a search begins is none, but a process that is slow: whoever reads a hundred samples in the time that a filter takes to
         // answer has noise of the reading as well, which no filter has touched.
-        Band {
-            from_hz: SELDOM * 2.0 * band.to_hz,
-            to_hz: 16.0 * band.to_hz,
-        }
-        .steps(2.0)
-        .map(|corner_hz| vec![corner_hz])
-        .collect()
+        let from_hz = SELDOM * 2.0 * band.to_hz;
+        let corners = |to_hz: f64| -> Vec<f64> { Band { from_hz, to_hz }.steps(2.0).collect() };
+        let one = corners(16.0 * band.to_hz)
+            .into_iter()
+            .map(|corner_hz| vec![corner_hz]);
+        // Of several the flank is in the band, or there is nothing to count them by.
+        let more = [2.0, 3.0, 4.0].into_iter().flat_map(|poles| {
+            corners(0.7 * band.to_hz)
+                .into_iter()
+                .map(move |corner_hz| vec![corner_hz, poles])
+        });
+        one.chain(more).collect()
     }
 }
 
@@ -193,7 +240,11 @@ mod tests {
     /// What comes of white noise at 1000/s behind a corner, in blocks of this many samples.
     fn filtered(corner_hz: f64, seed: u64, count: usize, block: usize) -> Vec<f64> {
         let mut noise = Gaussian::new(Seed { seed, stream: 0 }, 1.0);
-        let mut filter = RollOff { corner_hz }.distorter(1000.0, Seed { seed, stream: 1 });
+        let mut filter = RollOff {
+            corner_hz,
+            poles: 1,
+        }
+        .distorter(1000.0, Seed { seed, stream: 1 });
         let mut made = Vec::new();
         while made.len() < count {
             let mut samples: Vec<f64> = (0..block).map(|_| noise.draw()).collect();
@@ -207,17 +258,33 @@ mod tests {
     #[test]
     fn the_filter_has_the_response_of_the_law() {
         const RATE_HZ: f64 = 10.0;
-        for share in [1e-6, 3.6e-3, 7.5e-3, 0.1, 0.5, 8.0] {
+        for (poles, share) in [
+            (1, 1e-6),
+            (1, 3.6e-3),
+            (1, 7.5e-3),
+            (1, 0.1),
+            (1, 0.5),
+            (1, 8.0),
+            (2, 0.01),
+            (2, 0.1),
+            (2, 0.4),
+            (3, 0.05),
+            (4, 0.2),
+        ] {
             let law = RollOff {
                 corner_hz: share * RATE_HZ,
+                poles,
             };
             let filter = Filter::new(&law, RATE_HZ);
             for f_hz in (1..90).map(|step| 0.05 * f64::from(step)) {
                 let radians = 2.0 * PI * f_hz / RATE_HZ;
-                let made = filter.symmetric.power(radians) * pole_power(filter.kept, radians);
+                let made = filter.symmetric.power(radians) * filter.poles.power(radians);
                 let ratio = made / law.power(f_hz, RATE_HZ);
                 // Less than 0.02 dB, which no record shows.
-                assert!((ratio - 1.0).abs() < 4e-3, "{share} {f_hz} Hz: {ratio}");
+                assert!(
+                    (ratio - 1.0).abs() < 4e-3,
+                    "{poles} {share} {f_hz} Hz: {ratio}"
+                );
             }
         }
     }
