@@ -15,13 +15,21 @@ use super::marks::Mark;
 /// |H|^2 = (D^2 + d^2 + 2 D d cos((m + 1) w / 2)) / n^2,       D = sin(m w / 2) / sin(w / 2)
 /// ```
 ///
-/// Of white noise that is averaged ahead of the sampler over a whole number of samples the images that fold down make
+/// and, repeated, `|H|^(2 times)`: twice is a triangle's (Bartlett's) weights, three times and more the decimator of a
+/// delta-sigma converter.
+///
+/// Of white noise that is averaged once ahead of the sampler over a whole number of samples the images that fold down make
 /// the same of it: the sum of `sinc^2` over all of them is `|H|^2`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Averaging {
     /// Length of time that a mean is over, seconds; up to one sample it changes nothing.
     pub duration_s: f64,
+    /// How many times it is done, one or more.
+    pub times: u8,
 }
+
+/// Times at most: a choice, the decimators of converters have six stages.
+const MOST_TIMES: f64 = 8.0;
 
 /// Power at a zero of the response, as a part of the lobes beside it: choices. The second is what a record with a beginning and an
 /// end shows where it is looked at ordinate by ordinate, the first only keeps logarithms finite.
@@ -29,6 +37,22 @@ const DEEPEST: f64 = 1e-9;
 const DEEPEST_SHOWN: f64 = 1e-3;
 
 impl Averaging {
+    /// With these parameters, in the catalogue's order; once where nothing else is said.
+    pub fn of(values: &[f64]) -> Self {
+        let times = values
+            .get(1)
+            .map_or(1.0, |times| times.clamp(1.0, MOST_TIMES));
+        Self {
+            duration_s: values[0],
+            times: times as u8,
+        }
+    }
+
+    /// Samples from the beginning of a record whose means are over what came before it.
+    pub fn begins_with(&self, rate_hz: f64) -> usize {
+        usize::from(self.times) * (self.samples(rate_hz).ceil() as usize - 1)
+    }
+
     /// Samples that a mean is over, one or more.
     fn samples(&self, rate_hz: f64) -> f64 {
         (self.duration_s * rate_hz).max(1.0)
@@ -47,17 +71,28 @@ impl Distortion for Averaging {
         let sine = x.sin();
         let sum = if sine == 0.0 { m } else { (m * x).sin() / sine };
         let power = sum * sum + rest * rest + 2.0 * sum * rest * ((m + 1.0) * x).cos();
-        (power / (n * n)).max(DEEPEST)
+        (power / (n * n)).powi(i32::from(self.times)).max(DEEPEST)
     }
 
     fn shown(&self, f_hz: f64, rate_hz: f64) -> f64 {
         let sine = (PI * f_hz / rate_hz).sin();
-        let lobes = (self.samples(rate_hz) * sine).powi(-2).min(1.0);
+        let lobes = (self.samples(rate_hz) * sine).powi(-2 * i32::from(self.times));
+        let lobes = lobes.min(1.0);
         self.power(f_hz, rate_hz).max(DEEPEST_SHOWN * lobes)
     }
 
     fn distorter(&self, rate_hz: f64, _seed: Seed) -> Box<dyn Distorter> {
-        Box::new(RunningMean::new(self.samples(rate_hz)))
+        let mean = |_| RunningMean::new(self.samples(rate_hz));
+        Box::new(Repeated((0..self.times).map(mean).collect()))
+    }
+}
+
+/// Running means one after the other.
+struct Repeated(Vec<RunningMean>);
+
+impl Distorter for Repeated {
+    fn apply(&mut self, samples: &mut Vec<f64>) {
+        self.0.iter_mut().for_each(|mean| mean.apply(samples));
     }
 }
 
@@ -152,12 +187,19 @@ impl Effect for Entry {
         )
     }
 
-    fn parameters(&self, _values: &[f64]) -> Vec<Parameter> {
-        vec![Parameter::new(
+    fn parameters(&self, values: &[f64]) -> Vec<Parameter> {
+        let duration = Parameter::new(
             "duration_s",
             Quantity::Second,
             "time that each mean is over",
-        )]
+        );
+        let times = Parameter::new(
+            "times",
+            Quantity::Count,
+            "how many times it is averaged; once where that is left out",
+        );
+        let more = (values.len() > 1).then_some(times);
+        std::iter::once(duration).chain(more).collect()
     }
 
     fn marks(&self, values: &[f64]) -> Vec<Mark> {
@@ -165,9 +207,13 @@ impl Effect for Entry {
     }
 
     fn part(&self, values: &[f64]) -> Part {
-        Part::Distortion(Box::new(Averaging {
-            duration_s: values[0],
-        }))
+        Part::Distortion(Box::new(Averaging::of(values)))
+    }
+
+    fn surprise_nats(&self, values: &[f64], _rate_hz: f64) -> f64 {
+        /// What it costs that it is done more than once: as a parameter that is fitted.
+        const AGAIN: f64 = 1.0;
+        if values.len() > 1 { AGAIN } else { 0.0 }
     }
 
     /// A logger's mean is over whole samples.
@@ -176,7 +222,7 @@ impl Effect for Entry {
         const OFF: f64 = 0.1;
         let samples = values[0] * rate_hz;
         let is_near = (samples - samples.round()).abs() < OFF;
-        is_near.then(|| vec![samples.round() / rate_hz])
+        is_near.then(|| [&[samples.round() / rate_hz], &values[1..]].concat())
     }
 
     fn starts(&self, band: &Band) -> Vec<Vec<f64>> {
@@ -191,8 +237,13 @@ impl Effect for Entry {
         let next = |samples: &f64| Some(samples + (AS_BINS * samples).min(OF_A_SAMPLE));
         let all = std::iter::successors(Some(SAMPLES.start), next);
         let all = all.take_while(|samples| *samples < SAMPLES.end);
-        all.map(|samples| vec![0.5 * samples / band.to_hz])
-            .collect()
+        let durations: Vec<f64> = all.map(|samples| 0.5 * samples / band.to_hz).collect();
+        let once = durations.iter().map(|duration_s| vec![*duration_s]);
+        let more = [2.0, 3.0].into_iter().flat_map(|times| {
+            let durations = durations.iter();
+            durations.map(move |duration_s| vec![*duration_s, times])
+        });
+        once.chain(more).collect()
     }
 }
 
@@ -213,6 +264,7 @@ mod tests {
         for n in [1.0, 1.3, 2.0, 5.0, 7.75, 24.0] {
             let law = Averaging {
                 duration_s: n / 50.0,
+                times: 1,
             };
             let (whole, rest) = (n as usize, n.fract());
             let weights = std::iter::repeat_n(1.0, whole).chain([rest]);
@@ -238,7 +290,7 @@ mod tests {
     #[test]
     fn a_mean_is_over_the_samples_before_it() {
         let mut samples: Vec<f64> = (0..100).map(f64::from).collect();
-        let law = Averaging { duration_s: 0.25 };
+        let law = Averaging::of(&[0.25]);
         law.distorter(10.0, Seed { seed: 0, stream: 0 })
             .apply(&mut samples);
         // Two and a half samples of a ramp: (k + k - 1 + (k - 2) / 2) / 2.5.
@@ -263,7 +315,7 @@ mod tests {
     fn the_record_has_as_many_samples_and_its_level_from_the_start() {
         let mut noise = Gaussian::new(Seed { seed: 3, stream: 0 }, 1.0);
         let mut samples: Vec<f64> = (0..500).map(|_| 1e3 + noise.draw()).collect();
-        let law = Averaging { duration_s: 1.7 };
+        let law = Averaging::of(&[1.7]);
         law.distorter(10.0, Seed { seed: 0, stream: 0 })
             .apply(&mut samples);
         assert_eq!(samples.len(), 500);

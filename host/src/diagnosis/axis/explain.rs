@@ -10,7 +10,7 @@ use crate::diagnosis::record::bins::SpectralBins;
 use crate::diagnosis::record::residual::TakenOut;
 use crate::diagnosis::result::estimate::Estimate;
 use crate::fit::likelihood::{Data, Fit};
-use crate::model::averaging;
+use crate::model::averaging::{self, Averaging};
 use crate::model::kind::Kind;
 use crate::numeric::mixture::add_mixture;
 
@@ -213,9 +213,8 @@ impl AxisState {
     /// Samples with which a record begins that are of another law: where each is a mean over so many, the first is one
     /// sample, the next a mean of two. As single ones they are seen in the zeros between lobes, however long the record.
     pub fn begins_with(&self, law: &Law) -> Option<Range<usize>> {
-        let samples = (law.effect == averaging::KIND).then(|| law.values[0] * self.rate_hz)?;
-        let whole = samples.ceil() as usize;
-        Some(0..whole.saturating_sub(1)).filter(|some| !some.is_empty())
+        let mean = (law.effect == averaging::KIND).then(|| Averaging::of(&law.values))?;
+        Some(0..mean.begins_with(self.rate_hz)).filter(|some| !some.is_empty())
     }
 
     /// What the explanations do to the record.

@@ -50,9 +50,7 @@ pub fn noise(seed: u64) -> Vec<f64> {
 
 /// The running means of some values over so many samples.
 pub fn averaged(mut values: Vec<f64>, samples: f64) -> Vec<f64> {
-    let law = Averaging {
-        duration_s: samples / RATE_HZ,
-    };
+    let law = Averaging::of(&[samples / RATE_HZ]);
     let seed = Seed { seed: 0, stream: 0 };
     law.distorter(RATE_HZ, seed).apply(&mut values);
     values

@@ -37,6 +37,11 @@ impl Law {
         })
     }
 
+    /// Numbers that are fitted.
+    pub fn freedom(&self) -> f64 {
+        self.shape().count() as f64 + if self.adds() { 1.0 } else { 0.0 }
+    }
+
     /// Whether it is what its name says, and lies where the bins could show it: frequencies and widths of
     /// what is added between a tenth of the lowest bin and half the rate, since what is narrower than the record
     /// resolves is found to be a line by that. A filter's corner may lie beyond: its flank is seen.

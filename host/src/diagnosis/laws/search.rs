@@ -261,21 +261,7 @@ fn best_start<'a>(
     let mut best: Option<(f64, &Law)> = None;
     for start in starts.promising(present, components, kind) {
         // What adds leaves all others as they are; what filters changes all of them.
-        let own = if present.is_unfiltered() {
-            start.component.clone()
-        } else {
-            component(&present_bins, &start.law)
-        };
-        let (filtered, all) = match own {
-            Some(own) => (present_bins.clone(), [components, &[own]].concat()),
-            None => {
-                let mut all = laws.to_vec();
-                all.push(start.law.clone());
-                let filtered = behind(bins, &all);
-                let components = components_of(&filtered, &all);
-                (filtered, components)
-            }
-        };
+        let (filtered, all) = start.beside(&present_bins, components, laws);
         let mut squared = base.squared.clone();
         squared.resize(all.len(), 0.0);
         let Some((_, value)) = greatest(&filtered, data, &all, Some(&squared)) else {

@@ -1,14 +1,17 @@
 //! Where a search of laws begins.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use crate::diagnosis::laws::rise::Rise;
-use crate::diagnosis::laws::{Law, component, expected};
-use crate::diagnosis::record::bins::SpectralBins;
+use crate::diagnosis::laws::{Law, behind, component, components_of};
+use crate::diagnosis::record::bins::{Filtered, SpectralBins};
 use crate::fit::likelihood::{Data, Fit};
 use crate::model::catalogue::CATALOGUE;
 use crate::model::effect::Band;
 use crate::model::kind::Kind;
+use crate::numeric::mixture::add_mixture;
 
 /// Starts that are fitted, of those whose first rise is known: a choice, for each costs a fit.
 const TRIED: usize = 16;
@@ -44,6 +47,33 @@ pub(super) struct Start {
     pub(super) law: Law,
     /// Its own component, where it adds one.
     pub(super) component: Option<Vec<f64>>,
+    /// Its power at the nodes of the bins, where it filters.
+    power: Option<Arc<[f64]>>,
+}
+
+impl Start {
+    /// The bins behind it and behind what is `present` of these laws already, and all components there.
+    pub(super) fn beside<'a>(
+        &self,
+        present: &Filtered<'a>,
+        components: &[Vec<f64>],
+        laws: &[Law],
+    ) -> (Filtered<'a>, Vec<Vec<f64>>) {
+        if let Some(power) = &self.power {
+            let filtered = present.and(power);
+            let components = components_of(&filtered, laws);
+            return (filtered, components);
+        }
+        let own = match (&self.component, present.power()) {
+            (Some(own), None) => Some(own.clone()),
+            _ => component(present, &self.law),
+        };
+        let own = own.into_iter();
+        (
+            present.clone(),
+            components.iter().cloned().chain(own).collect(),
+        )
+    }
 }
 
 impl Starts {
@@ -64,6 +94,7 @@ impl Starts {
             .into_par_iter()
             .map(|law| Start {
                 component: component(&unfiltered, &law),
+                power: behind(bins, std::slice::from_ref(&law)).power().cloned(),
                 law,
             })
             .collect();
@@ -98,14 +129,17 @@ impl Starts {
         base: &Fit,
         effect: Kind,
     ) -> impl Iterator<Item = Vec<f64>> {
+        let present = behind(bins, laws);
         let own = self.starts.iter();
         own.filter(move |start| start.law.effect == effect)
-            .map(move |start| match &start.component {
-                Some(component) => component.clone(),
-                None => {
-                    let mut all = laws.to_vec();
-                    all.push(start.law.clone());
-                    let mut change = expected(bins, &all, &base.squared);
+            .map(move |start| match (&start.component, &start.power) {
+                (Some(component), _) => component.clone(),
+                (None, power) => {
+                    let filtered = power
+                        .as_ref()
+                        .map_or_else(|| present.clone(), |power| present.and(power));
+                    let mut change = filtered.fixed();
+                    add_mixture(&mut change, &components_of(&filtered, laws), &base.squared);
                     let pairs = change.iter_mut().zip(&base.expected);
                     pairs.for_each(|(change, before)| *change -= before);
                     change

@@ -11,47 +11,90 @@ use super::marks::Mark;
 use super::symmetric_filter::{REACH, SymmetricFilter};
 use poles::Poles;
 
-/// Poles of a Butterworth response ahead of the sampler, on all that is there:
-///
-/// ```text
-/// B(f) = 1 / (1 + (f / corner)^(2 poles))
-/// |H|^2 = B(f) of one pole,   sum_k B(f + k rate) / sum_k B(k rate) of more,   k = 0, +-1, +-2, ...
-/// ```
-///
-/// One is an RC or a sensor's own, and what digitises it has a filter of its own. More of them are the filter in a digital
-/// sensor: it runs several times as fast as it is read, and of white noise the images fold down.
+/// Poles of a Butterworth response `B(f) = 1 / (1 + (f / corner)^(2 poles))` on all that is there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RollOff {
     /// Frequency of half power, hertz.
     pub corner_hz: f64,
     /// How many poles, one or more.
     pub poles: u8,
+    /// Where they are.
+    pub place: Place,
+}
+
+/// Where a filter is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// Ahead of a converter that has a filter of its own: `|H|^2 = B(f)`. An RC, the pole of an analog sensor.
+    Ahead,
+    /// In a sensor, where it runs several times as fast as it is read, so that of white noise the images fold down:
+    /// `|H|^2 = sum_k B(f + k rate) / sum_k B(k rate)`, with `k = 0, +-1, +-2, ...`
+    Within,
+    /// At the record's own rate, by the bilinear transform: `|H|^2 = B(rate / pi tan(pi f / rate))`, the corner likewise, with
+    /// zeros at half the rate. A logger's, a driver's, a script's.
+    Behind,
 }
 
 impl RollOff {
-    /// With these parameters, in the catalogue's order; of one pole where their number is left out.
+    /// With these parameters, in the catalogue's order; of one pole ahead of the converter where no more is said.
     pub fn of(values: &[f64]) -> Self {
+        let poles = values
+            .get(1)
+            .map(|poles| poles.clamp(1.0, MOST_POLES) as u8);
+        let place = match (poles, values.get(2)) {
+            (None, _) => Place::Ahead,
+            (Some(_), Some(own)) if *own > 0.0 => Place::Behind,
+            (Some(_), _) => Place::Within,
+        };
         Self {
             corner_hz: values[0],
-            poles: values
-                .get(1)
-                .map_or(1, |poles| poles.clamp(1.0, MOST_POLES) as u8),
+            poles: poles.unwrap_or(1),
+            place,
         }
     }
 
-    /// Power ahead of the sampler.
-    fn butterworth(&self, f_hz: f64) -> f64 {
-        1.0 / (1.0 + (f_hz / self.corner_hz).powi(2 * i32::from(self.poles)))
+    /// Power at so many corners.
+    fn butterworth(&self, corners: f64) -> f64 {
+        1.0 / (1.0 + corners.powi(2 * i32::from(self.poles)))
+    }
+
+    /// Power with all that folds down about multiples of the rate.
+    fn folded(&self, f_hz: f64, rate_hz: f64) -> f64 {
+        let power = |f_hz: f64| self.butterworth(f_hz / self.corner_hz);
+        // At half the rate image `k` of a corner far below is `(2 k - 1)^(-2 poles)` of the first.
+        let images = match self.poles {
+            1 => return self.folded_pole(f_hz, rate_hz),
+            2 => 6.0,
+            _ => 3.0,
+        };
+        let images = images + (2.0 * self.corner_hz / rate_hz).min(MOST_IMAGES).ceil();
+        let beyond = (1..=images as u32).map(|image| {
+            let beyond_hz = f64::from(image) * rate_hz;
+            power(f_hz + beyond_hz) + power(f_hz - beyond_hz)
+        });
+        power(f_hz) + beyond.sum::<f64>()
+    }
+
+    /// The same of one pole: what an autoregressive series has.
+    fn folded_pole(&self, f_hz: f64, rate_hz: f64) -> f64 {
+        // Beyond, it is flat to a part in 10^20, and its hyperbolic sine is soon no number.
+        let decay = (2.0 * PI * self.corner_hz / rate_hz).min(50.0);
+        let turn = 2.0 * PI * f_hz / rate_hz;
+        // (cosh decay - cos turn) without the difference of what is nearly equal.
+        let apart = 2.0 * ((0.5 * decay).sinh().powi(2) + (0.5 * turn).sin().powi(2));
+        0.5 * decay * decay.sinh() / apart
     }
 }
 
-/// Images that are summed up on either side, where the corner is below half the rate: of two poles the next one is `10^-4` of the
-/// first.
-const IMAGES: f64 = 10.0;
+/// Images for a corner above half the rate, at most: a choice.
+const MOST_IMAGES: f64 = 16.0;
 
-/// Poles that are told apart, at most: a choice. Nine and twelve have the same response to a percent, but for the last
-/// part in twenty before the corner.
+/// Poles at most: a choice. The response of more is a wall.
 const MOST_POLES: f64 = 12.0;
+
+/// Up to which share of the rate a frequency is bent, and the least power of a filter: choices that keep numbers finite.
+const HIGHEST: f64 = 0.4999;
+const DEEPEST: f64 = 1e-9;
 
 impl Distortion for RollOff {
     fn stage(&self) -> Stage {
@@ -59,19 +102,16 @@ impl Distortion for RollOff {
     }
 
     fn power(&self, f_hz: f64, rate_hz: f64) -> f64 {
-        if self.poles == 1 {
-            return self.butterworth(f_hz);
+        match self.place {
+            Place::Ahead => self.butterworth(f_hz / self.corner_hz),
+            Place::Within => self.folded(f_hz, rate_hz) / self.folded(0.0, rate_hz),
+            Place::Behind => {
+                // At half the rate the tangent has no end.
+                let bent = |f_hz: f64| (PI * f_hz.min(HIGHEST * rate_hz) / rate_hz).tan();
+                self.butterworth(bent(f_hz) / bent(self.corner_hz))
+                    .max(DEEPEST)
+            }
         }
-        // What is left out of the sum is a part in ten thousand of it, for two poles.
-        let images = IMAGES + (2.0 * self.corner_hz / rate_hz).min(IMAGES).ceil();
-        let folded = |f_hz: f64| -> f64 {
-            let image = |k: f64| {
-                self.butterworth(f_hz + k * rate_hz) + self.butterworth(f_hz - k * rate_hz)
-            };
-            let beyond = (1..=images as u32).map(|k| image(f64::from(k)));
-            self.butterworth(f_hz) + beyond.sum::<f64>()
-        };
-        folded(f_hz) / folded(0.0)
     }
 
     fn distorter(&self, rate_hz: f64, _seed: Seed) -> Box<dyn Distorter> {
@@ -187,10 +227,15 @@ impl Effect for Entry {
         let poles = Parameter::new(
             "poles",
             Quantity::Count,
-            "poles of a Butterworth response; one where they are left out",
+            "poles of a Butterworth response inside of a sensor; left out, one ahead of the converter",
         );
-        let more = (values.len() > 1).then_some(poles);
-        std::iter::once(corner).chain(more).collect()
+        let own_rate = Parameter::new(
+            "own_rate",
+            Quantity::Count,
+            "1 where the filter runs at the record's own rate, 0 where it runs faster",
+        );
+        let all = [corner, poles, own_rate];
+        all.into_iter().take(values.len().max(1)).collect()
     }
 
     fn marks(&self, values: &[f64]) -> Vec<Mark> {
@@ -205,11 +250,14 @@ impl Effect for Entry {
         /// What that costs: one instrument in seven, a choice. It decides where noise with a correlation time
         /// and a pole on all noise differ by less than the record can distinguish.
         const NATS: f64 = 2.0;
-        if values[0] < SELDOM * rate_hz {
+        /// What one of several filters costs: as a parameter that is fitted.
+        const OTHER: f64 = 1.0;
+        let slow = if values[0] < SELDOM * rate_hz {
             NATS
         } else {
             0.0
-        }
+        };
+        slow + if values.len() > 1 { OTHER } else { 0.0 }
     }
 
     fn starts(&self, band: &Band) -> Vec<Vec<f64>> {
@@ -222,11 +270,14 @@ impl Effect for Entry {
         let one = corners(16.0 * band.to_hz)
             .into_iter()
             .map(|corner_hz| vec![corner_hz]);
-        // Of several the flank is in the band, or there is nothing to count them by.
-        let more = [2.0, 3.0, 4.0].into_iter().flat_map(|poles| {
-            corners(0.7 * band.to_hz)
-                .into_iter()
-                .map(move |corner_hz| vec![corner_hz, poles])
+        // Of others the flank is in the band, or there is nothing to know them by.
+        let flanks = corners(0.7 * band.to_hz);
+        let within = [1.0, 2.0, 3.0, 4.0].map(|poles| vec![poles]);
+        let behind = [1.0, 2.0, 4.0].map(|poles| vec![poles, 1.0]);
+        let more = within.into_iter().chain(behind).flat_map(|kind| {
+            let flanks = flanks.iter();
+            let with_corner = flanks.map(|corner_hz| [&[*corner_hz], kind.as_slice()].concat());
+            with_corner.collect::<Vec<_>>()
         });
         one.chain(more).collect()
     }
@@ -243,6 +294,7 @@ mod tests {
         let mut filter = RollOff {
             corner_hz,
             poles: 1,
+            place: Place::Ahead,
         }
         .distorter(1000.0, Seed { seed, stream: 1 });
         let mut made = Vec::new();
@@ -258,22 +310,21 @@ mod tests {
     #[test]
     fn the_filter_has_the_response_of_the_law() {
         const RATE_HZ: f64 = 10.0;
-        for (poles, share) in [
-            (1, 1e-6),
-            (1, 3.6e-3),
-            (1, 7.5e-3),
-            (1, 0.1),
-            (1, 0.5),
-            (1, 8.0),
-            (2, 0.01),
-            (2, 0.1),
-            (2, 0.4),
-            (3, 0.05),
-            (4, 0.2),
-        ] {
+        let one = [1e-6, 3.6e-3, 7.5e-3, 0.1, 0.5, 8.0].map(|share| (1, share, Place::Ahead));
+        let more = [
+            (1, 0.1, Place::Within),
+            (2, 0.01, Place::Within),
+            (2, 0.4, Place::Within),
+            (4, 0.2, Place::Within),
+            (1, 0.05, Place::Behind),
+            (2, 0.02, Place::Behind),
+            (4, 0.2, Place::Behind),
+        ];
+        for (poles, share, place) in one.into_iter().chain(more) {
             let law = RollOff {
                 corner_hz: share * RATE_HZ,
                 poles,
+                place,
             };
             let filter = Filter::new(&law, RATE_HZ);
             for f_hz in (1..90).map(|step| 0.05 * f64::from(step)) {

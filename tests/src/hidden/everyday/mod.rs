@@ -4,7 +4,7 @@
 //! motion    knock, door, footsteps, lorry, handling    ---+
 //! machine   a fan, mains that wander                      +--> record --> score
 //! warmth    a switched heater, warm-up of two times       |                 ^
-//! logger    samples that are held, means                  |                 |
+//! logger    samples that are held, filters                |                 |
 //!           ----------------------------------------------+        table: accepted kinds, times
 //! ```
 //!

@@ -3,7 +3,8 @@
 //! Written before any detector for them: what an engineer who saw the record would sign. `shock`, `unnamed`,
 //! `wandering_line`, `drift`, `stuck`, `averaging` are names that a catalogue may have. `motion` was added when the catalogue
 //! had it, wherever `burst` stood: a stretch of other noise, of a spectrum of its own; and `held` beside `stale`, which is the
-//! same by chance instead of by a clock.
+//! same by chance instead of by a clock. The filters (`sensor`, `decimated`, `scripted`) were added on 2026-11-28, with the roll-offs
+//! of several poles.
 
 use super::record::{Disturbance, Room};
 use super::{logger, machine, motion, warmth};
@@ -111,6 +112,28 @@ pub static EVERYDAY: &[Everyday] = &[
         beside: &[],
         rate_hz: 10.0,
         draw: logger::averaged,
+    },
+    // Filters as parts and programs have them; that doubles lie on a grid is so.
+    Everyday {
+        name: "sensor",
+        names: &["rolloff", "averaging"],
+        beside: &["quantisation"],
+        rate_hz: 10.0,
+        draw: logger::sensor,
+    },
+    Everyday {
+        name: "decimated",
+        names: &["averaging", "rolloff"],
+        beside: &["quantisation"],
+        rate_hz: 10.0,
+        draw: logger::decimated,
+    },
+    Everyday {
+        name: "scripted",
+        names: &["rolloff", "averaging"],
+        beside: &[],
+        rate_hz: 10.0,
+        draw: logger::scripted,
     },
 ];
 

@@ -50,7 +50,7 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     let mut found = Found::default();
     if old.is_empty() || look.character.outliers_sought_among == among {
         let seen = axis.whitened();
-        found = sought(look, &seen.transform, &seen.density, &powers);
+        found = sought(look, &seen.transform, &seen.density, &powers, &[]);
         if found.outliers.is_empty() {
             return Ok(proposals);
         }
@@ -65,7 +65,7 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
         let is_filtered = filtered(axis);
         let back = old.iter().filter(|one| is_filtered(one.index));
         let back: Vec<Outlier> = back.copied().collect();
-        found = sought(look, &axis.with(&back, &density), &density, &powers);
+        found = sought(look, &axis.with(&back, &density), &density, &powers, &back);
         proposals.push(Proposal::Learn(Lesson::OutliersSoughtAmong(among)));
         let places = |all: &[Outlier]| -> Vec<usize> { all.iter().map(|one| one.index).collect() };
         if places(&found.outliers) == places(old) {
@@ -189,8 +189,15 @@ fn single_shocks(look: &Look<'_>) -> Option<Kind> {
     shocks.all(is_single).then_some(shock::KIND)
 }
 
-/// Samples of `whole` that stand out of noise of this `density`, whose strength over time is known.
-fn sought(look: &Look<'_>, whole: &Transform, density: &[f64], powers: &Powers) -> Found {
+/// Samples of `whole`, to which those that were taken out of the axis are put `back`, that stand out of noise of this
+/// `density`, whose strength over time is known.
+fn sought(
+    look: &Look<'_>,
+    whole: &Transform,
+    density: &[f64],
+    powers: &Powers,
+    back: &[Outlier],
+) -> Found {
     let local = look.character.strength_moves.then(|| powers.local());
     let mut found = filter::outliers(whole, density, look.level(), filtered(look.axis), |n| {
         let local = local.as_ref().map_or(1.0, |local| MOVING * local(n));
@@ -209,8 +216,14 @@ fn sought(look: &Look<'_>, whole: &Transform, density: &[f64], powers: &Powers) 
             .retain(|one| means.is_beyond(one, look.level()));
     }
     if !found.outliers.is_empty() {
-        // A jump is larger as a jump than as a single sample.
-        let jumps = steps::statistic(look.axis, whole, density);
+        // A jump is larger as a jump than as a single sample, and still there without it; without the others, which
+        // are jumps up and down.
+        let without = found.outliers.iter().map(|one| Outlier {
+            size: -one.size,
+            ..*one
+        });
+        let moved: Vec<Outlier> = back.iter().copied().chain(without).collect();
+        let jumps = steps::statistic(look.axis, &look.axis.with(&moved, density), density);
         found.outliers.retain(|one| !steps::is_jump(&jumps, one));
     }
     found

@@ -60,7 +60,7 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
         log_odds: best.worth - one.worth,
     });
     let Found { law, p_value, .. } = best.found;
-    let freedom = law.values.len() as f64;
+    let freedom = law.freedom();
     let effect = Estimate::of_law(law.effect);
     let candidate = Candidate {
         rivals: rivals.collect(),

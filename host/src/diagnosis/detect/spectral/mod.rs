@@ -110,7 +110,7 @@ fn worth(rate_hz: f64, one: &Found) -> f64 {
 
 /// Nats that a law costs: one for each parameter, and what makes its values unlikely.
 fn cost(rate_hz: f64, law: &Law) -> f64 {
-    law.values.len() as f64 + law.effect.surprise_nats(&law.values, rate_hz)
+    law.freedom() + law.effect.surprise_nats(&law.values, rate_hz)
 }
 
 /// The law by its likeliest name, with the others as rivals.
@@ -138,7 +138,7 @@ fn named(look: &Look<'_>, mut found: Vec<Found>) -> Vec<Proposal> {
         log_odds: most - worth,
     });
     let Found { law, p_value, .. } = found.remove(place);
-    let freedom = law.values.len() as f64;
+    let freedom = law.freedom();
     let mut candidate = Candidate {
         rivals: rivals.collect(),
         ..Candidate::new(Estimate::of_law(kind), p_value, freedom, Change::Law(law))

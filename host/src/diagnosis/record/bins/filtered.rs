@@ -57,6 +57,23 @@ impl Filtered<'_> {
         all
     }
 
+    /// Power of the filter at the nodes; `None` where there is none.
+    pub fn power(&self) -> Option<&Arc<[f64]>> {
+        self.power.as_ref()
+    }
+
+    /// The same behind one more filter of this `power` at the nodes.
+    pub fn and(&self, power: &Arc<[f64]>) -> Self {
+        let both = match &self.power {
+            Some(own) => own.iter().zip(power.iter()).map(|(a, b)| a * b).collect(),
+            None => Arc::clone(power),
+        };
+        Self {
+            bins: self.bins,
+            power: Some(both),
+        }
+    }
+
     /// The part of the bins' expectation that no fit changes: [what joins behind the filter](SpectralBins::know_floor), if there
     /// is one.
     pub fn fixed(&self) -> Vec<f64> {
