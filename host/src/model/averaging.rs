@@ -5,31 +5,37 @@ use std::ops::Range;
 
 use super::Seed;
 use super::effect::{Band, Distorter, Distortion, Effect, Parameter, Part, Quantity, Stage};
+use super::filter::{Filter, Place, Poles};
 use super::kind::Kind;
 use super::marks::Mark;
 
-/// A running mean over `n = duration_s rate` samples, the oldest of which counts by what is left of `n`:
+/// A mean over `n = duration_s rate` samples, done several times, of a power with the exponent `times`.
+///
+/// Behind the converter a running mean, the oldest sample of which counts by what is left of `n`; twice is a triangle's
+/// (Bartlett's) weights:
 ///
 /// ```text
 /// y_k = (x_k + x_(k-1) + ... + x_(k-m+1) + d x_(k-m)) / n,    m = floor(n),  d = n - m
 /// |H|^2 = (D^2 + d^2 + 2 D d cos((m + 1) w / 2)) / n^2,       D = sin(m w / 2) / sin(w / 2)
 /// ```
 ///
-/// and, repeated, `|H|^(2 times)`: twice is a triangle's (Bartlett's) weights, three times and more the decimator of a
-/// delta-sigma converter.
-///
-/// Of white noise that is averaged once ahead of the sampler over a whole number of samples the images that fold down make
-/// the same of it: the sum of `sinc^2` over all of them is `|H|^2`.
+/// Within it a mean of what comes much faster, as the decimators of delta-sigma converters are: of white noise the images fold
+/// down, `sum_j sinc^2(n (f / rate + j))`, over the same at zero. Once and over a whole number of samples it is the same.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Averaging {
-    /// Length of time that a mean is over, seconds; up to one sample it changes nothing.
+    /// Length of time that a mean is over, seconds; behind the converter, up to one sample it changes nothing.
     pub duration_s: f64,
     /// How many times it is done, one or more.
     pub times: u8,
+    /// Where: within the converter or behind it.
+    pub place: Place,
 }
 
 /// Times at most: a choice, the decimators of converters have six stages.
 const MOST_TIMES: f64 = 8.0;
+
+/// Images on either side that are summed up: of the square of a mean done twice the next one is `10^-4` of the first.
+const IMAGES: i32 = 8;
 
 /// Power at a zero of the response, as a part of the lobes beside it: choices. The second is what a record with a beginning and an
 /// end shows where it is looked at ordinate by ordinate, the first only keeps logarithms finite.
@@ -37,20 +43,45 @@ const DEEPEST: f64 = 1e-9;
 const DEEPEST_SHOWN: f64 = 1e-3;
 
 impl Averaging {
-    /// With these parameters, in the catalogue's order; once where nothing else is said.
+    /// With these parameters, in the catalogue's order; once and behind the converter where no more is said.
     pub fn of(values: &[f64]) -> Self {
         let times = values
             .get(1)
-            .map_or(1.0, |times| times.clamp(1.0, MOST_TIMES));
+            .map(|times| times.clamp(1.0, MOST_TIMES) as u8);
         Self {
             duration_s: values[0],
-            times: times as u8,
+            times: times.unwrap_or(1),
+            place: times.map_or(Place::Behind, |_| Place::of(values.get(2))),
         }
     }
 
     /// Samples from the beginning of a record whose means are over what came before it.
     pub fn begins_with(&self, rate_hz: f64) -> usize {
-        usize::from(self.times) * (self.samples(rate_hz).ceil() as usize - 1)
+        match self.place {
+            Place::Behind => usize::from(self.times) * (self.samples(rate_hz).ceil() as usize - 1),
+            Place::Ahead | Place::Within => 0,
+        }
+    }
+
+    /// Power of a running mean.
+    fn running(&self, f_hz: f64, rate_hz: f64) -> f64 {
+        let n = self.samples(rate_hz);
+        let (m, rest) = (n.floor(), n.fract());
+        let x = PI * f_hz / rate_hz;
+        let sine = x.sin();
+        let sum = if sine == 0.0 { m } else { (m * x).sin() / sine };
+        let power = sum * sum + rest * rest + 2.0 * sum * rest * ((m + 1.0) * x).cos();
+        (power / (n * n)).powi(i32::from(self.times))
+    }
+
+    /// Power of a mean of what comes much faster, with all that folds down.
+    fn folded(&self, f_hz: f64, rate_hz: f64) -> f64 {
+        let image = |j: i32| {
+            let x = PI * self.duration_s * (f_hz + f64::from(j) * rate_hz);
+            let sinc = if x == 0.0 { 1.0 } else { x.sin() / x };
+            sinc.powi(2 * i32::from(self.times))
+        };
+        (-IMAGES..=IMAGES).map(image).sum()
     }
 
     /// Samples that a mean is over, one or more.
@@ -65,13 +96,11 @@ impl Distortion for Averaging {
     }
 
     fn power(&self, f_hz: f64, rate_hz: f64) -> f64 {
-        let n = self.samples(rate_hz);
-        let (m, rest) = (n.floor(), n.fract());
-        let x = PI * f_hz / rate_hz;
-        let sine = x.sin();
-        let sum = if sine == 0.0 { m } else { (m * x).sin() / sine };
-        let power = sum * sum + rest * rest + 2.0 * sum * rest * ((m + 1.0) * x).cos();
-        (power / (n * n)).powi(i32::from(self.times)).max(DEEPEST)
+        let power = match self.place {
+            Place::Behind => self.running(f_hz, rate_hz),
+            Place::Ahead | Place::Within => self.folded(f_hz, rate_hz) / self.folded(0.0, rate_hz),
+        };
+        power.max(DEEPEST)
     }
 
     fn shown(&self, f_hz: f64, rate_hz: f64) -> f64 {
@@ -82,6 +111,10 @@ impl Distortion for Averaging {
     }
 
     fn distorter(&self, rate_hz: f64, _seed: Seed) -> Box<dyn Distorter> {
+        if self.place != Place::Behind {
+            let power = |f_hz| self.power(f_hz, rate_hz);
+            return Box::new(Filter::new(Poles::new(0, 0.0), power, rate_hz));
+        }
         let mean = |_| RunningMean::new(self.samples(rate_hz));
         Box::new(Repeated((0..self.times).map(mean).collect()))
     }
@@ -196,10 +229,15 @@ impl Effect for Entry {
         let times = Parameter::new(
             "times",
             Quantity::Count,
-            "how many times it is averaged; once where that is left out",
+            "how many times it is averaged within the converter; left out, once behind it",
         );
-        let more = (values.len() > 1).then_some(times);
-        std::iter::once(duration).chain(more).collect()
+        let own_rate = Parameter::new(
+            "own_rate",
+            Quantity::Count,
+            "1 where the means are over the record's own samples, 0 where over faster ones",
+        );
+        let all = [duration, times, own_rate];
+        all.into_iter().take(values.len().max(1)).collect()
     }
 
     fn marks(&self, values: &[f64]) -> Vec<Mark> {
@@ -216,7 +254,7 @@ impl Effect for Entry {
         if values.len() > 1 { AGAIN } else { 0.0 }
     }
 
-    /// A logger's mean is over whole samples.
+    /// A mean is over whole samples.
     fn meant(&self, values: &[f64], rate_hz: f64) -> Option<Vec<f64>> {
         /// Part of a sample by which a duration may be off: a choice, several steps of a search.
         const OFF: f64 = 0.1;
@@ -239,9 +277,11 @@ impl Effect for Entry {
         let all = all.take_while(|samples| *samples < SAMPLES.end);
         let durations: Vec<f64> = all.map(|samples| 0.5 * samples / band.to_hz).collect();
         let once = durations.iter().map(|duration_s| vec![*duration_s]);
-        let more = [2.0, 3.0].into_iter().flat_map(|times| {
+        let others = [vec![2.0], vec![3.0], vec![2.0, 1.0]];
+        let more = others.into_iter().flat_map(|kind| {
             let durations = durations.iter();
-            durations.map(move |duration_s| vec![*duration_s, times])
+            let with_duration = durations.map(|one| [&[*one], kind.as_slice()].concat());
+            with_duration.collect::<Vec<_>>()
         });
         once.chain(more).collect()
     }
@@ -265,6 +305,7 @@ mod tests {
             let law = Averaging {
                 duration_s: n / 50.0,
                 times: 1,
+                place: Place::Behind,
             };
             let (whole, rest) = (n as usize, n.fract());
             let weights = std::iter::repeat_n(1.0, whole).chain([rest]);

@@ -1,11 +1,11 @@
 //! A spectrum that falls, or rises, with a power of frequency that none of the five terms has.
 
 use super::effect::{Band, Effect, Parameter, Part, Quantity};
+use super::filter::{REACH, SymmetricFilter};
 use super::kernel::{self, Kernel};
 use super::kind::Kind;
 use super::markov::Markov;
 use super::random::Generator;
-use super::symmetric_filter::{REACH, SymmetricFilter};
 use super::{Seed, Term};
 
 /// Noise of the two-sided density `density_1hz (f / 1 Hz)^-exponent`.

@@ -65,7 +65,7 @@ fn two_levels_have_twice_the_deviation_and_the_time_of_their_law() {
     let mut drawn = wander(SEED, 20.0);
     let mut axis = axis(SEED, short(SEED), |_, noise| noise + drawn());
     take_in(&mut axis, telegraph::KIND, law(markov::KIND, &[1.0, 0.02]));
-    let sized = laws::sized(&axis.bins, &axis.laws, 0, &axis.fit);
+    let sized = crate::diagnosis::laws::sized(&axis.bins, &axis.laws, 0, &axis.fit);
     with_intervals(&mut axis);
     let told = axis.explanations()[0].effect.plain();
     for (told, sized) in told.iter().zip(&sized) {

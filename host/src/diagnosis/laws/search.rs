@@ -226,9 +226,7 @@ fn gaining(present: Fitted<'_>, starts: &Starts, kind: Kind, least: f64) -> Opti
     }
     let directions = starts.directions(bins, laws, base, kind);
     let path = Rise::new(data, base, &components)?.path(directions);
-    let mut all = laws.to_vec();
-    all.push(law.clone());
-    let fit = polish(bins, data, &mut all, laws.len(), 0.3)?;
+    let (mut all, fit) = polished(present, law)?;
     let nats = fit.log_likelihood - base.log_likelihood;
     let law = all.pop()?;
     // A filter that shuts out most of the band would make every law anew from white noise.
@@ -242,6 +240,29 @@ fn gaining(present: Fitted<'_>, starts: &Starts, kind: Kind, least: f64) -> Opti
         path,
         p_value: p_value::highest_on_path(nats, path),
     })
+}
+
+/// The laws that are there and one more, of the values that fit best from where it `starts`, with their fit.
+fn polished(present: Fitted<'_>, starts: &Law) -> Option<(Vec<Law>, Fit)> {
+    /// First steps of the logarithm of a shape: as far as starts are apart, and, where a filter has zeros that may lie in the
+    /// wrong bins, less than bins are.
+    const FAR: f64 = 0.3;
+    const NEAR: f64 = 0.01;
+    let Fitted {
+        bins, data, laws, ..
+    } = present;
+    let from = |step: f64| {
+        let mut all = laws.to_vec();
+        all.push(starts.clone());
+        let fit = polish(bins, data, &mut all, laws.len(), step)?;
+        Some((all, fit))
+    };
+    let far = from(FAR)?;
+    let near = starts.filters().then(|| from(NEAR)).flatten();
+    match near {
+        Some(near) if near.1.log_likelihood > far.1.log_likelihood => Some(near),
+        _ => Some(far),
+    }
 }
 
 /// The start from which the likelihood is largest, with that, beside the `components` that are there.

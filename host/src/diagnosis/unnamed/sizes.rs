@@ -169,7 +169,7 @@ mod tests {
             DMatrix::from_diagonal(&variances),
         );
         let data = data.expect("positive densities");
-        let sizes = Sizes::beside(&data);
+        let sizes = Sizes::beside(&data, vec![0.0; data.len()]);
         let components = [peak, floor];
         let start = sizes.start(&components, vec![1e5, 1e3]);
         assert!(start[0] <= sizes.most(&components[0]), "{start:?}");

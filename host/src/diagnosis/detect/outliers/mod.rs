@@ -216,17 +216,39 @@ fn sought(
             .retain(|one| means.is_beyond(one, look.level()));
     }
     if !found.outliers.is_empty() {
-        // A jump is larger as a jump than as a single sample, and still there without it; without the others, which
-        // are jumps up and down.
-        let without = found.outliers.iter().map(|one| Outlier {
-            size: -one.size,
-            ..*one
-        });
-        let moved: Vec<Outlier> = back.iter().copied().chain(without).collect();
-        let jumps = steps::statistic(look.axis, &look.axis.with(&moved, density), density);
+        let jumps = steps::statistic(
+            look.axis,
+            &without_single(look, back, &found, density),
+            density,
+        );
         found.outliers.retain(|one| !steps::is_jump(&jumps, one));
     }
     found
+}
+
+/// The record in which jumps are asked for, with what is put `back`: without what was found, which goes up and down by itself, but
+/// where some are next to each other. A jump is larger as a jump than as single samples, and some of these are made of it.
+fn without_single(look: &Look<'_>, back: &[Outlier], found: &Found, density: &[f64]) -> Transform {
+    /// Samples between two that are next to each other: as far as a jump is misplaced.
+    const NEXT: usize = 4;
+    let mut places: Vec<usize> = found.outliers.iter().map(|one| one.index).collect();
+    places.sort_unstable();
+    let is_single = |one: &&Outlier| {
+        let near = one.index.saturating_sub(NEXT)..=one.index + NEXT;
+        let from = places.partition_point(|place| place < near.start());
+        places[from..]
+            .iter()
+            .take_while(|place| near.contains(place))
+            .count()
+            == 1
+    };
+    let single = found.outliers.iter().filter(is_single);
+    let less = single.map(|one| Outlier {
+        size: -one.size,
+        ..*one
+    });
+    let moved: Vec<Outlier> = back.iter().copied().chain(less).collect();
+    look.axis.with(&moved, density)
 }
 
 /// The samples that a record of means begins with: the first is one sample, the next a mean of two, until there are all.

@@ -1,0 +1,102 @@
+//! Filters on all of a record, by their power response, and where they are.
+
+mod poles;
+mod symmetric;
+
+use std::f64::consts::PI;
+
+use super::effect::Distorter;
+pub use poles::Poles;
+pub use symmetric::{REACH, SymmetricFilter};
+
+/// Where a filter is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// Ahead of a converter that has a filter of its own: an RC, the pole of an analog sensor.
+    Ahead,
+    /// In a sensor, where it runs several times as fast as it is read, so that of white noise the images fold down.
+    Within,
+    /// At the record's own rate: a logger's, a driver's, a script's.
+    Behind,
+}
+
+impl Place {
+    /// By the value of a parameter `own_rate`, where there is one: behind where it is 1, else within.
+    pub fn of(own_rate: Option<&f64>) -> Self {
+        match own_rate {
+            Some(own) if *own > 0.0 => Self::Behind,
+            _ => Self::Within,
+        }
+    }
+}
+
+/// Time constants of the slowest pole that the recursion runs ahead of the record: what it began with is then `e^-8` of it,
+/// 0.03 %.
+const SETTLED: f64 = 8.0;
+
+/// Samples that it runs ahead, at most, as they are held: 8 MB. A corner below a millionth of the rate begins unsettled.
+const MOST_SETTLING: usize = 1 << 20;
+
+/// Digital poles of the same decays, whose memory is as long as it has to be, behind a symmetric filter with what is
+/// left of the amplitude response up to half the rate. Phases, which no spectrum shows, are the digital poles'.
+pub struct Filter {
+    symmetric: SymmetricFilter,
+    poles: Poles,
+    /// Samples that are mirrored before the record: those in which the poles settle, and a window's.
+    mirrored: usize,
+    /// The beginning of the record, until there is enough for its mirror image.
+    beginning: Vec<f64>,
+    /// Values that are not the record's yet, once it has begun.
+    unsettled: Option<usize>,
+}
+
+impl Filter {
+    /// With this `power` at a frequency in hertz, one at zero; `poles` are what of it takes long to settle.
+    pub fn new(poles: Poles, power: impl Fn(f64) -> f64, rate_hz: f64) -> Self {
+        let gain = |share: f64| (power(0.5 * rate_hz * share) / poles.power(PI * share)).sqrt();
+        let settling = ((SETTLED / poles.slowest()).ceil() as usize).min(MOST_SETTLING);
+        Self {
+            symmetric: SymmetricFilter::new(gain),
+            poles,
+            mirrored: settling + REACH,
+            beginning: Vec::new(),
+            unsettled: None,
+        }
+    }
+
+    /// Power response at an angular frequency, radians a sample.
+    #[cfg(test)]
+    pub fn power(&self, radians: f64) -> f64 {
+        self.symmetric.power(radians) * self.poles.power(radians)
+    }
+}
+
+impl Distorter for Filter {
+    fn apply(&mut self, samples: &mut Vec<f64>) {
+        let mut came = std::mem::take(samples);
+        let mut unsettled = match self.unsettled {
+            Some(unsettled) => unsettled,
+            None => {
+                self.beginning.append(&mut came);
+                if self.beginning.len() <= self.mirrored {
+                    return;
+                }
+                // Before the record its mirror image: at the same level, and as loud.
+                let mut mirror: Vec<f64> = self.beginning[1..=self.mirrored].to_vec();
+                mirror.reverse();
+                self.poles.rest_at(mirror[0]);
+                came = [mirror, std::mem::take(&mut self.beginning)].concat();
+                self.mirrored - REACH
+            }
+        };
+        for value in self.symmetric.pass(&came) {
+            let value = self.poles.follow(value);
+            if unsettled > 0 {
+                unsettled -= 1;
+            } else {
+                samples.push(value);
+            }
+        }
+        self.unsettled = Some(unsettled);
+    }
+}
