@@ -31,15 +31,26 @@ impl Law {
     /// Places of the parameters that are neither the size nor a count: what is moved in its logarithm.
     pub fn shape(&self) -> impl Iterator<Item = usize> + use<> {
         let size = self.effect.size();
+        self.moves().filter(move |&place| Some(place) != size)
+    }
+
+    /// Places of the parameters that may be any number: all but counts.
+    pub fn moves(&self) -> impl Iterator<Item = usize> + use<> {
         let parameters = self.effect.parameters(&self.values);
-        (0..self.values.len()).filter(move |&place| {
-            Some(place) != size && parameters[place].quantity != Quantity::Count
-        })
+        (0..self.values.len()).filter(move |&place| parameters[place].quantity != Quantity::Count)
+    }
+
+    /// The counts among its parameters: laws of one kind that differ in them are searched for one after the other.
+    pub fn counts(&self) -> Vec<f64> {
+        let parameters = self.effect.parameters(&self.values);
+        let pairs = self.values.iter().zip(parameters);
+        let counts = pairs.filter(|(_, one)| one.quantity == Quantity::Count);
+        counts.map(|(value, _)| *value).collect()
     }
 
     /// Numbers that are fitted.
     pub fn freedom(&self) -> f64 {
-        self.shape().count() as f64 + if self.adds() { 1.0 } else { 0.0 }
+        self.moves().count() as f64
     }
 
     /// Whether it is what its name says, and lies where the bins could show it: frequencies and widths of

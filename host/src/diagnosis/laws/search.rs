@@ -1,11 +1,13 @@
 //! The values of laws that fit best.
 
 use crate::diagnosis::laws::rise::Rise;
+use crate::diagnosis::laws::starts::Start;
 use crate::diagnosis::laws::{Law, behind, component, component_of, components, components_of};
 use crate::diagnosis::record::bins::{Filtered, SpectralBins};
 use crate::diagnosis::statistic::p_value;
 use crate::fit::likelihood::scoring::{Range, greatest_beside, maximise_beside};
 use crate::fit::likelihood::{Data, Fit};
+use crate::model::averaging;
 use crate::model::kind::Kind;
 
 pub use crate::diagnosis::laws::starts::{Fitted, Starts};
@@ -23,6 +25,10 @@ const SPARED: f64 = 1.0;
 /// Gain in log-likelihood at the best start below which nothing significant is near: at one place
 /// noise gains as much in a few of 100 records.
 const PROMISING: f64 = 2.0;
+
+/// Factor within which a filter has the corner, or the duration, of the plainest one that does nearly the same: a choice. Three means
+/// one after the other are as wide as one over less than twice as long.
+const ALIKE: f64 = 3.0;
 
 /// Components of some laws and the best squares for them.
 struct Standing<'a> {
@@ -224,7 +230,7 @@ fn gaining(present: Fitted<'_>, starts: &Starts, kind: Kind, least: f64) -> Opti
     if value - base.log_likelihood < least {
         return None;
     }
-    let directions = starts.directions(bins, laws, base, kind);
+    let directions = starts.directions(bins, laws, base, law);
     let path = Rise::new(data, base, &components)?.path(directions);
     let (mut all, fit) = polished(present, law)?;
     let nats = fit.log_likelihood - base.log_likelihood;
@@ -238,7 +244,10 @@ fn gaining(present: Fitted<'_>, starts: &Starts, kind: Kind, least: f64) -> Opti
         fit,
         nats,
         path,
-        p_value: p_value::highest_on_path(nats, path),
+        p_value: p_value::searched(
+            p_value::highest_on_path(nats, path),
+            starts.sorts(kind) as f64,
+        ),
     })
 }
 
@@ -258,7 +267,8 @@ fn polished(present: Fitted<'_>, starts: &Law) -> Option<(Vec<Law>, Fit)> {
         Some((all, fit))
     };
     let far = from(FAR)?;
-    let near = starts.filters().then(|| from(NEAR)).flatten();
+    let has_zeros = starts.effect == averaging::KIND;
+    let near = has_zeros.then(|| from(NEAR)).flatten();
     match near {
         Some(near) if near.1.log_likelihood > far.1.log_likelihood => Some(near),
         _ => Some(far),
@@ -279,20 +289,36 @@ fn best_start<'a>(
         fit: base,
     } = present;
     let present_bins = behind(bins, laws);
-    let mut best: Option<(f64, &Law)> = None;
-    for start in starts.promising(present, components, kind) {
+    let value = |start: &Start| {
         // What adds leaves all others as they are; what filters changes all of them.
         let (filtered, all) = start.beside(&present_bins, components, laws);
         let mut squared = base.squared.clone();
         squared.resize(all.len(), 0.0);
-        let Some((_, value)) = greatest(&filtered, data, &all, Some(&squared)) else {
-            continue;
-        };
-        if best.is_none_or(|(most, _)| value > most) {
-            best = Some((value, &start.law));
-        }
+        Some(greatest(&filtered, data, &all, Some(&squared))?.1)
+    };
+    let largest = |some: &[&'a Start]| {
+        let values = some
+            .iter()
+            .filter_map(|start| Some((value(start)?, &start.law)));
+        values.max_by(|a, b| a.0.total_cmp(&b.0))
+    };
+    let all = starts.promising(present, components, kind);
+    let (plain, others): (Vec<_>, Vec<_>) = all
+        .into_iter()
+        .partition(|start| start.law.counts().is_empty());
+    let best = largest(&plain)?;
+    if best.0 - base.log_likelihood < PROMISING {
+        return Some(best);
     }
-    best
+    // A filter of another sort that is there gains as the plainest one already, which has its width by a factor or two.
+    let first = best.1.values[0];
+    let is_near = |start: &&Start| {
+        let ratio = start.law.values[0] / first;
+        (ALIKE.recip()..=ALIKE).contains(&ratio)
+    };
+    let others: Vec<&Start> = others.into_iter().filter(is_near).collect();
+    let better = largest(&others).filter(|one| one.0 > best.0);
+    Some(better.unwrap_or(best))
 }
 
 #[cfg(test)]

@@ -121,17 +121,30 @@ impl Starts {
         })
     }
 
-    /// What each of an effect's starts changes in the expectation of a fit with `laws`.
+    /// How many sorts of an effect are searched for, which differ in their counts.
+    pub(super) fn sorts(&self, effect: Kind) -> usize {
+        let mut sorts: Vec<Vec<f64>> = Vec::new();
+        for law in self.laws(effect) {
+            let counts = law.counts();
+            if !sorts.contains(&counts) {
+                sorts.push(counts);
+            }
+        }
+        sorts.len()
+    }
+
+    /// What each of the starts of an effect with the counts of `law` changes in the expectation of a fit with `laws`.
     pub(super) fn directions(
         &self,
         bins: &SpectralBins,
         laws: &[Law],
         base: &Fit,
-        effect: Kind,
+        law: &Law,
     ) -> impl Iterator<Item = Vec<f64>> {
         let present = behind(bins, laws);
         let own = self.starts.iter();
-        own.filter(move |start| start.law.effect == effect)
+        let (effect, counts) = (law.effect, law.counts());
+        own.filter(move |start| start.law.effect == effect && start.law.counts() == counts)
             .map(move |start| match (&start.component, &start.power) {
                 (Some(component), _) => component.clone(),
                 (None, power) => {

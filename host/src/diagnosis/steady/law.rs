@@ -55,9 +55,11 @@ pub struct Change {
 /// The parameter of law number `which` that changes in time most plainly.
 pub fn change_of_law(axis: &AxisState, which: usize) -> Option<Change> {
     let law = &axis.laws[which];
+    let places: Vec<usize> = law.moves().collect();
     let names = law.effect.parameters(&law.values);
-    let parameters = names.iter().map(|one| one.name.to_string()).collect();
-    plainest(axis, parameters, |place, f_hz| {
+    let parameters = places.iter().map(|&place| names[place].name.to_string());
+    plainest(axis, parameters.collect(), |number, f_hz| {
+        let place = places[number];
         weight(axis, which, place, f_hz)
     })
 }

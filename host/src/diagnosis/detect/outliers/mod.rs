@@ -216,12 +216,14 @@ fn sought(
             .retain(|one| means.is_beyond(one, look.level()));
     }
     if !found.outliers.is_empty() {
-        let jumps = steps::statistic(
-            look.axis,
-            &without_single(look, back, &found, density),
-            density,
-        );
-        found.outliers.retain(|one| !steps::is_jump(&jumps, one));
+        let moved = without_single(look, back, &found, density);
+        let jumps = steps::statistic(look.axis, &moved, density);
+        let (of_jumps, others): (Vec<_>, Vec<_>) =
+            (found.outliers.iter().copied()).partition(|one| steps::is_jump(&jumps, one));
+        // Of many outliers some come by chance as a jump would have them.
+        if look.character.level_switches || of_jumps.len() > others.len() {
+            found.outliers = others;
+        }
     }
     found
 }

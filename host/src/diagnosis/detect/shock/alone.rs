@@ -60,12 +60,16 @@ fn is_by_chance(scan: &Scan<'_>, within: usize, length: usize) -> bool {
     if within > length / MOST {
         return false;
     }
-    let values = scan.values();
-    let seen: Vec<usize> = (0..values.len()).filter(|n| scan.is_seen(*n)).collect();
+    let samples = scan.values().len() as f64;
+    let all = scan.far_off(|scan| {
+        let seen: Vec<usize> = (0..scan.values().len())
+            .filter(|n| scan.is_seen(*n))
+            .collect();
+        far_off(scan.values(), &seen).map_or(0, |far| far.len())
+    });
     // Those within may be what is asked about.
-    let others = far_off(values, &seen).map_or(0, |far| far.len().saturating_sub(within));
-    let expected = others as f64 * length as f64 / values.len() as f64;
-    let stretches = values.len() as f64 / length as f64;
+    let expected = all.saturating_sub(within) as f64 * length as f64 / samples;
+    let stretches = samples / length as f64;
     p_value::searched(p_value::poisson(within as u64, expected), stretches) > BY_CHANCE
 }
 

@@ -7,6 +7,7 @@
 mod tests;
 
 use std::ops::Range;
+use std::sync::OnceLock;
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
@@ -55,6 +56,8 @@ pub struct Scan<'a> {
     threshold: f64,
     /// Windows' tests, all together.
     trials: f64,
+    /// How many of all samples lie far off those beside them, once that was asked.
+    far_off: OnceLock<usize>,
 }
 
 /// A stretch that stands out.
@@ -110,7 +113,13 @@ impl<'a> Scan<'a> {
             usual: Vec::new(),
             threshold: f64::INFINITY,
             trials: 0.0,
+            far_off: OnceLock::new(),
         })
+    }
+
+    /// How many of all samples lie far off those beside them, as `count` has it; made once.
+    pub fn far_off(&self, count: impl FnOnce(&Self) -> usize) -> usize {
+        *self.far_off.get_or_init(|| count(self))
     }
 
     /// The samples.
