@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use super::Seed;
 use super::effect::{Band, Distorter, Distortion, Effect, Parameter, Part, Quantity, Stage};
-use super::filter::{Filter, Place, Poles};
+use super::filter::{Filter, Place, Poles, RunningMeans};
 use super::kind::Kind;
 use super::marks::Mark;
 
@@ -139,84 +139,7 @@ impl Distortion for Averaging {
             let power = |f_hz| self.power(f_hz, rate_hz);
             return Box::new(Filter::new(Poles::new(0, 0.0), power, rate_hz));
         }
-        let mean = |_| RunningMean::new(self.samples(rate_hz));
-        Box::new(Repeated((0..self.times).map(mean).collect()))
-    }
-}
-
-/// Running means one after the other.
-struct Repeated(Vec<RunningMean>);
-
-impl Distorter for Repeated {
-    fn apply(&mut self, samples: &mut Vec<f64>) {
-        self.0.iter_mut().for_each(|mean| mean.apply(samples));
-    }
-}
-
-/// Samples that a mean is over at most, as they are held: 8 MB. Longer ones are over as many.
-const MOST: f64 = (1 << 20) as f64;
-
-struct RunningMean {
-    /// How many samples count as a whole.
-    whole: usize,
-    /// What the one before them counts.
-    rest: f64,
-    /// The latest samples, as many as a mean needs but for the next; the beginning of the record, until there is
-    /// enough for its mirror image.
-    past: Vec<f64>,
-    has_begun: bool,
-    /// Sum of the samples that count as a whole, up to the latest.
-    sum: f64,
-    /// Outputs until it is summed up anew.
-    until_anew: usize,
-}
-
-impl RunningMean {
-    fn new(samples: f64) -> Self {
-        let samples = samples.min(MOST);
-        Self {
-            whole: samples as usize,
-            rest: samples.fract(),
-            past: Vec::new(),
-            has_begun: false,
-            sum: 0.0,
-            until_anew: 0,
-        }
-    }
-
-    /// The mean over a window, the oldest sample of which counts by what is left. A sample costs two additions: the sum goes
-    /// on from the last one and is made anew after as many as it holds, so that no error adds up.
-    fn mean(&mut self, window: &[f64]) -> f64 {
-        let (oldest, newest) = (window[0], window[self.whole]);
-        if self.until_anew == 0 {
-            self.sum = window[1..].iter().sum();
-            self.until_anew = self.whole;
-        } else {
-            self.sum += newest - oldest;
-        }
-        self.until_anew -= 1;
-        (self.sum + self.rest * oldest) / (self.whole as f64 + self.rest)
-    }
-}
-
-impl Distorter for RunningMean {
-    fn apply(&mut self, samples: &mut Vec<f64>) {
-        let before = self.whole;
-        self.past.append(samples);
-        if !self.has_begun {
-            if self.past.len() <= before {
-                return;
-            }
-            // Before the record its mirror image, at the same level.
-            let mirror = self.past[1..=before].iter().rev().copied();
-            self.past = mirror.chain(self.past.iter().copied()).collect();
-            self.has_begun = true;
-        }
-        let past = std::mem::take(&mut self.past);
-        samples.extend(past.windows(before + 1).map(|window| self.mean(window)));
-        self.past = past;
-        let gone = self.past.len() - before;
-        self.past.drain(..gone);
+        Box::new(RunningMeans::new(self.times, self.samples(rate_hz)))
     }
 }
 
@@ -312,109 +235,4 @@ impl Effect for Entry {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::model::random::Gaussian;
-    use crate::model::trial;
-
-    #[test]
-    fn a_mean_over_nearly_whole_samples_is_meant_to_be_over_these() {
-        assert_eq!(Entry.meant(&[15.03 / 50.0], 50.0), Some(vec![15.0 / 50.0]));
-        assert_eq!(Entry.meant(&[15.4 / 50.0], 50.0), None);
-    }
-
-    #[test]
-    fn the_response_is_that_of_the_weights() {
-        for n in [1.0, 1.3, 2.0, 5.0, 7.75, 24.0] {
-            let law = Averaging {
-                duration_s: n / 50.0,
-                times: 1,
-                place: Place::Behind,
-            };
-            let (whole, rest) = (n as usize, n.fract());
-            let weights = std::iter::repeat_n(1.0, whole).chain([rest]);
-            for f_hz in (0..50).map(|step| 0.5 * f64::from(step)) {
-                let turn = 2.0 * PI * f_hz / 50.0;
-                let (mut cosine, mut sine) = (0.0, 0.0);
-                for (lag, weight) in (0_u32..).zip(weights.clone()) {
-                    cosine += weight * (f64::from(lag) * turn).cos();
-                    sine += weight * (f64::from(lag) * turn).sin();
-                }
-                let exact = (cosine * cosine + sine * sine) / (n * n);
-                let off = (law.power(f_hz, 50.0) - exact).abs();
-                // But for the zeros, which have a floor below all lobes.
-                let lobes = (n * (0.5 * turn).sin()).powi(-2).min(1.0);
-                assert!(
-                    off < 1e-9 + DEEPEST * lobes,
-                    "{n} samples, {f_hz} Hz: {off}"
-                );
-            }
-        }
-    }
-
-    #[test]
-    fn within_a_converter_images_fold_down() {
-        for (n, times) in [(1.0, 3), (0.7, 2), (5.15, 2), (4.0, 3)] {
-            let law = Averaging::of(&[n / 50.0, f64::from(times)]);
-            for f_hz in (0..50).map(|step| 0.5 * f64::from(step) + 0.01) {
-                let image = |j: i32| {
-                    let x = PI * n * (f_hz / 50.0 + f64::from(j));
-                    (x.sin() / x).powi(2 * times)
-                };
-                let exact: f64 = (-2000..=2000).map(image).sum();
-                let made = law.folded(f_hz, 50.0);
-                // What the sum leaves out is a part in a thousand of the images.
-                assert!(
-                    (made - exact).abs() < 1e-3 * exact.max(1e-6),
-                    "{law:?} {f_hz} Hz: {made} {exact}"
-                );
-            }
-        }
-        // Once over whole samples it is a running mean.
-        let [within, behind] = [&[0.1, 1.0][..], &[0.1]].map(Averaging::of);
-        for f_hz in [0.3, 7.0, 21.0] {
-            let ratio = within.folded(f_hz, 50.0) / behind.running(f_hz, 50.0);
-            // Of the square of a sinc a fiftieth of what is left out shows.
-            assert!((ratio - 1.0).abs() < 0.02, "{f_hz} Hz: {ratio}");
-        }
-    }
-
-    #[test]
-    fn a_mean_is_over_the_samples_before_it() {
-        let mut samples: Vec<f64> = (0..100).map(f64::from).collect();
-        let law = Averaging::of(&[0.25]);
-        law.distorter(10.0, Seed { seed: 0, stream: 0 })
-            .apply(&mut samples);
-        // Two and a half samples of a ramp: (k + k - 1 + (k - 2) / 2) / 2.5.
-        for (k, value) in samples.iter().enumerate().skip(3) {
-            assert!((value - (k as f64 - 0.8)).abs() < 1e-9, "{k}: {value}");
-        }
-        assert_eq!(samples.len(), 100);
-    }
-
-    #[test]
-    fn allan_variance_follows_the_law() {
-        for duration_s in [0.002, 0.0237] {
-            let effects = format!(
-                r#"{{ "effect": "averaging", "parameters": {{ "duration_s": {duration_s} }} }}"#
-            );
-            let axis = trial::axis(r#""N": 0.02, "K": 20, "Q": 4e-4"#, &effects);
-            trial::assert_allan_variance(&axis, 1000.0, &[1, 2, 8, 24, 100]);
-        }
-    }
-
-    #[test]
-    fn the_record_has_as_many_samples_and_its_level_from_the_start() {
-        let mut noise = Gaussian::new(Seed { seed: 3, stream: 0 }, 1.0);
-        let mut samples: Vec<f64> = (0..500).map(|_| 1e3 + noise.draw()).collect();
-        let law = Averaging::of(&[1.7]);
-        law.distorter(10.0, Seed { seed: 0, stream: 0 })
-            .apply(&mut samples);
-        assert_eq!(samples.len(), 500);
-        // Half of a mirrored mean counts twice: a variance of 2 / 17 at most, five deviations.
-        assert!(
-            samples.iter().all(|value| (value - 1e3).abs() < 1.8),
-            "seed 3"
-        );
-    }
-}
+mod tests;

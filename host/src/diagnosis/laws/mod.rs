@@ -5,6 +5,7 @@
 
 pub mod departure;
 pub mod gain;
+mod polish;
 pub mod rise;
 pub mod search;
 pub mod spread;

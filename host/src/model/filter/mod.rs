@@ -1,12 +1,14 @@
 //! Filters on all of a record, by their power response, and where they are.
 
 mod poles;
+mod running_means;
 mod symmetric;
 
 use std::f64::consts::PI;
 
 use super::effect::Distorter;
 pub use poles::Poles;
+pub use running_means::RunningMeans;
 pub use symmetric::{REACH, SymmetricFilter};
 
 /// Where a filter is.

@@ -166,8 +166,10 @@ fn compare(truth: &Truth, found: &[(usize, &Finding)]) -> Vec<Parameter> {
 
 fn coefficients(case: &Case, axis: &Axis) -> Vec<Parameter> {
     let base = &case.scene.axes[case.scene.target];
-    // Named, rounding has its own floor.
-    let is_named = axis.findings.iter().any(|one| one.effect == "quantisation");
+    // Named, or behind a filter, rounding has its own floor.
+    let apart = ["quantisation", "rolloff", "averaging"];
+    let mut findings = axis.findings.iter();
+    let is_named = findings.any(|one| apart.contains(&one.effect.as_str()));
     let rounding = if is_named { 0.0 } else { case.rounding_n() };
     let truths = [
         ("R", base.r.abs()),

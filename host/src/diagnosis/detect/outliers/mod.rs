@@ -1,7 +1,9 @@
 //! Outliers: single samples that do not belong.
 
+mod beginning;
 mod edges;
 pub mod filter;
+mod jumps;
 mod nearby;
 mod pursuit;
 mod size_law;
@@ -22,11 +24,11 @@ use crate::diagnosis::record::wave::{Outlier, Wave};
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
 use crate::diagnosis::statistic::matched_filter::Transform;
-use crate::diagnosis::statistic::p_value;
 use crate::diagnosis::steady::band_events::is_of_excluded;
 use crate::model::kind::Kind;
 use crate::model::outliers::KIND;
 use crate::model::shock::{self, Shock};
+use beginning::Beginning;
 use filter::Found;
 
 /// How much further out an outlier must be where the strength of the noise moves: a choice. Its
@@ -216,77 +218,9 @@ fn sought(
             .retain(|one| means.is_beyond(one, look.level()));
     }
     if !found.outliers.is_empty() {
-        let moved = without_single(look, back, &found, density);
-        let jumps = steps::statistic(look.axis, &moved, density);
-        let (of_jumps, others): (Vec<_>, Vec<_>) =
-            (found.outliers.iter().copied()).partition(|one| steps::is_jump(&jumps, one));
-        // Of many outliers some come by chance as a jump would have them.
-        if look.character.level_switches || of_jumps.len() > others.len() {
-            found.outliers = others;
-        }
+        found.outliers = jumps::without(look, found.outliers, back, density);
     }
     found
-}
-
-/// The record in which jumps are asked for, with what is put `back`: without what was found, which goes up and down by itself, but
-/// where some are next to each other. A jump is larger as a jump than as single samples, and some of these are made of it.
-fn without_single(look: &Look<'_>, back: &[Outlier], found: &Found, density: &[f64]) -> Transform {
-    /// Samples between two that are next to each other: as far as a jump is misplaced.
-    const NEXT: usize = 4;
-    let mut places: Vec<usize> = found.outliers.iter().map(|one| one.index).collect();
-    places.sort_unstable();
-    let is_single = |one: &&Outlier| {
-        let near = one.index.saturating_sub(NEXT)..=one.index + NEXT;
-        let from = places.partition_point(|place| place < near.start());
-        places[from..]
-            .iter()
-            .take_while(|place| near.contains(place))
-            .count()
-            == 1
-    };
-    let single = found.outliers.iter().filter(is_single);
-    let less = single.map(|one| Outlier {
-        size: -one.size,
-        ..*one
-    });
-    let moved: Vec<Outlier> = back.iter().copied().chain(less).collect();
-    look.axis.with(&moved, density)
-}
-
-/// The samples that a record of means begins with: the first is one sample, the next a mean of two, until there are all.
-struct Beginning {
-    /// How many there are before the first that is one like all others.
-    means: usize,
-}
-
-impl Beginning {
-    /// By the laws that are known.
-    fn of(axis: &AxisState) -> Self {
-        let others = axis.laws.iter().filter_map(|law| axis.begins_with(law));
-        let means = others.map(|some| some.end).max().unwrap_or(0);
-        Self { means }
-    }
-
-    /// Whether what was found at a sample is more than that it is a mean over fewer: white noise is larger there, by the square
-    /// root of what is missing.
-    fn is_beyond(&self, found: &Outlier, level: f64) -> bool {
-        if found.index >= self.means {
-            return true;
-        }
-        let wider = ((self.means + 1) as f64 / (found.index + 1) as f64).sqrt();
-        found.size.abs()
-            > wider * found.size_sd * p_value::threshold(level, self.means, f64::INFINITY)
-    }
-
-    /// Puts these samples, which no fit looks at, into `values`, unless something else excludes them.
-    fn put_back(&self, axis: &AxisState, values: &mut Arc<Vec<f64>>) {
-        let own = 0..self.means;
-        let mut excluded = axis.residual.left_out();
-        if self.means > 0 && excluded.all(|one| *one == own || one.start >= own.end) {
-            let all = axis.residual.everywhere();
-            Arc::make_mut(values)[own.clone()].copy_from_slice(&all[own]);
-        }
-    }
 }
 
 /// Samples on either side of one that was drawn that the filter leaves out, where few were drawn: a choice, as far as a
