@@ -168,8 +168,8 @@ impl Effect for Entry {
         /// What that costs: one instrument in seven, a choice. It decides where noise with a correlation time
         /// and a pole on all noise differ by less than the record can distinguish.
         const NATS: f64 = 2.0;
-        /// What one of several filters costs: as a parameter that is fitted.
-        const OTHER: f64 = 1.0;
+        /// What one of several filters costs: one in seven, a choice.
+        const OTHER: f64 = 2.0;
         let slow = if values[0] < SELDOM * rate_hz {
             NATS
         } else {

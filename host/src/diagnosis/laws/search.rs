@@ -4,6 +4,7 @@ use crate::diagnosis::laws::polish::greatest;
 use crate::diagnosis::laws::rise::Rise;
 use crate::diagnosis::laws::starts::Start;
 use crate::diagnosis::laws::{Law, behind, components};
+use crate::diagnosis::record::bins::SpectralBins;
 use crate::diagnosis::statistic::p_value;
 use crate::fit::likelihood::Fit;
 use crate::model::averaging;
@@ -53,16 +54,18 @@ fn gaining(present: Fitted<'_>, starts: &Starts, kind: Kind, least: f64) -> Opti
         fit: base,
     } = present;
     let components = components(bins, laws);
-    let (value, law) = best_start(present, &components, starts, kind)?;
+    let begins = best_starts(present, &components, starts, kind);
     // What is nowhere near significant need not be polished.
-    if value - base.log_likelihood < least {
+    if begins.first()?.0 - base.log_likelihood < least {
         return None;
     }
-    let directions = starts.directions(bins, laws, base, law);
-    let path = Rise::new(data, base, &components)?.path(directions);
-    let (mut all, fit) = polished(present, law)?;
+    let polished = begins.iter().filter_map(|(_, law)| polished(present, law));
+    let likeliest = polished.max_by(|a, b| worth(bins, a).total_cmp(&worth(bins, b)));
+    let (mut all, fit) = likeliest?;
     let nats = fit.log_likelihood - base.log_likelihood;
     let law = all.pop()?;
+    let directions = starts.directions(bins, laws, base, &law);
+    let path = Rise::new(data, base, &components)?.path(directions);
     // A filter that shuts out most of the band would make every law anew from white noise.
     if !law.adds() && starts.are_beyond(kind, &law.values) {
         return None;
@@ -77,6 +80,14 @@ fn gaining(present: Fitted<'_>, starts: &Starts, kind: Kind, least: f64) -> Opti
             starts.sorts(kind) as f64,
         ),
     })
+}
+
+/// Log-likelihood of laws and their fit, less what makes the values of the last one unlikely.
+fn worth(bins: &SpectralBins, (laws, fit): &(Vec<Law>, Fit)) -> f64 {
+    let surprise = laws.last().map_or(0.0, |law| {
+        law.effect.surprise_nats(&law.values, bins.rate_hz())
+    });
+    fit.log_likelihood - surprise
 }
 
 /// The laws that are there and one more, of the values that fit best from where it `starts`, with their fit.
@@ -103,13 +114,14 @@ fn polished(present: Fitted<'_>, starts: &Law) -> Option<(Vec<Law>, Fit)> {
     }
 }
 
-/// The start from which the likelihood is largest, with that, beside the `components` that are there.
-fn best_start<'a>(
+/// The start from which the likelihood is largest, with that, beside the `components` that are there; then the same of the other
+/// sorts of the kind, where that gains.
+fn best_starts<'a>(
     present: Fitted<'_>,
     components: &[Vec<f64>],
     starts: &'a Starts,
     kind: Kind,
-) -> Option<(f64, &'a Law)> {
+) -> Vec<(f64, &'a Law)> {
     let Fitted {
         bins,
         data,
@@ -134,9 +146,11 @@ fn best_start<'a>(
     let (plain, others): (Vec<_>, Vec<_>) = all
         .into_iter()
         .partition(|start| start.law.counts().is_empty());
-    let best = largest(&plain)?;
+    let Some(best) = largest(&plain) else {
+        return Vec::new();
+    };
     if best.0 - base.log_likelihood < PROMISING {
-        return Some(best);
+        return vec![best];
     }
     // A filter of another sort that is there gains as the plainest one already, which has its width by a factor or two.
     let first = best.1.values[0];
@@ -145,6 +159,5 @@ fn best_start<'a>(
         (ALIKE.recip()..=ALIKE).contains(&ratio)
     };
     let others: Vec<&Start> = others.into_iter().filter(is_near).collect();
-    let better = largest(&others).filter(|one| one.0 > best.0);
-    Some(better.unwrap_or(best))
+    std::iter::once(best).chain(largest(&others)).collect()
 }
