@@ -21,6 +21,9 @@ const PROMISING: f64 = 2.0;
 /// one after the other are as wide as one over less than twice as long.
 const ALIKE: f64 = 3.0;
 
+/// Sorts of a filter that are fitted in full beside the plainest: a choice between time and the right one.
+const POLISHED: usize = 3;
+
 /// A law that was found, together with others.
 pub struct Found {
     /// The law with the values that fit best, size 1.
@@ -159,5 +162,11 @@ fn best_starts<'a>(
         (ALIKE.recip()..=ALIKE).contains(&ratio)
     };
     let others: Vec<&Start> = others.into_iter().filter(is_near).collect();
-    std::iter::once(best).chain(largest(&others)).collect()
+    let sorts = others.chunk_by(|one, next| one.law.counts() == next.law.counts());
+    let mut sorts: Vec<_> = sorts.filter_map(largest).collect();
+    // Starts are so far apart that the likeliest sort need not have the likeliest one.
+    sorts.sort_by(|a, b| b.0.total_cmp(&a.0));
+    std::iter::once(best)
+        .chain(sorts.into_iter().take(POLISHED))
+        .collect()
 }
