@@ -104,12 +104,11 @@ pub fn explain(
         || ValueFindings::new(declared, level, &measured, own_mean),
         || bare(signal.chain.as_ref()),
     );
-    let floor = |axis: &AxisState| {
-        let step = values.rounded_to?;
-        Some(coarse_grid::floor(axis, step, level))
-    };
     let rounded = |mut axis: AxisState| {
-        axis.bins.know_floor(floor(&axis).unwrap_or(0.0));
+        if let Some(step) = values.rounded_to {
+            let floor = coarse_grid::floor(&axis, step, level);
+            axis.bins.know_floor(floor);
+        }
         axis
     };
     let first = first.map(rounded);

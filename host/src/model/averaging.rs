@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use super::Seed;
 use super::effect::{Band, Distorter, Distortion, Effect, Parameter, Part, Quantity, Stage};
-use super::filter::{Filter, Place, Poles, RunningMeans};
+use super::filter::{self, DEEPEST, Filter, Place, Poles, RunningMeans};
 use super::kind::Kind;
 use super::marks::Mark;
 
@@ -37,9 +37,8 @@ const MOST_TIMES: f64 = 8.0;
 /// Images on either side that are summed up: of the square of a mean done twice the next one is `10^-4` of the first.
 const IMAGES: i32 = 8;
 
-/// Power at a zero of the response, as a part of the lobes beside it: choices. The second is what a record with a beginning and an
-/// end shows where it is looked at ordinate by ordinate, the first only keeps logarithms finite.
-const DEEPEST: f64 = 1e-9;
+/// Power at a zero of the response, as a part of the lobes beside it, that a record with a beginning and an end shows where it is
+/// looked at ordinate by ordinate: a choice.
 const DEEPEST_SHOWN: f64 = 1e-3;
 
 impl Averaging {
@@ -196,9 +195,7 @@ impl Effect for Entry {
     }
 
     fn surprise_nats(&self, values: &[f64], _rate_hz: f64) -> f64 {
-        /// What it costs that it is done more than once: one in seven, a choice.
-        const AGAIN: f64 = 2.0;
-        if values.len() > 1 { AGAIN } else { 0.0 }
+        filter::surprise_nats(values)
     }
 
     /// A mean is over whole samples.
@@ -206,7 +203,7 @@ impl Effect for Entry {
         /// Part of a sample by which a duration may be off: a choice, several steps of a search.
         const OFF: f64 = 0.1;
         let samples = values[0] * rate_hz;
-        let is_near = (samples - samples.round()).abs() < OFF;
+        let is_near = samples.round() >= 1.0 && (samples - samples.round()).abs() < OFF;
         is_near.then(|| [&[samples.round() / rate_hz], &values[1..]].concat())
     }
 
@@ -223,14 +220,7 @@ impl Effect for Entry {
         let all = std::iter::successors(Some(SAMPLES.start), next);
         let all = all.take_while(|samples| *samples < SAMPLES.end);
         let durations: Vec<f64> = all.map(|samples| 0.5 * samples / band.to_hz).collect();
-        let once = durations.iter().map(|duration_s| vec![*duration_s]);
-        let others = [vec![2.0], vec![3.0], vec![2.0, 1.0]];
-        let more = others.into_iter().flat_map(|kind| {
-            let durations = durations.iter();
-            let with_duration = durations.map(|one| [&[*one], kind.as_slice()].concat());
-            with_duration.collect::<Vec<_>>()
-        });
-        once.chain(more).collect()
+        filter::starts(&durations, &[&[], &[2.0], &[3.0], &[2.0, 1.0]])
     }
 }
 

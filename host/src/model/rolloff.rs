@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::Seed;
 use super::effect::{Band, Distorter, Distortion, Effect, Parameter, Part, Quantity, Stage};
-use super::filter::{Filter, Place, Poles};
+use super::filter::{self, DEEPEST, Filter, Place, Poles};
 use super::kind::Kind;
 use super::marks::Mark;
 
@@ -73,9 +73,8 @@ const MOST_IMAGES: f64 = 16.0;
 /// Poles at most: a choice. The response of more is a wall.
 const MOST_POLES: f64 = 12.0;
 
-/// Up to which share of the rate a frequency is bent, and the least power of a filter: choices that keep numbers finite.
+/// Up to which share of the rate a frequency is bent: a choice that keeps numbers finite.
 const HIGHEST: f64 = 0.4999;
-const DEEPEST: f64 = 1e-9;
 
 impl Distortion for RollOff {
     fn stage(&self) -> Stage {
@@ -168,14 +167,12 @@ impl Effect for Entry {
         /// What that costs: one instrument in seven, a choice. It decides where noise with a correlation time
         /// and a pole on all noise differ by less than the record can distinguish.
         const NATS: f64 = 2.0;
-        /// What one of several filters costs: one in seven, a choice.
-        const OTHER: f64 = 2.0;
         let slow = if values[0] < SELDOM * rate_hz {
             NATS
         } else {
             0.0
         };
-        slow + if values.len() > 1 { OTHER } else { 0.0 }
+        slow + filter::surprise_nats(values)
     }
 
     fn starts(&self, band: &Band) -> Vec<Vec<f64>> {
@@ -185,19 +182,13 @@ impl Effect for Entry {
         // answer has noise of the reading as well, which no filter has touched.
         let from_hz = SELDOM * 2.0 * band.to_hz;
         let corners = |to_hz: f64| -> Vec<f64> { Band { from_hz, to_hz }.steps(2.0).collect() };
-        let one = corners(16.0 * band.to_hz)
-            .into_iter()
-            .map(|corner_hz| vec![corner_hz]);
+        let one = filter::starts(&corners(16.0 * band.to_hz), &[&[]]);
         // Of others the flank is in the band, or there is nothing to know them by.
         let flanks = corners(0.7 * band.to_hz);
-        let within = [1.0, 2.0, 3.0, 4.0].map(|poles| vec![poles]);
-        let behind = [1.0, 2.0, 4.0].map(|poles| vec![poles, 1.0]);
-        let more = within.into_iter().chain(behind).flat_map(|kind| {
-            let flanks = flanks.iter();
-            let with_corner = flanks.map(|corner_hz| [&[*corner_hz], kind.as_slice()].concat());
-            with_corner.collect::<Vec<_>>()
-        });
-        one.chain(more).collect()
+        let within: [&[f64]; 4] = [&[1.0], &[2.0], &[3.0], &[4.0]];
+        let behind: [&[f64]; 3] = [&[1.0, 1.0], &[2.0, 1.0], &[4.0, 1.0]];
+        let others = filter::starts(&flanks, &[&within[..], &behind].concat());
+        [one, others].concat()
     }
 }
 

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::diagnosis::axis::AxisState;
-use crate::diagnosis::laws::{self, Law};
+use crate::diagnosis::laws;
 use crate::fit::likelihood::components::SEEN;
 use crate::model::effect::Part;
 use crate::model::{Coefficient, unnamed};
@@ -18,8 +18,7 @@ impl AxisState {
 
     /// Density of what joins behind the laws that filter; zero where none does.
     pub fn floor(&self) -> f64 {
-        let filters = self.laws.iter().any(Law::filters);
-        if filters { self.bins.floor() } else { 0.0 }
+        laws::floor(&self.bins, &self.laws)
     }
 
     /// Two-sided density at `f_hz` as the bins measure it, with what the model lacks.

@@ -29,8 +29,18 @@ pub fn ramp(axis: &AxisState) -> Option<Ramp> {
             slope.beside(density * power);
         }
     }
-    let components = laws::components(&axis.bins, &axis.laws);
-    Ramp::new(&axis.data, &components, &axis.fit, &slope)
+    let filtered = laws::behind(&axis.bins, &axis.laws);
+    let mut components = laws::components_of(&filtered, &axis.laws);
+    let mut fit = axis.fit.clone();
+    if axis.floor() > 0.0 {
+        // One component more, of a size that is known.
+        components.push(filtered.fixed());
+        slope.beside(axis.floor());
+        fit.squared.push(1.0);
+        let size = fit.squared.len();
+        fit.covariance = fit.covariance.resize(size, size, 0.0);
+    }
+    Ramp::new(&axis.data, &components, &fit, &slope)
 }
 
 fn blocks(axis: &AxisState) -> Vec<Block> {

@@ -2,7 +2,7 @@
 
 use crate::diagnosis::describe::coefficients::coefficients_of;
 use crate::diagnosis::explanation::{Explanation, Snapshot};
-use crate::diagnosis::laws::{self, Law};
+use crate::diagnosis::laws;
 use crate::diagnosis::record::bins::SpectralBins;
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::finding::{Finding, Gain};
@@ -13,8 +13,8 @@ use crate::model::rounding::{self, Rounding};
 use crate::model::{PerCoefficient, unnamed};
 
 /// Findings as a model file has them, where data can be made of them, and what else the `noise` has, without a name or
-/// because the values are written so, in the order in which they act: a sample is repeated behind all filters, whatever was found first. A harmonic that was not found is zero
-/// there.
+/// because the values are written so, in the order in which they act: a sample is repeated behind all filters, whatever
+/// was found first. A harmonic that was not found is zero there.
 pub fn all_effects(findings: &[Finding], noise: &ModelAxis) -> Vec<ModelEffect> {
     let effect =
         |finding: &Finding| ModelEffect::of(finding.effect, &finding.estimate.plain()).ok();
@@ -40,9 +40,8 @@ pub fn law_effects(bins: &SpectralBins, snapshot: &Snapshot, fit: &Fit) -> Vec<M
     };
     let measured = |one: &Estimate| ModelEffect::of(one.kind, &one.plain()).ok();
     let laws = (0..snapshot.laws.len()).filter_map(sized);
-    let is_filtered = snapshot.laws.iter().any(Law::filters);
-    let step = (is_filtered && bins.floor() > 0.0)
-        .then(|| Rounding::of_density(bins.floor(), bins.rate_hz()).step);
+    let floor = Some(laws::floor(bins, &snapshot.laws)).filter(|floor| *floor > 0.0);
+    let step = floor.map(|floor| Rounding::of_density(floor, bins.rate_hz()).step);
     let rounding = step.and_then(|step| ModelEffect::of(rounding::KIND, &[step]).ok());
     laws.chain(snapshot.tones.iter().filter_map(measured))
         .chain(rounding)
@@ -90,5 +89,18 @@ mod tests {
             stale::KIND,
         ];
         assert_eq!(kinds, [sinusoid, burst, rolloff, rounding, stale]);
+    }
+
+    #[test]
+    fn rounding_behind_a_filter_is_in_the_model_once_whether_it_is_news_or_not() {
+        let mut noise = Model::published(None).axes.remove(0);
+        let known = ModelEffect::of(rounding::KIND, &[1e-3]).expect("a sound step");
+        noise.effects.push(known);
+        let found = Estimate::new(rounding::KIND, [Value::told(2e-3)]);
+        for (findings, step) in [(vec![], 1e-3), (vec![Finding::new(&found, 0.0)], 2e-3)] {
+            let all = all_effects(&findings, &noise);
+            let steps: Vec<_> = all.iter().map(|one| (one.kind(), one.values())).collect();
+            assert_eq!(steps, [(rounding::KIND, &[step][..])]);
+        }
     }
 }

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::held_out::SEEN_COST;
-use crate::diagnosis::laws::Law;
+use crate::diagnosis::laws::{self, Law};
 use crate::diagnosis::statistic::matched_filter::Half;
 use crate::fit::likelihood::scoring::{Range, greatest_beside};
 use crate::fit::likelihood::{Data, log_likelihood};
@@ -57,8 +57,7 @@ impl<'a> Ordinates<'a> {
 
     /// Log-likelihood of the held half with the sizes that fit the other best.
     fn score(&self, laws: &[Law]) -> Option<f64> {
-        let filters = laws.iter().any(Law::filters);
-        let floor = if filters { self.axis.bins.floor() } else { 0.0 };
+        let floor = laws::floor(&self.axis.bins, laws);
         let components = self.components(laws, &self.fitted);
         let (squared, _) = greatest_beside(
             &self.fitted.data,

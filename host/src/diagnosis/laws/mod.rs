@@ -73,11 +73,6 @@ impl Law {
     fn adds(&self) -> bool {
         self.effect.size().is_some()
     }
-
-    /// Whether it changes what all others add.
-    pub fn filters(&self) -> bool {
-        !self.adds()
-    }
 }
 
 /// Expectations of all components: the five terms' (without the ramp), then one of each law that
@@ -99,6 +94,15 @@ pub fn behind<'a>(bins: &'a SpectralBins, laws: &[Law]) -> Filtered<'a> {
         return bins.unfiltered();
     }
     bins.behind(|f_hz| power_of(&filters, f_hz, bins.rate_hz()))
+}
+
+/// Density of the white noise that is known to join behind those of the laws that filter; zero where there are none.
+pub fn floor(bins: &SpectralBins, laws: &[Law]) -> f64 {
+    if laws.iter().all(Law::adds) {
+        0.0
+    } else {
+        bins.floor()
+    }
 }
 
 /// What laws of these squares make the bins expect, with what joins behind those that filter.

@@ -170,3 +170,55 @@ fn best_starts<'a>(
         .chain(sorts.into_iter().take(POLISHED))
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::axis::AxisState;
+    use crate::diagnosis::detect::trial::{RATE_HZ, Trial, noise};
+    use crate::diagnosis::laws::spread::Spread;
+    use crate::model::effect::Distortion;
+    use crate::model::random::Seed;
+    use crate::model::rolloff::{self, RollOff};
+    use crate::model::rounding::Rounding;
+
+    const SEED: u64 = 5;
+
+    fn found(axis: &AxisState) -> Found {
+        let starts = axis.starts().expect("bins");
+        search(axis.fitted(), &starts, rolloff::KIND).expect("a filter")
+    }
+
+    #[test]
+    fn the_sort_of_a_filter_is_found_and_codes_have_a_floor_behind_it() {
+        let step = 0.3;
+        for counts in [&[][..], &[2.0], &[4.0], &[2.0, 1.0]] {
+            let mut values = noise(SEED);
+            let filter = RollOff::of(&[&[10.0], counts].concat());
+            let random = Seed {
+                seed: SEED,
+                stream: 9,
+            };
+            filter.distorter(RATE_HZ, random).apply(&mut values);
+            let codes = values.iter().map(|value| (value / step).round() * step);
+            let mut axis = Trial::new(codes.collect()).axis;
+            let without = found(&axis);
+            axis.bins.know_floor(Rounding { step }.density(RATE_HZ));
+            let with = found(&axis);
+            assert_eq!(with.law.counts(), counts, "seed {SEED}");
+            let corner_hz = with.law.values[0];
+            let laws = std::slice::from_ref(&with.law);
+            let sd = Spread::new(&axis.bins, &axis.data, laws, &with.fit).log_deviations(0)[0];
+            assert!(
+                (corner_hz / 10.0).ln().abs() < 5.0 * sd,
+                "seed {SEED}, {counts:?}: {corner_hz} Hz, {sd}"
+            );
+            assert!(
+                counts.is_empty() || with.nats > without.nats + 10.0,
+                "seed {SEED}, {counts:?}: {} nats with the floor, {} without",
+                with.nats,
+                without.nats
+            );
+        }
+    }
+}

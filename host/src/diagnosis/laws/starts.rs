@@ -145,14 +145,12 @@ impl Starts {
         let own = self.starts.iter();
         let (effect, counts) = (law.effect, law.counts());
         own.filter(move |start| start.law.effect == effect && start.law.counts() == counts)
-            .map(move |start| match (&start.component, &start.power) {
-                (Some(component), _) => component.clone(),
-                (None, power) => {
-                    let filtered = power
-                        .as_ref()
-                        .map_or_else(|| present.clone(), |power| present.and(power));
+            .map(move |start| match &start.component {
+                Some(component) => component.clone(),
+                None => {
+                    let (filtered, components) = start.beside(&present, &[], laws);
                     let mut change = filtered.fixed();
-                    add_mixture(&mut change, &components_of(&filtered, laws), &base.squared);
+                    add_mixture(&mut change, &components, &base.squared);
                     let pairs = change.iter_mut().zip(&base.expected);
                     pairs.for_each(|(change, before)| *change -= before);
                     change

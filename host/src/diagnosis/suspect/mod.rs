@@ -119,7 +119,12 @@ fn limits(axis: &AxisState, starts: &Starts, kind: Kind) -> Vec<Limit> {
 fn upper(axis: &AxisState, law: &Law) -> Option<f64> {
     let size = law.effect.size()?;
     let all = with(axis, law);
-    let components = laws::components(&axis.bins, &all);
+    let filtered = laws::behind(&axis.bins, &all);
+    let mut components = laws::components_of(&filtered, &all);
+    if laws::floor(&axis.bins, &all) > 0.0 {
+        // A bound may take it for less than it is, and is on the safe side.
+        components.push(filtered.fixed());
+    }
     let mut fit = maximise(&axis.data, &components)?;
     let which = axis.laws.len();
     let component = laws::component_of(&axis.bins, &all, which);

@@ -123,6 +123,39 @@ fn with_cut_off(
 mod tests {
     use super::*;
     use crate::model::random::Gaussian;
+    use crate::model::random::Seed as Random;
+
+    #[test]
+    fn what_is_cut_off_is_white_where_its_neighbours_do_not_depend_on_it() {
+        const SEED: u64 = 11;
+        const COUNT: usize = 200_000;
+        for (r, is_white_there) in [(0.2, false), (0.26, false), (0.4, true)] {
+            let mut normal = Gaussian::new(
+                Random {
+                    seed: SEED,
+                    stream: 0,
+                },
+                r * f64::sqrt(2.0),
+            );
+            let mut level = 0.3;
+            let rest = (0..COUNT).map(|_| {
+                level += normal.draw();
+                level - level.round()
+            });
+            let rest: Vec<f64> = rest.collect();
+            let products = rest.windows(2).map(|two| two[0] * two[1]);
+            let correlation = 12.0 * products.sum::<f64>() / COUNT as f64;
+            let pi_squared = std::f64::consts::PI.powi(2);
+            let said = 6.0 / pi_squared * (-4.0 * pi_squared * r * r).exp();
+            // Five deviations of a mean of so many, tied over a few; the second harmonic is below a thousandth.
+            let sd = 2.0 / (COUNT as f64).sqrt();
+            assert!(
+                (correlation - said).abs() < 5.0 * sd,
+                "{r}: {correlation}, {said}, seed {SEED}"
+            );
+            assert_eq!(is_white((r * r + 1.0 / 12.0).sqrt()), is_white_there, "{r}");
+        }
+    }
     use crate::model::random::Seed;
 
     /// What is made of normal numbers, one after the other.

@@ -32,6 +32,26 @@ impl Place {
     }
 }
 
+/// Nats that a sort of filter costs which is not the plainest: one record in seven has it, a choice.
+const OTHER_SORT: f64 = 2.0;
+
+/// The least power of a filter, as a part of what it lets through: a choice that keeps logarithms finite.
+pub const DEEPEST: f64 = 1e-9;
+
+/// What makes the values of a filter unlikely, nats: those of the plainest sort have no counts.
+pub const fn surprise_nats(values: &[f64]) -> f64 {
+    if values.len() > 1 { OTHER_SORT } else { 0.0 }
+}
+
+/// Values with which a search begins: each of `first` with the counts of each of these sorts.
+pub fn starts(first: &[f64], sorts: &[&[f64]]) -> Vec<Vec<f64>> {
+    let of_sort = |sort: &&[f64]| -> Vec<Vec<f64>> {
+        let values = first.iter().map(|one| [&[*one], *sort].concat());
+        values.collect()
+    };
+    sorts.iter().flat_map(of_sort).collect()
+}
+
 /// Time constants of the slowest pole that the recursion runs ahead of the record: what it began with is then `e^-8` of it,
 /// 0.03 %.
 const SETTLED: f64 = 8.0;

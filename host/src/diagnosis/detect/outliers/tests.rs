@@ -173,6 +173,31 @@ fn a_jump_is_no_outlier() {
 }
 
 #[test]
+fn of_many_outliers_few_are_taken_for_jumps_and_all_stay() {
+    const SEED: u64 = 16;
+    let mut values = noise(SEED);
+    for place in (1000..15_000).step_by(1000) {
+        values[place] += 60.0;
+    }
+    trial::add(&mut values, &Wave::Steps(vec![trial::jump(7500, 25.0)]));
+    let mut trial = Trial::new(values);
+    let seen = trial.axis.whitened();
+    let usable = filtered(&trial.axis);
+    let alike = filter::outliers(&seen.transform, &seen.density, trial::LEVEL, usable, |_| {
+        1.0
+    });
+    let left = |trial: &Trial| {
+        trial.look(|look| jumps::without(look, alike.outliers.clone(), &[], &seen.density).len())
+    };
+    assert_eq!(left(&trial), alike.outliers.len(), "seed {SEED}");
+    trial.character.level_switches = true;
+    assert!(
+        left(&trial) < alike.outliers.len(),
+        "seed {SEED}: one is a jump"
+    );
+}
+
+#[test]
 fn outliers_are_sought_again_once_something_else_was_explained() {
     // Beside the line only the larger ones stand out.
     let line = Wave::Line {

@@ -126,6 +126,24 @@ fn what_has_another_name_is_left_to_it() {
 }
 
 #[test]
+fn single_samples_come_together_by_chance_where_there_are_many() {
+    const SEED: u64 = 34;
+    // Twelve in 180 samples, none next to another.
+    let clump = (0..12).map(|number| 9000 + 15 * number + number * number % 7);
+    let kinds = |others: usize| {
+        let mut values = noise(SEED);
+        let all = spread(values.len(), others).chain(clump.clone());
+        let far: Vec<usize> = all.collect();
+        for (number, place) in far.into_iter().enumerate() {
+            values[place] += if number % 2 == 0 { 30.0 } else { -30.0 };
+        }
+        trial::kinds(&Trial::new(values).ask(&DETECTOR))
+    };
+    assert!(kinds(400).is_empty(), "seed {SEED}: {:?}", kinds(400));
+    assert!(!kinds(0).is_empty(), "seed {SEED}: by themselves");
+}
+
+#[test]
 fn clean_records_hold_none() {
     // At a level of 2e-4 each, one of 60 has a probability of 1.2 %.
     let seen: Vec<u64> = (100..160)

@@ -77,12 +77,10 @@ impl Filtered<'_> {
     /// The part of the bins' expectation that no fit changes: [what joins behind the filter](SpectralBins::know_floor), if there
     /// is one.
     pub fn fixed(&self) -> Vec<f64> {
-        let operator = &self.bins.estimate.operator;
-        match &self.power {
-            Some(power) if self.bins.floor > 0.0 => {
-                operator.apply(&vec![self.bins.floor; power.len()])
-            }
-            _ => vec![0.0; self.bins.dof.len()],
+        if self.power.is_some() && self.bins.floor > 0.0 {
+            self.bins.of_floor.clone()
+        } else {
+            vec![0.0; self.bins.dof.len()]
         }
     }
 

@@ -46,8 +46,9 @@ pub struct SpectralBins {
     left_out: Vec<Range<f64>>,
     rate_hz: f64,
     band_limited: bool,
-    /// Density of white noise that joins behind all filters; zero where none is known.
+    /// Density of white noise that joins behind all filters, zero where none is known, and what the bins expect of it.
     floor: f64,
+    of_floor: Vec<f64>,
     plan: Plan,
 }
 
@@ -110,6 +111,7 @@ impl SpectralBins {
             rate_hz,
             band_limited,
             floor: 0.0,
+            of_floor: Vec::new(),
             plan,
         })
     }
@@ -147,6 +149,8 @@ impl SpectralBins {
     /// converter's filter it has a component of its own, and without any filter it is a part of the white noise.
     pub fn know_floor(&mut self, density: f64) {
         self.floor = if self.band_limited { 0.0 } else { density };
+        let densities = vec![self.floor; self.chain_power.len()];
+        self.of_floor = self.estimate.operator.apply(&densities);
     }
 
     /// Density of the white noise that is [known](Self::know_floor) to join behind all filters; zero where there is none.
