@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::chain::Chain;
 use crate::diagnosis::attempts::{Attempt, without_losers};
 use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::axis::depth;
 use crate::diagnosis::decision::Decision;
 use crate::diagnosis::detect::look::Context;
 use crate::diagnosis::detect::{coarse_grid, telegraph};
@@ -95,24 +96,30 @@ pub fn explain(
     long_enough(signal, &measured)?;
     let level = level_of_one_test(options);
     let measured = Arc::new(measured);
-    let bare = |chain: Option<&Chain>| {
-        let axis = AxisState::new(Arc::clone(&measured), rate_hz, chain);
-        axis.ok_or_else(|| refusal(signal, &measured))
+    let of = |measured: &Arc<Vec<f64>>, chain: Option<&Chain>| {
+        let axis = AxisState::new(Arc::clone(measured), rate_hz, chain);
+        axis.ok_or_else(|| refusal(signal, measured))
     };
     let own_mean = mean - signal.zero * signal.scale;
     let (values, first) = rayon::join(
         || ValueFindings::new(declared, level, &measured, own_mean),
-        || bare(signal.chain.as_ref()),
+        || of(&measured, signal.chain.as_ref()),
     );
+    let mut first = first?;
+    let shallow = depth::shallow(&measured, &first);
+    let hidden = shallow.as_ref().map_or(0.0, |shallow| shallow.floor);
+    let measured = shallow.map_or(measured, |shallow| Arc::new(shallow.measured));
+    if hidden > 0.0 {
+        first = of(&measured, signal.chain.as_ref())?;
+    }
     let rounded = |mut axis: AxisState| {
-        if let Some(step) = values.rounded_to {
-            let floor = coarse_grid::floor(&axis, step, level);
-            axis.bins.know_floor(floor);
-        }
+        let floor = |step| coarse_grid::floor(&axis, step, level);
+        let floor = hidden + values.rounded_to.map_or(0.0, floor);
+        axis.bins.know_floor(floor);
         axis
     };
-    let first = first.map(rounded);
-    let begin_with = |chain: Option<&Chain>| bare(chain).map(rounded);
+    first = rounded(first);
+    let begin_with = |chain: Option<&Chain>| of(&measured, chain).map(rounded);
     let covariate = options.covariate.as_deref().map(Reading::of);
     let decided = |decision| progress(&signal.name, Step::Decided(decision));
     let from = |first: AxisState, chain: Option<&Chain>| {
@@ -146,7 +153,6 @@ pub fn explain(
     };
     let behind = |chain: &Chain| without_events(begin_with(Some(chain)).ok()?);
     let seen = |axis: &AxisState| recognised::chain(axis, behind);
-    let mut first = first?;
     let is_declared = first.chain.is_some();
     let bare = (!is_declared)
         .then(|| without_events(first.clone()))

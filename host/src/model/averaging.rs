@@ -159,8 +159,18 @@ impl Effect for Entry {
     }
 
     fn check(&self, values: &[f64]) -> String {
+        let of = Averaging::of(values);
+        // A straight line between two readings is their mean with the weights of a triangle.
+        let or = if of.times == 2 && of.place != Place::Behind {
+            format!(
+                ", or for samples that were interpolated between {:.4} readings a second",
+                values[0].recip()
+            )
+        } else {
+            String::new()
+        };
         format!(
-            "look for a filter over {:.4} s in the sensor's settings, its driver or the logger, and switch it off; samples \
+            "look for a filter over {:.4} s in the sensor's settings, its driver or the logger{or}, and switch it off; samples \
              that share what they are the mean of are not independent",
             values[0]
         )

@@ -2,9 +2,9 @@
 
 use super::kind::Kind;
 use super::{
-    averaging, burst, clipping, common_mode, cyclic, drift, dropped, held, hum, markov, motion,
-    outliers, powerlaw, resonance, rolloff, rounding, shock, sinusoid, stale, steps, telegraph,
-    thermal, timebase, unnamed, wandering_line, warmup,
+    averaging, burst, clipping, common_mode, cyclic, drift, dropped, held, highpass, hum, markov,
+    motion, outliers, powerlaw, resonance, rolloff, rounding, shock, sinusoid, stale, steps,
+    telegraph, thermal, timebase, unnamed, wandering_line, warmup,
 };
 
 /// All effects of the catalogue.
@@ -15,6 +15,7 @@ pub static CATALOGUE: &[Kind] = &[
     powerlaw::KIND,
     rolloff::KIND,
     averaging::KIND,
+    highpass::KIND,
     hum::KIND,
     wandering_line::KIND,
     telegraph::KIND,

@@ -67,7 +67,8 @@ impl Effect for Entry {
     fn check(&self, values: &[f64]) -> String {
         format!(
             "compare {} with the converter's full scale, then with the amplifier's swing and \
-             the sensor's range: reduce the gain or move the offset {}",
+             the sensor's range: reduce the gain or move the offset {}; where all others are far from it, a driver wrote it for \
+             readings that failed: leave these empty in the file",
             significant(values[0], 7),
             if values[1] > 0.0 { "down" } else { "up" }
         )

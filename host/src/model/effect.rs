@@ -127,6 +127,8 @@ pub trait Distortion: Send + Sync {
 /// Where a distortion acts on the way from the sensor to the reader.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Stage {
+    /// Keeps what is slow out of the noise. The level is that of what comes behind, an amplifier or a converter.
+    Coupling,
     /// On the noise as it arises.
     Noise,
     /// A filter on all of it.

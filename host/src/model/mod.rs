@@ -25,6 +25,7 @@ mod filter;
 pub mod flicker;
 pub mod follows;
 pub mod held;
+pub mod highpass;
 pub mod hum;
 pub mod kernel;
 pub mod kind;

@@ -8,13 +8,15 @@ use super::filter::{self, DEEPEST, Filter, Place, Poles};
 use super::kind::Kind;
 use super::marks::Mark;
 
-/// Poles of a Butterworth response `B(f) = 1 / (1 + (f / corner)^(2 poles))` on all that is there.
+/// Poles of a Butterworth response `B(f) = 1 / (1 + (f / corner)^(2 poles))^times` on all that is there.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RollOff {
-    /// Frequency of half power, hertz.
+    /// Frequency of half power of each time, hertz.
     pub corner_hz: f64,
-    /// How many poles, one or more.
+    /// How many poles each time, one or more.
     pub poles: u8,
+    /// How many times one after the other: twice where it runs forward and back, or where two stages are equal.
+    pub times: u8,
     /// Where they are: `|H|^2 = B(f)` ahead of a converter that has a filter of its own, `sum_k B(f + k rate) / sum_k B(k rate)`
     /// within a sensor, `B(rate / pi tan(pi f / rate))`, the corner likewise, behind it, by the bilinear transform.
     pub place: Place,
@@ -23,27 +25,34 @@ pub struct RollOff {
 impl RollOff {
     /// With these parameters, in the catalogue's order; of one pole ahead of the converter where no more is said.
     pub fn of(values: &[f64]) -> Self {
-        let poles = values
-            .get(1)
-            .map(|poles| poles.clamp(1.0, MOST_POLES) as u8);
+        let count =
+            |place: usize, most: f64| values.get(place).map(|one| one.clamp(1.0, most) as u8);
+        let poles = count(1, MOST_POLES);
         let place = poles.map_or(Place::Ahead, |_| Place::of(values.get(2)));
         Self {
             corner_hz: values[0],
             poles: poles.unwrap_or(1),
+            times: count(3, MOST_TIMES).unwrap_or(1),
             place,
         }
     }
 
+    /// Its poles as a recursion over samples.
+    fn digital(&self, rate_hz: f64) -> Poles {
+        let decay = TAU * self.corner_hz / rate_hz;
+        Poles::new(usize::from(self.poles), decay).repeated(self.times)
+    }
+
     /// Power at so many corners.
     fn butterworth(&self, corners: f64) -> f64 {
-        1.0 / (1.0 + corners.powi(2 * i32::from(self.poles)))
+        (1.0 + corners.powi(2 * i32::from(self.poles))).powi(-i32::from(self.times))
     }
 
     /// Power with all that folds down about multiples of the rate.
     fn folded(&self, f_hz: f64, rate_hz: f64) -> f64 {
         let power = |f_hz: f64| self.butterworth(f_hz / self.corner_hz);
         // At half the rate image `k` of a corner far below is `(2 k - 1)^(-2 poles)` of the first.
-        let images = match self.poles {
+        let images = match self.poles * self.times {
             1 => return self.folded_pole(f_hz, rate_hz),
             2 => 6.0,
             _ => 3.0,
@@ -73,6 +82,9 @@ const MOST_IMAGES: f64 = 16.0;
 /// Poles at most: a choice. The response of more is a wall.
 const MOST_POLES: f64 = 12.0;
 
+/// Times at most: a choice, twice is what is built.
+const MOST_TIMES: f64 = 4.0;
+
 /// Up to which share of the rate a frequency is bent: a choice that keeps numbers finite.
 const HIGHEST: f64 = 0.4999;
 
@@ -95,7 +107,7 @@ impl Distortion for RollOff {
     }
 
     fn distorter(&self, rate_hz: f64, _seed: Seed) -> Box<dyn Distorter> {
-        let poles = Poles::new(usize::from(self.poles), TAU * self.corner_hz / rate_hz);
+        let poles = self.digital(rate_hz);
         Box::new(Filter::new(
             poles,
             |f_hz| self.power(f_hz, rate_hz),
@@ -151,7 +163,12 @@ impl Effect for Entry {
             Quantity::Count,
             "1 where the filter runs at the record's own rate, 0 where it runs faster",
         );
-        let all = [corner, poles, own_rate];
+        let times = Parameter::new(
+            "times",
+            Quantity::Count,
+            "how many times one after the other, 2 where it runs forward and back; left out, once",
+        );
+        let all = [corner, poles, own_rate, times];
         all.into_iter().take(values.len().max(1)).collect()
     }
 
@@ -185,9 +202,11 @@ impl Effect for Entry {
         let one = filter::starts(&corners(16.0 * band.to_hz), &[&[]]);
         // Of others the flank is in the band, or there is nothing to know them by.
         let flanks = corners(0.7 * band.to_hz);
-        let within: [&[f64]; 4] = [&[1.0], &[2.0], &[3.0], &[4.0]];
-        let behind: [&[f64]; 3] = [&[1.0, 1.0], &[2.0, 1.0], &[4.0, 1.0]];
-        let others = filter::starts(&flanks, &[&within[..], &behind].concat());
+        let within: [&[f64]; 5] = [&[1.0], &[2.0], &[3.0], &[4.0], &[1.0, 0.0, 2.0]];
+        let behind: [&[f64]; 4] = [&[1.0, 1.0], &[2.0, 1.0], &[4.0, 1.0], &[8.0, 1.0]];
+        let forward_and_back: [&[f64]; 3] = [&[1.0, 1.0, 2.0], &[2.0, 1.0, 2.0], &[4.0, 1.0, 2.0]];
+        let sorts = [&within[..], &behind, &forward_and_back].concat();
+        let others = filter::starts(&flanks, &sorts);
         [one, others].concat()
     }
 }

@@ -101,6 +101,7 @@ const EFFECTS: &[(&str, &str)] = &[
     ("powerlaw", r#""exponent": 1.3, "density_1hz": 0.01"#),
     ("rolloff", r#""corner_hz": 200"#),
     ("averaging", r#""duration_s": 0.0075"#),
+    ("highpass", r#""corner_hz": 20"#),
     (
         "hum",
         r#""f_hz": 50, "amplitude_1": 0.1, "amplitude_2": 0.05"#,

@@ -23,9 +23,9 @@ const EFFECTS_PER_AXIS: u64 = 1 << 16;
 /// Makes the samples of one axis.
 pub struct AxisSimulation {
     generators: Vec<Box<dyn Generator>>,
-    /// What happens to the noise as it arises.
+    /// What happens to the noise ahead of the level.
     louder: Vec<Box<dyn Distorter>>,
-    /// What joins it behind that, since the record holds it once.
+    /// The level's course, which joins it behind that.
     joining: Vec<Box<dyn Generator>>,
     distorters: Vec<Box<dyn Distorter>>,
     followers: Vec<Follower>,
@@ -85,8 +85,14 @@ impl AxisSimulation {
         let values = axis.values_hz(rate_hz) / rate_hz;
         let rate_hz = axis.clock() * axis.values_hz(rate_hz);
         let mut parts = Parts::new(axis, rate_hz);
-        parts.add_coefficients(axis, index, mixing, seed);
+        parts.add_coefficients(axis, mixing, seed);
         let mut joining = Parts::new(axis, rate_hz);
+        let ramp = Coefficient::R;
+        // Nothing random is in it.
+        joining.add(
+            &*ramp.term(*axis.coefficients.get(ramp)),
+            Seed { seed, stream: 0 },
+        );
         let (mut louder, mut distorters): (Vec<_>, Vec<_>) = Default::default();
         for (effect_index, effect) in (0..).zip(&axis.effects) {
             let stream = Seed {
@@ -97,7 +103,7 @@ impl AxisSimulation {
                 Part::Term(term) if term.is_once() => joining.add(&*term, stream),
                 Part::Term(term) => parts.add(&*term, stream),
                 Part::Distortion(one) => {
-                    let is_first = one.stage() == Stage::Noise && distorters.is_empty();
+                    let is_first = one.stage() <= Stage::Noise && distorters.is_empty();
                     let all = if is_first {
                         &mut louder
                     } else {
@@ -166,7 +172,7 @@ impl AxisSimulation {
     /// The next `count` values of the sensor.
     fn next_values(&mut self, count: usize) -> Vec<f64> {
         while self.ready.len() < count {
-            let mut block = vec![self.mean; BLOCK];
+            let mut block = vec![0.0; BLOCK];
             for generator in &mut self.generators {
                 generator.add_to(&mut block);
             }
@@ -178,6 +184,7 @@ impl AxisSimulation {
             for distorter in &mut self.louder {
                 distorter.apply(&mut block);
             }
+            block.iter_mut().for_each(|value| *value += self.mean);
             for generator in &mut self.joining {
                 generator.add_to(&mut block);
             }
@@ -209,22 +216,21 @@ impl<'a> Parts<'a> {
         }
     }
 
-    /// The coefficients of axis `index`; `mixing` weighs the random numbers of the axes up to this one.
-    fn add_coefficients(&mut self, axis: &ModelAxis, index: u64, mixing: &[f64], seed: u64) {
+    /// The coefficients of an axis; `mixing` weighs the random numbers of the axes up to it.
+    fn add_coefficients(&mut self, axis: &ModelAxis, mixing: &[f64], seed: u64) {
         for (term_index, coefficient) in (0..).zip(Coefficient::ALL) {
             let value = *axis.coefficients.get(coefficient);
             if value == 0.0 {
+                continue;
+            }
+            if coefficient == Coefficient::R {
+                // Part of the level, not of the noise.
                 continue;
             }
             let stream = |source: u64| Seed {
                 seed,
                 stream: source * STREAMS_PER_AXIS + term_index,
             };
-            if coefficient == Coefficient::R {
-                // Nothing random in it.
-                self.add(&*coefficient.term(value), stream(index));
-                continue;
-            }
             // Every term is linear in its random numbers: weights on them are weights on it.
             for (source, weight) in (0..).zip(mixing).filter(|(_, weight)| **weight != 0.0) {
                 let term = coefficient.term(value * weight);

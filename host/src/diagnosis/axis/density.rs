@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::laws;
 use crate::fit::likelihood::components::SEEN;
-use crate::model::effect::Part;
+use crate::model::effect::{Part, Stage};
 use crate::model::{Coefficient, unnamed};
 
 impl AxisState {
@@ -31,6 +31,19 @@ impl AxisState {
         let filters = laws::filters(&self.laws);
         let shown = filters.iter().map(|one| one.shown(f_hz, self.rate_hz));
         shown.product()
+    }
+
+    /// The same of what happens to the level, which joins [behind a coupling](Stage::Coupling).
+    pub fn level_filters(&self, f_hz: f64) -> f64 {
+        let filters = laws::filters(&self.laws).into_iter();
+        let own = filters.filter(|one| one.stage() > Stage::Coupling);
+        own.map(|one| one.shown(f_hz, self.rate_hz)).product()
+    }
+
+    /// Whether any of the laws filters what happens to the level.
+    pub fn filters_level(&self) -> bool {
+        let filters = laws::filters(&self.laws);
+        filters.iter().any(|one| one.stage() > Stage::Coupling)
     }
 
     /// Its part that law number `which` adds, filters not included.

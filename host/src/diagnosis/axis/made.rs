@@ -61,7 +61,8 @@ impl AxisState {
             let mut transform = self.fast.transform(&self.filled, self.rate_hz);
             let density = self.densities(&transform);
             transform.close(&density, &self.seam(self.rate_hz));
-            let top = self.shut_out(&transform);
+            let buried = self.buried(&transform, &density);
+            let top = self.shut_out(&transform).min(buried);
             Arc::new(Whitened {
                 transform,
                 density,

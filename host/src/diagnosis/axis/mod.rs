@@ -2,6 +2,7 @@
 //! whitens the record.
 
 mod density;
+pub mod depth;
 mod excluded;
 mod explain;
 mod fill;

@@ -5,10 +5,8 @@ use std::ops::Range;
 use rayon::prelude::*;
 
 use crate::diagnosis::axis::AxisState;
-use crate::diagnosis::laws::Law;
 use crate::diagnosis::record::bridge::block_means;
 use crate::diagnosis::statistic::matched_filter::{Seam, Transform, Transformer};
-use crate::model::effect::Part;
 use crate::model::markov::{self, Markov};
 
 /// Points of the table of densities: over 20 octaves two of them differ by 0.007 in `ln f`, and the
@@ -80,14 +78,27 @@ impl AxisState {
         densities
     }
 
-    /// Amplitude that the signal chain and the laws which filter let through at the ordinates of `whole`; `None` where
-    /// nothing filters.
+    /// The first ordinate of `whole` from which on all that is left lies below the least density that whitens, or how many
+    /// there are: behind a filter that is so steep there is nothing but what the ends leak. A converter's stop band is its own.
+    pub(super) fn buried(&self, whole: &Transform, densities: &[f64]) -> usize {
+        if self.is_filtered() {
+            return densities.len();
+        }
+        /// What a sum of logarithms may be off by.
+        const ROUNDING: f64 = 1e-9;
+        let middle_hz = 0.2 * whole.frequency(densities.len() - 1);
+        let least = least(self.density(middle_hz) * self.ratio(middle_hz));
+        let is_buried = |density: &&f64| **density <= least * (1.0 + ROUNDING);
+        densities.len() - densities.iter().rev().take_while(is_buried).count()
+    }
+
+    /// Amplitude that the signal chain and the laws which filter let through of what happens to the level, at the ordinates of
+    /// `whole`; `None` where nothing filters.
     pub fn passed(&self, whole: &Transform) -> Option<Vec<f64>> {
-        let filters = |law: &Law| matches!(law.effect.part(&law.values), Part::Distortion(_));
-        let any = self.chain.is_some() || self.laws.iter().any(filters);
+        let any = self.chain.is_some() || self.filters_level();
         any.then(|| {
             tabulate(whole.len(), whole.rate_hz(), |f_hz| {
-                (self.bins.chain_power(f_hz) * self.filters(f_hz)).sqrt()
+                (self.bins.chain_power(f_hz) * self.level_filters(f_hz)).sqrt()
             })
         })
     }
@@ -178,6 +189,11 @@ impl AxisState {
     }
 }
 
+/// The least density that whitens, where that in the middle of the band is `middle`.
+fn least(middle: f64) -> f64 {
+    LEAST_SHARE * middle
+}
+
 /// Where a band is seen at `rate_hz`, hertz: above half of it, folded back.
 fn folded(band_hz: &Range<f64>, rate_hz: f64) -> Range<f64> {
     let end = |f_hz: f64| {
@@ -200,8 +216,7 @@ pub(super) fn tabulate(len: usize, rate_hz: f64, density: impl Fn(f64) -> f64) -
             density(log.exp()).max(f64::MIN_POSITIVE).ln()
         })
         .collect();
-    // What lies further below the middle of the band is hidden by the ends' own leakage.
-    let floor = LEAST_SHARE * density(0.2 * frequency(count - 1));
+    let floor = least(density(0.2 * frequency(count - 1)));
     let at = |k: usize| {
         let log = frequency(k).ln();
         let place = ((log - low) / (high - low) * TABLE as f64).clamp(0.0, TABLE as f64);

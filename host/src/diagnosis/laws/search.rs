@@ -18,8 +18,8 @@ pub use crate::diagnosis::laws::starts::{Fitted, Starts};
 const PROMISING: f64 = 2.0;
 
 /// Factor within which a filter has the corner, or the duration, of the plainest one that does nearly the same: a choice. Three means
-/// one after the other are as wide as one over less than twice as long.
-const ALIKE: f64 = 3.0;
+/// one after the other are as wide as one over less than twice as long; one pole in the place of eight has a fifth of their corner.
+const ALIKE: f64 = 6.0;
 
 /// Sorts of a filter that are fitted in full beside the plainest: a choice between time and the right one.
 const POLISHED: usize = 3;
@@ -178,6 +178,7 @@ mod tests {
     use crate::diagnosis::detect::trial::{RATE_HZ, Trial, noise};
     use crate::diagnosis::laws::spread::Spread;
     use crate::model::effect::Distortion;
+    use crate::model::highpass::{self, Coupling};
     use crate::model::random::Seed;
     use crate::model::rolloff::{self, RollOff};
     use crate::model::rounding::Rounding;
@@ -190,9 +191,34 @@ mod tests {
     }
 
     #[test]
+    fn what_keeps_the_slow_out_is_found_with_its_poles() {
+        for counts in [&[][..], &[2.0]] {
+            let mut values = noise(SEED);
+            let random = Seed {
+                seed: SEED,
+                stream: 9,
+            };
+            let filter = Coupling::of(&[&[0.5], counts].concat());
+            filter.distorter(RATE_HZ, random).apply(&mut values);
+            let axis = Trial::new(values).axis;
+            let starts = axis.starts().expect("bins");
+            let found = search(axis.fitted(), &starts, highpass::KIND).expect("a filter");
+            assert_eq!(found.law.counts(), counts, "seed {SEED}");
+            let corner_hz = found.law.values[0];
+            let laws = std::slice::from_ref(&found.law);
+            let sd = Spread::new(&axis.bins, &axis.data, laws, &found.fit).log_deviations(0)[0];
+            assert!(
+                (corner_hz / 0.5).ln().abs() < 5.0 * sd,
+                "seed {SEED}, {counts:?}: {corner_hz} Hz, {sd}"
+            );
+            assert!(found.p_value < 1e-9, "seed {SEED}: {}", found.p_value);
+        }
+    }
+
+    #[test]
     fn the_sort_of_a_filter_is_found_and_codes_have_a_floor_behind_it() {
         let step = 0.3;
-        for counts in [&[][..], &[2.0], &[4.0], &[2.0, 1.0]] {
+        for counts in [&[][..], &[2.0], &[4.0], &[2.0, 1.0], &[2.0, 1.0, 2.0]] {
             let mut values = noise(SEED);
             let filter = RollOff::of(&[&[10.0], counts].concat());
             let random = Seed {

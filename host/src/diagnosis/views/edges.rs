@@ -2,8 +2,6 @@
 //! ([`crate::model::steps::Steps`]), and so they stay here.
 
 use crate::diagnosis::axis::{AxisState, SPREAD};
-use crate::diagnosis::laws::Law;
-use crate::model::effect::Part;
 
 /// Makes the jumps of `axis` in `wave`, its deterministic part, pass the laws of the model that filter: there a jump takes
 /// as long as they.
@@ -29,12 +27,11 @@ pub fn soften(axis: &AxisState, wave: &mut [f64]) {
 /// Course of a jump from 0 to 1 behind them, from [`SPREAD`] samples before it to as many after; `None` where nothing
 /// filters.
 fn passage(axis: &AxisState) -> Option<Vec<f64>> {
-    let filters = |law: &Law| matches!(law.effect.part(&law.values), Part::Distortion(_));
-    if !axis.laws.iter().any(filters) {
+    if !axis.filters_level() {
         return None;
     }
     let ring = &axis.whitened().transform;
-    let answer = ring.answer(|k| axis.filters(ring.frequency(k)).sqrt());
+    let answer = ring.answer(|k| axis.level_filters(ring.frequency(k)).sqrt());
     let about = (0..2 * SPREAD).map(|n| answer[(n + answer.len() - SPREAD) % answer.len()]);
     let sums = about.scan(0.0, |sum, one| {
         *sum += one;
@@ -51,13 +48,14 @@ mod tests {
     use super::*;
     use crate::diagnosis::detect::trial::{self, Trial, noise};
     use crate::diagnosis::explanation::Change;
+    use crate::diagnosis::laws::Law;
     use crate::diagnosis::record::wave::Wave;
-    use crate::model::{rolloff, steps};
+    use crate::model::{highpass, rolloff, steps};
 
     const SEED: u64 = 40;
 
-    /// A jump by 4 as the model has it, behind a pole at 10 Hz or none.
-    fn modelled(pole: bool) -> Vec<f64> {
+    /// A jump by 4 as the model has it, behind a pole at 10 Hz or none, or a coupling of 1 Hz.
+    fn modelled(pole: bool, coupling: bool) -> Vec<f64> {
         let jumps = [trial::jump(9000, 4.0)];
         let mut values = noise(SEED);
         trial::add(&mut values, &Wave::Steps(jumps.to_vec()));
@@ -73,6 +71,10 @@ mod tests {
             let (effect, values) = (rolloff::KIND, vec![10.0]);
             trial.know(rolloff::KIND, [10.0], Change::Law(Law { effect, values }));
         }
+        if coupling {
+            let (effect, values) = (highpass::KIND, vec![1.0]);
+            trial.know(highpass::KIND, [1.0], Change::Law(Law { effect, values }));
+        }
         let mut wave = trial.axis.residual.waveform();
         soften(&trial.axis, &mut wave);
         wave
@@ -80,9 +82,10 @@ mod tests {
 
     #[test]
     fn a_jump_behind_a_rolloff_takes_its_time_and_arrives() {
-        let sharp = modelled(false);
+        let sharp = modelled(false, false);
         assert_eq!((sharp[8999], sharp[9000]), (0.0, 4.0));
-        let soft = modelled(true);
+        assert_eq!(modelled(false, true), sharp, "the level joins behind it");
+        let soft = modelled(true, false);
         // A pole at a tenth of the rate keeps half within a sample and nothing after thirty.
         assert!(
             soft[8999] > 0.4 && soft[9000] < 3.6,

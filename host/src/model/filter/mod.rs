@@ -1,5 +1,7 @@
 //! Filters on all of a record, by their power response, and where they are.
 
+mod high_pass;
+mod mirror;
 mod poles;
 mod running_means;
 mod symmetric;
@@ -7,6 +9,8 @@ mod symmetric;
 use std::f64::consts::PI;
 
 use super::effect::Distorter;
+pub use high_pass::HighPass;
+use mirror::Mirror;
 pub use poles::Poles;
 pub use running_means::RunningMeans;
 pub use symmetric::{REACH, SymmetricFilter};
@@ -36,7 +40,7 @@ impl Place {
 const OTHER_SORT: f64 = 2.0;
 
 /// The least power of a filter, as a part of what it lets through: a choice that keeps logarithms finite.
-pub const DEEPEST: f64 = 1e-9;
+pub const DEEPEST: f64 = 1e-15;
 
 /// What makes the values of a filter unlikely, nats: those of the plainest sort have no counts.
 pub const fn surprise_nats(values: &[f64]) -> f64 {
@@ -64,10 +68,9 @@ const MOST_SETTLING: usize = 1 << 20;
 pub struct Filter {
     symmetric: SymmetricFilter,
     poles: Poles,
-    /// Samples that are mirrored before the record: those in which the poles settle, and a window's.
-    mirrored: usize,
-    /// The beginning of the record, until there is enough for its mirror image.
-    beginning: Vec<f64>,
+    mirror: Mirror,
+    /// Samples in which the poles settle.
+    settling: usize,
     /// Values that are not the record's yet, once it has begun.
     unsettled: Option<usize>,
 }
@@ -76,12 +79,12 @@ impl Filter {
     /// With this `power` at a frequency in hertz, one at zero; `poles` are what of it takes long to settle.
     pub fn new(poles: Poles, power: impl Fn(f64) -> f64, rate_hz: f64) -> Self {
         let gain = |share: f64| (power(0.5 * rate_hz * share) / poles.power(PI * share)).sqrt();
-        let settling = ((SETTLED / poles.slowest()).ceil() as usize).min(MOST_SETTLING);
+        let settling = settling(poles.slowest());
         Self {
             symmetric: SymmetricFilter::new(gain),
             poles,
-            mirrored: settling + REACH,
-            beginning: Vec::new(),
+            mirror: Mirror::new(settling + REACH),
+            settling,
             unsettled: None,
         }
     }
@@ -95,22 +98,13 @@ impl Filter {
 
 impl Distorter for Filter {
     fn apply(&mut self, samples: &mut Vec<f64>) {
-        let mut came = std::mem::take(samples);
-        let mut unsettled = match self.unsettled {
-            Some(unsettled) => unsettled,
-            None => {
-                self.beginning.append(&mut came);
-                if self.beginning.len() <= self.mirrored {
-                    return;
-                }
-                // Before the record its mirror image: at the same level, and as loud.
-                let mut mirror: Vec<f64> = self.beginning[1..=self.mirrored].to_vec();
-                mirror.reverse();
-                self.poles.rest_at(mirror[0]);
-                came = [mirror, std::mem::take(&mut self.beginning)].concat();
-                self.mirrored - REACH
-            }
+        let Some(came) = self.mirror.before(std::mem::take(samples)) else {
+            return;
         };
+        let mut unsettled = self.unsettled.unwrap_or_else(|| {
+            self.poles.rest_at(came[0]);
+            self.settling
+        });
         for value in self.symmetric.pass(&came) {
             let value = self.poles.follow(value);
             if unsettled > 0 {
@@ -121,4 +115,9 @@ impl Distorter for Filter {
         }
         self.unsettled = Some(unsettled);
     }
+}
+
+/// Samples in which a filter settles whose slowest decay is so many nepers a sample.
+fn settling(slowest: f64) -> usize {
+    ((SETTLED / slowest).ceil() as usize).min(MOST_SETTLING)
 }

@@ -56,6 +56,15 @@ impl Poles {
         }
     }
 
+    /// The same so many times, one after the other.
+    pub fn repeated(self, times: u8) -> Self {
+        let times = usize::from(times);
+        Self {
+            sections: self.sections.repeat(times),
+            places: self.places.repeat(times),
+        }
+    }
+
     /// Takes it that all that came before was `value`.
     pub fn rest_at(&mut self, value: f64) {
         for section in &mut self.sections {

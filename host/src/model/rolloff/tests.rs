@@ -10,6 +10,7 @@ fn filtered(corner_hz: f64, seed: u64, count: usize, block: usize) -> Vec<f64> {
     let mut filter = RollOff {
         corner_hz,
         poles: 1,
+        times: 1,
         place: Place::Ahead,
     }
     .distorter(1000.0, Seed { seed, stream: 1 });
@@ -26,24 +27,30 @@ fn filtered(corner_hz: f64, seed: u64, count: usize, block: usize) -> Vec<f64> {
 #[test]
 fn the_filter_has_the_response_of_the_law() {
     const RATE_HZ: f64 = 10.0;
-    let one = [1e-6, 3.6e-3, 7.5e-3, 0.1, 0.5, 8.0].map(|share| (1, share, Place::Ahead));
+    let one = [1e-6, 3.6e-3, 7.5e-3, 0.1, 0.5, 8.0].map(|share| (1, 1, share, Place::Ahead));
     let more = [
-        (1, 0.1, Place::Within),
-        (2, 0.01, Place::Within),
-        (2, 0.4, Place::Within),
-        (4, 0.2, Place::Within),
-        (1, 0.05, Place::Behind),
-        (2, 0.02, Place::Behind),
-        (4, 0.2, Place::Behind),
+        (1, 1, 0.1, Place::Within),
+        (2, 1, 0.01, Place::Within),
+        (2, 1, 0.4, Place::Within),
+        (4, 1, 0.2, Place::Within),
+        (1, 2, 0.1, Place::Within),
+        (1, 1, 0.05, Place::Behind),
+        (2, 1, 0.02, Place::Behind),
+        (4, 1, 0.2, Place::Behind),
+        (2, 2, 0.1, Place::Behind),
     ];
-    for (poles, share, place) in one.into_iter().chain(more) {
+    for (poles, times, share, place) in one.into_iter().chain(more) {
         let law = RollOff {
             corner_hz: share * RATE_HZ,
             poles,
+            times,
             place,
         };
-        let poles = Poles::new(usize::from(law.poles), TAU * law.corner_hz / RATE_HZ);
-        let filter = Filter::new(poles, |f_hz| law.power(f_hz, RATE_HZ), RATE_HZ);
+        let filter = Filter::new(
+            law.digital(RATE_HZ),
+            |f_hz| law.power(f_hz, RATE_HZ),
+            RATE_HZ,
+        );
         for f_hz in (1..90).map(|step| 0.05 * f64::from(step)) {
             let made = filter.power(TAU * f_hz / RATE_HZ);
             let meant = law.power(f_hz, RATE_HZ);

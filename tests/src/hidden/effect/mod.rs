@@ -8,6 +8,7 @@ mod common_mode;
 mod cyclic;
 mod drift;
 mod dropped;
+mod highpass;
 mod hum;
 pub(crate) mod lorentzian;
 mod markov;
@@ -274,6 +275,11 @@ pub static KINDS: &[Kind] = &[
         name: "timebase",
         axes: 1,
         draw: timebase::draw,
+    },
+    Kind {
+        name: "highpass",
+        axes: 1,
+        draw: highpass::draw,
     },
 ];
 

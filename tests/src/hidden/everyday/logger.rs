@@ -89,16 +89,42 @@ pub fn decimated(room: &Room, draw: &mut Draw) -> Disturbance {
     all(Box::new(digitise))
 }
 
-/// A script that has filtered the record by a digital Butterworth low-pass.
+/// A script that has filtered the record by a digital Butterworth low-pass, half of them forward and back.
 pub fn scripted(room: &Room, draw: &mut Draw) -> Disturbance {
     let rate_hz = room.rate_hz;
     let corner = draw.log_uniform(CORNERS.0, CORNERS.1);
     let poles = draw.pick(&[1, 2, 4]);
+    let times = draw.pick(&[1, 2]);
     let filter = move |samples: &mut [f64]| {
         let passed = |f_hz: f64| {
             // At half the rate the tangent has no end.
             let corners = (PI * f_hz / rate_hz).tan() / (PI * corner).tan();
-            1.0 / (1.0 + corners.abs().min(1e9).powi(2 * poles))
+            (1.0 + corners.abs().min(1e9).powi(2 * poles)).powi(-times)
+        };
+        chain::filter(samples, rate_hz, passed);
+    };
+    all(Box::new(filter))
+}
+
+/// What is slow does not come through: a coupling of one pole, a geophone's two, or a running mean that a script took away.
+pub fn coupled(room: &Room, draw: &mut Draw) -> Disturbance {
+    /// Periods of the corner in the record at least, and samples in one: fewer show in no spectrum.
+    const LEAST: (f64, f64) = (50.0, 30.0);
+    let rate_hz = room.rate_hz;
+    let period = draw.log_uniform(LEAST.1, room.samples as f64 / LEAST.0);
+    let sort = draw.index(3);
+    let filter = move |samples: &mut [f64]| {
+        let passed = |f_hz: f64| {
+            let turns = f_hz / rate_hz * period;
+            match sort {
+                0 | 1 => {
+                    let corners = turns.powi(2 * (1 + sort as i32));
+                    corners / (1.0 + corners)
+                }
+                _ if turns == 0.0 => 0.0,
+                // A mean over a period, centred.
+                _ => (1.0 - (PI * turns).sin() / (PI * turns)).powi(2),
+            }
         };
         chain::filter(samples, rate_hz, passed);
     };

@@ -135,6 +135,13 @@ pub static EVERYDAY: &[Everyday] = &[
         rate_hz: 10.0,
         draw: logger::scripted,
     },
+    Everyday {
+        name: "coupled",
+        names: &["highpass"],
+        beside: &[],
+        rate_hz: 10.0,
+        draw: logger::coupled,
+    },
 ];
 
 /// The disturbance of this name.

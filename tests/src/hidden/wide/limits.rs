@@ -12,6 +12,8 @@ pub enum End {
     Reaches(&'static str, f64),
     /// Where the corner falls to this share of the rate; the strength goes with its square.
     Corner(f64),
+    /// Where the corner rises to this share of the rate, the strength with it.
+    CornerUp(f64),
     /// At this share of the samples; strength 1 is `CLIPPED` of them.
     Clipped(f64),
 }
@@ -44,7 +46,7 @@ const fn limit(kind: &'static str, end: End, samples: usize, rate_hz: f64) -> Li
 /// Every kind of the catalogue that is hidden. Mains have their fifth harmonic below half of 800/s; a cycle
 /// of a thousand samples is there twenty times in 2^15; two rates that differ by 0.2 % show in 2^16
 /// samples.
-pub const LIMITS: [Limit; 23] = [
+pub const LIMITS: [Limit; 24] = [
     limit("sinusoid", End::Times(1000.0), 0, 0.0),
     limit("hum", End::Times(1000.0), 0, 800.0),
     limit("markov", End::Times(1000.0), 0, 0.0),
@@ -70,6 +72,8 @@ pub const LIMITS: [Limit; 23] = [
     limit("timebase", End::Times(1000.0), 1 << 16, 0.0),
     limit("shock", End::Times(1000.0), 1 << 16, 0.0),
     limit("wandering_line", End::Times(1000.0), 1 << 16, 0.0),
+    // What is faster is a difference of samples.
+    limit("highpass", End::CornerUp(0.03), 0, 0.0),
 ];
 
 /// The row of a kind; none for what the catalogue does not have.
@@ -89,6 +93,10 @@ pub fn cap(kind: &str, unit: &dyn Effect, scene: &Scene) -> f64 {
         End::Corner(share) => {
             let lowest_hz = share * scene.rate_hz;
             parameter("corner_hz").map_or(1.0, |one| (one / lowest_hz).powi(2))
+        }
+        End::CornerUp(share) => {
+            let highest_hz = share * scene.rate_hz;
+            parameter("corner_hz").map_or(1.0, |one| highest_hz / one)
         }
         End::Clipped(share) => share * scene.samples as f64 / CLIPPED,
     };

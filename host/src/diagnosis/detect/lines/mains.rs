@@ -68,6 +68,14 @@ pub fn wandering(f_hz: f64) -> String {
 
 /// Gathers what fits one mains frequency, where a line may be alone, and one machine after another.
 pub fn with_hum(singles: Vec<Measured>) -> Vec<Group> {
+    // Mains does not keep to half the rate for as long as a record lasts.
+    let (own, singles): (Vec<_>, Vec<_>) = singles.into_iter().partition(Measured::is_at_half);
+    let own = own.into_iter().map(Group::Single);
+    own.chain(of_one_cause(singles)).collect()
+}
+
+/// Lines below half the rate by their causes.
+fn of_one_cause(singles: Vec<Measured>) -> Vec<Group> {
     // The base frequency that most lines are multiples of, by the strongest line that is one.
     let mut best: Option<(f64, f64, Vec<usize>)> = None;
     for nominal_hz in MAINS_HZ {

@@ -33,6 +33,13 @@ pub struct Measured {
     pub amplitude_sd: f64,
 }
 
+impl Measured {
+    /// Whether it is at half the rate, where it is its own mirror image.
+    pub fn is_at_half(&self) -> bool {
+        matches!(self.wave, Wave::Line { cycles, .. } if cycles == 0.5)
+    }
+}
+
 /// Blocks in which a record is kept that is looked at about a frequency: 4/T away from it a block turns by a 64th of a
 /// cycle from its begin to its end, which takes 0.04 % off a line.
 const BLOCKS: usize = 256;
@@ -78,13 +85,23 @@ pub fn measure_near(axis: &AxisState, f_hz: f64, p_value: f64) -> Measured {
 
 /// Size and phase of a line by least squares with tapered ends.
 pub fn measure(axis: &AxisState, line: &Line) -> Measured {
-    let cycles = line.frequency_hz / axis.rate_hz;
+    let mut cycles = line.frequency_hz / axis.rate_hz;
+    // At half the rate a line is its own mirror image: of a sine nothing is seen, of a cosine twice as much.
+    let is_mirrored = (0.5 - cycles) * (axis.filled.len() as f64) < 0.5;
+    if is_mirrored {
+        cycles = 0.5;
+    }
     let Demodulated { sums, weights } = Demodulated::new(axis, cycles);
     let sum: Complex64 = sums.iter().sum();
-    let (cosine, sine) = (sum.re / weights, -sum.im / weights);
+    let (cosine, sine) = if is_mirrored {
+        (0.5 * sum.re / weights, 0.0)
+    } else {
+        (sum.re / weights, -sum.im / weights)
+    };
     let amplitude_sd = UNDECLARED.sqrt() * amplitude_sd(axis, line.frequency_hz, weights);
     Measured {
         line: Line {
+            frequency_hz: cycles * axis.rate_hz,
             amplitude: cosine.hypot(sine),
             ..*line
         },

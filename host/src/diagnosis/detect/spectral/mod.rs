@@ -35,7 +35,7 @@ pub use switching::anywhere as switching_anywhere;
 
 /// Looks for the law that is worth most; one test for each shape that the catalogue has.
 pub static DETECTOR: Detector = Detector {
-    tests: 5,
+    tests: 6,
     look: strongest_law,
 };
 
@@ -96,8 +96,13 @@ fn significant(look: &Look<'_>) -> Result<Vec<Found>, NoFit> {
     let kinds = CATALOGUE.par_iter().filter(|kind| look.is_open(**kind));
     let found = kinds.filter_map(|&kind| search::search(axis.fitted(), &starts, kind));
     let mut found: Vec<Found> = found.collect();
-    // Only what is significant competes: a search over more shapes gains more by chance.
-    found.retain(|one| one.p_value < level);
+    // Only what is significant competes: a search over more shapes gains more by chance, and what is seldom built has less of
+    // the level.
+    let level_of = |law: &Law| {
+        let surprise = law.effect.surprise_nats(&law.values, axis.rate_hz);
+        level * (-surprise).exp()
+    };
+    found.retain(|one| one.p_value < level_of(&one.law));
     let worth = |one: &Found| worth(axis.rate_hz, one);
     found.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
     Ok(found)

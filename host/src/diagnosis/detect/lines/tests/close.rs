@@ -1,4 +1,4 @@
-//! Lines that stand close, and how far one stands out.
+//! Lines that stand close, also to their own mirror image, and how far one stands out.
 
 use super::*;
 
@@ -48,5 +48,28 @@ fn a_line_that_is_measured_anew_stands_out_as_far() {
         let off = near.line.ratio / (lines[0].amplitude.powi(2) / noise);
         // The amplitude is known to a four-hundredth: five deviations of its square.
         assert!((off - 1.0).abs() < 0.025, "seed {seed}: {off}");
+    }
+}
+
+#[test]
+fn at_half_the_rate_a_line_is_measured_beside_its_mirror_image() {
+    for seed in 46..49 {
+        let mut values = noise(seed);
+        let alternating = (0..values.len()).map(|n| if n % 2 == 0 { 0.5 } else { -0.5 });
+        values
+            .iter_mut()
+            .zip(alternating)
+            .for_each(|(value, own)| *value += own);
+        let one = trial::candidate(Trial::new(values).ask(&DETECTOR));
+        let one = one.expect("a line").effect;
+        assert_eq!(one.kind, sinusoid::KIND, "seed {seed}");
+        let value = |place: usize| one.values[place].as_ref().map(|value| value.value);
+        let [f_hz, amplitude] = [0, 1].map(|place| value(place).expect("a number"));
+        assert!(
+            (f_hz - 0.5 * trial::RATE_HZ).abs() < 1e-9,
+            "seed {seed}: {f_hz} Hz"
+        );
+        // Of deviation sqrt(S rate / n), 0.007 of the shortest record; five of them.
+        assert!((amplitude - 0.5).abs() < 0.035, "seed {seed}: {amplitude}");
     }
 }
