@@ -4,24 +4,37 @@ use std::f64::consts::PI;
 
 use super::Seed;
 use super::effect::{Band, Distorter, Distortion, Effect, Parameter, Part, Quantity, Stage};
-use super::filter::{self, DEEPEST, HighPass};
+use super::filter::{self, DEEPEST, HighPass, LessMean};
 use super::kind::Kind;
 use super::marks::Mark;
 
-/// Poles of a Butterworth high-pass on all that is there.
-///
-/// `|H|^2 = x^(2 poles) / (1 + x^(2 poles))`, `x = tan(pi f / rate) / tan(pi corner / rate)`: by the bilinear transform, which
-/// is the analog filter far below the rate, where corners are.
+/// What keeps the slow out of all that is noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coupling {
-    /// Frequency of half power, hertz.
+    /// Frequency of half power, or one over the time that a mean is over, hertz.
     pub corner_hz: f64,
-    /// How many poles, one or more.
-    pub poles: u8,
+    /// What does it.
+    pub sort: Sort,
+}
+
+/// Sorts of what keeps the slow out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sort {
+    /// So many poles of a Butterworth response: `|H|^2 = x^(2 poles) / (1 + x^(2 poles))`, `x = tan(pi f / rate) /
+    /// tan(pi corner / rate)`, by the bilinear transform, which is the analog filter far below the rate, where corners are.
+    Poles(u8),
+    /// The mean of what came up to each sample is taken away: `|H|^2 = 1 - 2 s cos p + s^2`, `p = pi f / corner`, `s = sin p / p`.
+    MeanBefore,
+    /// The mean about each sample is: `|H|^2 = (1 - s)^2`.
+    MeanAbout,
 }
 
 /// Poles at most: a choice. A coupling has one, a geophone two, a filter for hum in ears four.
 const MOST_POLES: f64 = 12.0;
+
+/// Least power that a record shows: what goes through is cut off at either end, and in means over blocks some of it passes for
+/// slow. A choice, far below what any drift is that matters.
+const DEEPEST_SHOWN: f64 = 1e-3;
 
 /// Up to which share of the rate a frequency is bent: a choice that keeps numbers finite.
 const HIGHEST: f64 = 0.4999;
@@ -29,10 +42,15 @@ const HIGHEST: f64 = 0.4999;
 impl Coupling {
     /// With these parameters, in the catalogue's order; of one pole where no more is said.
     pub fn of(values: &[f64]) -> Self {
-        let poles = values.get(1).copied().unwrap_or(1.0);
+        let sort = match (values.get(1), values.get(2)) {
+            (None, _) => Sort::Poles(1),
+            (Some(poles), _) if *poles >= 1.0 => Sort::Poles(poles.min(MOST_POLES) as u8),
+            (_, Some(centred)) if *centred > 0.0 => Sort::MeanAbout,
+            _ => Sort::MeanBefore,
+        };
         Self {
             corner_hz: values[0],
-            poles: poles.clamp(1.0, MOST_POLES) as u8,
+            sort,
         }
     }
 
@@ -48,20 +66,36 @@ impl Distortion for Coupling {
     }
 
     fn power(&self, f_hz: f64, rate_hz: f64) -> f64 {
-        let corners = Self::bent(f_hz, rate_hz) / Self::bent(self.corner_hz, rate_hz);
-        let passed = corners.powi(2 * i32::from(self.poles));
-        if passed.is_finite() {
-            (passed / (1.0 + passed)).max(DEEPEST)
-        } else {
+        let phase = PI * f_hz / self.corner_hz;
+        let mean = if phase == 0.0 {
             1.0
-        }
+        } else {
+            phase.sin() / phase
+        };
+        let power = match self.sort {
+            Sort::Poles(poles) => {
+                let corners = Self::bent(self.corner_hz, rate_hz) / Self::bent(f_hz, rate_hz);
+                1.0 / (1.0 + corners.powi(2 * i32::from(poles)))
+            }
+            Sort::MeanBefore => 1.0 - 2.0 * mean * phase.cos() + mean * mean,
+            Sort::MeanAbout => (1.0 - mean).powi(2),
+        };
+        power.max(DEEPEST)
+    }
+
+    fn shown(&self, f_hz: f64, rate_hz: f64) -> f64 {
+        self.power(f_hz, rate_hz).max(DEEPEST_SHOWN)
     }
 
     fn distorter(&self, rate_hz: f64, _seed: Seed) -> Box<dyn Distorter> {
-        Box::new(HighPass::new(
-            self.poles,
-            Self::bent(self.corner_hz, rate_hz),
-        ))
+        let samples = (rate_hz / self.corner_hz).max(1.0);
+        match self.sort {
+            Sort::Poles(poles) => {
+                Box::new(HighPass::new(poles, Self::bent(self.corner_hz, rate_hz)))
+            }
+            Sort::MeanBefore => Box::new(LessMean::new(samples, 0)),
+            Sort::MeanAbout => Box::new(LessMean::new(samples, (0.5 * samples) as usize)),
+        }
     }
 }
 
@@ -94,9 +128,14 @@ impl Effect for Entry {
         let poles = Parameter::new(
             "poles",
             Quantity::Count,
-            "poles of a Butterworth response; left out, one",
+            "poles of a Butterworth response; left out, one; 0 where a running mean over 1 / corner_hz is taken away",
         );
-        let all = [corner, poles];
+        let centred = Parameter::new(
+            "centred",
+            Quantity::Count,
+            "1 where that mean is about each sample, 0 or left out where it is up to it",
+        );
+        let all = [corner, poles, centred];
         all.into_iter().take(values.len().max(1)).collect()
     }
 
@@ -109,9 +148,9 @@ impl Effect for Entry {
     }
 
     fn surprise_nats(&self, values: &[f64], _rate_hz: f64) -> f64 {
-        /// What a coupling costs: one record in a thousand has one, a choice. A walk behind one pole is noise with a correlation
+        /// What a coupling costs: one record in 150 has one, a choice. A walk behind one pole is noise with a correlation
         /// time, of which nothing but the white noise far below all that tells it.
-        const NATS: f64 = 7.0;
+        const NATS: f64 = 5.0;
         NATS + filter::surprise_nats(values)
     }
 
@@ -125,7 +164,7 @@ impl Effect for Entry {
             to_hz: BELOW_HIGHEST * band.to_hz,
         };
         let corners: Vec<f64> = corners.steps(2.0).collect();
-        filter::starts(&corners, &[&[], &[2.0]])
+        filter::starts(&corners, &[&[], &[2.0], &[0.0], &[0.0, 1.0]])
     }
 }
 

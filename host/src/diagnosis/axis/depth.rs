@@ -39,8 +39,10 @@ pub fn shallow(measured: &[f64], axis: &AxisState) -> Option<Shallow> {
     let mut bins = axis.data.f_hz.iter().zip(&axis.data.psd);
     let is_deep = bins.any(|(f_hz, psd)| *f_hz > FROM * axis.rate_hz && *psd < floor);
     is_deep.then(|| {
-        // The same noise for the same record.
-        let mut noise = Gaussian::new(Seed { seed: 0, stream: 0 }, deviation);
+        // The same for the same record, and another for each axis: what axes share has a name.
+        let seed = measured.iter().find(|value| value.is_finite());
+        let seed = seed.map_or(0, |value| value.to_bits());
+        let mut noise = Gaussian::new(Seed { seed, stream: 0 }, deviation);
         let measured = measured.iter().map(|value| value + noise.draw()).collect();
         Shallow { measured, floor }
     })

@@ -192,7 +192,7 @@ mod tests {
 
     #[test]
     fn what_keeps_the_slow_out_is_found_with_its_poles() {
-        for counts in [&[][..], &[2.0]] {
+        for counts in [&[][..], &[2.0], &[0.0, 1.0]] {
             let mut values = noise(SEED);
             let random = Seed {
                 seed: SEED,

@@ -1,6 +1,7 @@
 //! Filters on all of a record, by their power response, and where they are.
 
 mod high_pass;
+mod less_mean;
 mod mirror;
 mod poles;
 mod running_means;
@@ -10,6 +11,7 @@ use std::f64::consts::PI;
 
 use super::effect::Distorter;
 pub use high_pass::HighPass;
+pub use less_mean::LessMean;
 use mirror::Mirror;
 pub use poles::Poles;
 pub use running_means::RunningMeans;
