@@ -16,13 +16,14 @@ use inm_tests::hidden::judge::program::Program;
 use serde_json::Value;
 
 /// Models and what they mean. One with a new effect is a new file and a line here.
-const MODELS: [[&str; 2]; 6] = [
+const MODELS: [[&str; 2]; 7] = [
     ["model.json", "law.json"],
     ["cyclic.model.json", "cyclic.law.json"],
     ["unnamed.model.json", "unnamed.law.json"],
     ["drift.model.json", "drift.law.json"],
     ["averaging.model.json", "averaging.law.json"],
     ["held.model.json", "held.law.json"],
+    ["highpass.model.json", "highpass.law.json"],
 ];
 
 /// Captures and what was said of them, by the version of the protocol.

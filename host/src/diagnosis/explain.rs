@@ -68,6 +68,26 @@ pub struct Bare {
     pub slope: f64,
 }
 
+/// White noise that is known to join behind all filters.
+struct Floors {
+    /// Step of the grid that all values lie on.
+    rounded_to: Option<f64>,
+    /// Density of what hides the [depth](depth) of the spectrum.
+    hidden: f64,
+    /// Level of one test.
+    level: f64,
+}
+
+impl Floors {
+    /// An axis that knows of it.
+    fn known_to(&self, mut axis: AxisState) -> AxisState {
+        let of_rounding = |step| coarse_grid::floor(&axis, step, self.level);
+        let floor = self.hidden + self.rounded_to.map_or(0.0, of_rounding);
+        axis.bins.know_floor(floor);
+        axis
+    }
+}
+
 /// Refuses a record that holds too little for any finding.
 fn long_enough(signal: &Axis, measured: &[f64]) -> Result<(), Refused> {
     let good = measured.iter().filter(|value| value.is_finite()).count();
@@ -95,7 +115,7 @@ pub fn explain(
     let (measured, mean) = record.centred(signal.scale);
     long_enough(signal, &measured)?;
     let level = level_of_one_test(options);
-    let measured = Arc::new(measured);
+    let mut measured = Arc::new(measured);
     let of = |measured: &Arc<Vec<f64>>, chain: Option<&Chain>| {
         let axis = AxisState::new(Arc::clone(measured), rate_hz, chain);
         axis.ok_or_else(|| refusal(signal, measured))
@@ -106,20 +126,18 @@ pub fn explain(
         || of(&measured, signal.chain.as_ref()),
     );
     let mut first = first?;
-    let shallow = depth::shallow(&measured, &first);
-    let hidden = shallow.as_ref().map_or(0.0, |shallow| shallow.floor);
-    let measured = shallow.map_or(measured, |shallow| Arc::new(shallow.measured));
-    if hidden > 0.0 {
+    let mut hidden = 0.0;
+    if let Some(shallow) = depth::shallow(&measured, &first) {
+        (measured, hidden) = (Arc::new(shallow.measured), shallow.floor);
         first = of(&measured, signal.chain.as_ref())?;
     }
-    let rounded = |mut axis: AxisState| {
-        let floor = |step| coarse_grid::floor(&axis, step, level);
-        let floor = hidden + values.rounded_to.map_or(0.0, floor);
-        axis.bins.know_floor(floor);
-        axis
+    let floors = Floors {
+        rounded_to: values.rounded_to,
+        hidden,
+        level,
     };
-    first = rounded(first);
-    let begin_with = |chain: Option<&Chain>| of(&measured, chain).map(rounded);
+    first = floors.known_to(first);
+    let begin_with = |chain: Option<&Chain>| Ok(floors.known_to(of(&measured, chain)?));
     let covariate = options.covariate.as_deref().map(Reading::of);
     let decided = |decision| progress(&signal.name, Step::Decided(decision));
     let from = |first: AxisState, chain: Option<&Chain>| {
