@@ -1,8 +1,6 @@
 //! One pole that keeps the slow out, a coupling: it acts on everything.
 
-use std::f64::consts::TAU;
-
-use super::lorentzian::{lorentzian, width_of};
+use super::lorentzian::in_place_of_a_pole;
 use super::{Effect, Evidence, Scene, Truth};
 use crate::hidden::draw::Draw;
 use crate::hidden::ideal::grid::Grid;
@@ -18,9 +16,6 @@ pub fn draw(scene: &Scene, _draw: &mut Draw) -> Box<dyn Effect> {
     let corner_hz = PERIODS * scene.rate_hz / scene.samples as f64;
     Box::new(Highpass { corner_hz })
 }
-
-/// Correlation times of noise that is one, in those of the pole.
-const TIMES: [f64; 9] = [0.1, 0.3, 0.6, 0.8, 1.0, 1.2, 1.6, 3.0, 10.0];
 
 impl Effect for Highpass {
     fn truths(&self) -> Vec<Truth> {
@@ -44,15 +39,7 @@ impl Effect for Highpass {
         if !seen.suffices() {
             return seen;
         }
-        let markov = TIMES.iter().map(|time| {
-            let width_hz = width_of(time / (TAU * self.corner_hz));
-            let mut parts = base.clone();
-            parts.push(grid.at(|f_hz| {
-                let passed = scene.chain.power(f_hz, scene.rate_hz);
-                lorentzian(f_hz, 0.0, width_hz, scene) * passed
-            }));
-            parts
-        });
+        let markov = in_place_of_a_pole(self.corner_hz, &base, &grid, scene);
         Evidence {
             rival_error: contrast_nearest(&truth, markov, &grid).error(),
             ..seen

@@ -2,6 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use crate::hidden::ideal::grid::Grid;
 use crate::hidden::scene::Scene;
 
 /// Two-sided density per hertz of unit-variance noise with autocorrelation
@@ -23,4 +24,24 @@ pub fn lorentzian(f_hz: f64, f0_hz: f64, width_hz: f64, scene: &Scene) -> f64 {
 /// Full width of the spectrum of `exp(-|t| / time)`.
 pub fn width_of(time_s: f64) -> f64 {
     1.0 / (PI * time_s)
+}
+
+/// Correlation times of noise that is one pole's rival, in those of the pole.
+const TIMES: [f64; 9] = [0.1, 0.3, 0.6, 0.8, 1.0, 1.2, 1.6, 3.0, 10.0];
+
+/// What may stand in the place of one pole with this corner: the parts of `base`, and Markov noise of such a time.
+pub fn in_place_of_a_pole(
+    corner_hz: f64,
+    base: &[Vec<f64>],
+    grid: &Grid,
+    scene: &Scene,
+) -> impl Iterator<Item = Vec<Vec<f64>>> {
+    TIMES.iter().map(move |time| {
+        let width_hz = width_of(time / (TAU * corner_hz));
+        let markov = grid.at(|f_hz| {
+            let passed = scene.chain.power(f_hz, scene.rate_hz);
+            lorentzian(f_hz, 0.0, width_hz, scene) * passed
+        });
+        base.iter().cloned().chain([markov]).collect()
+    })
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::averaging::of_mean;
-use super::lorentzian::{lorentzian, width_of};
+use super::lorentzian::in_place_of_a_pole;
 use super::{Effect, Evidence, Scene, Truth};
 use crate::hidden::draw::Draw;
 use crate::hidden::ideal::grid::Grid;
@@ -21,9 +21,6 @@ pub fn draw(scene: &Scene, _draw: &mut Draw) -> Box<dyn Effect> {
 
 /// Lengths of a mean that is a rival, in those of one that takes away as much at low frequencies.
 const LENGTHS: [f64; 9] = [0.25, 0.5, 0.7, 0.85, 1.0, 1.2, 1.5, 2.0, 3.0];
-
-/// Correlation times of noise that is one, in those of the pole.
-const TIMES: [f64; 9] = [0.1, 0.3, 0.6, 0.8, 1.0, 1.2, 1.6, 3.0, 10.0];
 
 impl Effect for Rolloff {
     fn truths(&self) -> Vec<Truth> {
@@ -49,15 +46,7 @@ impl Effect for Rolloff {
         if !seen.suffices() {
             return seen;
         }
-        let markov = TIMES.iter().map(|time| {
-            let width_hz = width_of(time / (TAU * self.corner_hz));
-            let mut parts = base.clone();
-            parts.push(grid.at(|f_hz| {
-                let passed = scene.chain.power(f_hz, scene.rate_hz);
-                lorentzian(f_hz, 0.0, width_hz, scene) * passed
-            }));
-            parts
-        });
+        let markov = in_place_of_a_pole(self.corner_hz, &base, &grid, scene);
         // 1 - (n^2 - 1) w^2 / 12 against 1 - (f / corner)^2.
         let bend = 12.0 * (scene.rate_hz / (TAU * self.corner_hz)).powi(2);
         let means = LENGTHS.iter().map(|length| {
