@@ -174,9 +174,14 @@ mod tests {
 
     #[test]
     fn what_is_simulated_follows_the_law() {
-        for poles in ["", r#", "poles": 2"#] {
+        for sort in [
+            "",
+            r#", "poles": 2"#,
+            r#", "poles": 0"#,
+            r#", "poles": 0, "centred": 1"#,
+        ] {
             let effect =
-                format!(r#"{{ "effect": "highpass", "parameters": {{ "corner_hz": 3{poles} }} }}"#);
+                format!(r#"{{ "effect": "highpass", "parameters": {{ "corner_hz": 3{sort} }} }}"#);
             let axis = trial::axis(r#""N": 0.02, "K": 0.1"#, &effect);
             trial::assert_allan_variance(&axis, 1000.0, &[1, 8, 100, 400]);
         }

@@ -87,12 +87,12 @@ impl AxisSimulation {
         let mut parts = Parts::new(axis, rate_hz);
         parts.add_coefficients(axis, mixing, seed);
         let mut joining = Parts::new(axis, rate_hz);
-        let ramp = Coefficient::R;
-        // Nothing random is in it.
-        joining.add(
-            &*ramp.term(*axis.coefficients.get(ramp)),
-            Seed { seed, stream: 0 },
-        );
+        let ramp = axis.coefficients.r;
+        if ramp != 0.0 {
+            // Nothing random is in it.
+            let stream = Seed { seed, stream: 0 };
+            joining.add(&*Coefficient::R.term(ramp), stream);
+        }
         let (mut louder, mut distorters): (Vec<_>, Vec<_>) = Default::default();
         for (effect_index, effect) in (0..).zip(&axis.effects) {
             let stream = Seed {
@@ -220,11 +220,8 @@ impl<'a> Parts<'a> {
     fn add_coefficients(&mut self, axis: &ModelAxis, mixing: &[f64], seed: u64) {
         for (term_index, coefficient) in (0..).zip(Coefficient::ALL) {
             let value = *axis.coefficients.get(coefficient);
-            if value == 0.0 {
-                continue;
-            }
-            if coefficient == Coefficient::R {
-                // Part of the level, not of the noise.
+            // The ramp is part of the level, not of the noise.
+            if value == 0.0 || coefficient == Coefficient::R {
                 continue;
             }
             let stream = |source: u64| Seed {

@@ -28,15 +28,17 @@ impl AxisState {
 
     /// Power that the laws which filter let through, as a record shows it.
     pub fn filters(&self, f_hz: f64) -> f64 {
-        let filters = laws::filters(&self.laws);
-        let shown = filters.iter().map(|one| one.shown(f_hz, self.rate_hz));
-        shown.product()
+        self.shown_from(Stage::Coupling, f_hz)
     }
 
     /// The same of what happens to the level, which joins [behind a coupling](Stage::Coupling).
     pub fn level_filters(&self, f_hz: f64) -> f64 {
+        self.shown_from(Stage::Noise, f_hz)
+    }
+
+    fn shown_from(&self, stage: Stage, f_hz: f64) -> f64 {
         let filters = laws::filters(&self.laws).into_iter();
-        let own = filters.filter(|one| one.stage() > Stage::Coupling);
+        let own = filters.filter(|one| one.stage() >= stage);
         own.map(|one| one.shown(f_hz, self.rate_hz)).product()
     }
 

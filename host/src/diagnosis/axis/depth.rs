@@ -9,8 +9,8 @@ use crate::diagnosis::statistic::spread::middle_spread;
 use crate::model::Seed;
 use crate::model::random::Gaussian;
 
-/// Standard deviation of the noise over that of one sample's, which half the mean square of increments has: a choice. At one
-/// sample the Allan deviation is then larger by less than a millionth.
+/// Standard deviation of the noise over that of one sample's, by the middle half of its increments: a choice. At one sample the
+/// Allan deviation is then larger by no more than a millionth.
 const DEEPEST: f64 = 1e-3;
 
 /// Part of the rate from which on a spectrum is asked how deep it is: a choice. Below, what falls toward zero, as quantisation
@@ -55,22 +55,41 @@ mod tests {
     use crate::model::effect::Distortion;
     use crate::model::rolloff::RollOff;
 
-    fn of(values: &[f64]) -> Option<Shallow> {
-        let axis = AxisState::new(values.to_vec().into(), RATE_HZ, None).expect("long enough");
-        shallow(values, &axis)
+    fn axis(values: &[f64]) -> AxisState {
+        AxisState::new(values.to_vec().into(), RATE_HZ, None).expect("long enough")
     }
 
-    #[test]
-    fn only_what_is_deeper_than_any_sensor_is_hidden() {
-        let values = noise(3);
-        assert!(of(&values).is_none(), "white noise");
-        let mut filtered = values;
+    fn of(values: &[f64]) -> Option<Shallow> {
+        shallow(values, &axis(values))
+    }
+
+    /// Noise behind eight poles above a tenth of the rate, where the middle of the band is, twice.
+    fn filtered() -> Vec<f64> {
+        let mut filtered = noise(3);
         let seed = Seed { seed: 3, stream: 9 };
-        let filter = RollOff::of(&[0.05 * RATE_HZ, 8.0, 1.0]);
+        let filter = RollOff::of(&[0.15 * RATE_HZ, 8.0, 1.0]);
         // One alone is made to 60 dB.
         for _ in 0..2 {
             filter.distorter(RATE_HZ, seed).apply(&mut filtered);
         }
+        filtered
+    }
+
+    #[test]
+    fn nothing_is_whitened_in_a_stop_band() {
+        let all = axis(&noise(3)).whitened();
+        assert_eq!(all.top, all.density.len(), "white noise");
+        let seen = axis(&filtered()).whitened();
+        let top_hz = seen.transform.frequency(seen.top);
+        // Eight poles, twice, are 50 dB down at one and a half times their corner.
+        let corners = top_hz / (0.15 * RATE_HZ);
+        assert!((1.0..3.0).contains(&corners), "{corners} corners");
+    }
+
+    #[test]
+    fn only_what_is_deeper_than_any_sensor_is_hidden() {
+        assert!(of(&noise(3)).is_none(), "white noise");
+        let filtered = filtered();
         let shallow = of(&filtered).expect("a stop band");
         let added = filtered.iter().zip(&shallow.measured);
         let squares: f64 = added.map(|(a, b)| (a - b).powi(2)).sum();

@@ -1,5 +1,6 @@
 //! Running means over samples, of which the oldest may count in part.
 
+use super::mirror::Mirror;
 use crate::model::effect::Distorter;
 
 /// Running means one after the other.
@@ -26,10 +27,9 @@ struct RunningMean {
     whole: usize,
     /// What the one before them counts.
     rest: f64,
-    /// The latest samples, as many as a mean needs but for the next; the beginning of the record, until there is
-    /// enough for its mirror image.
+    mirror: Mirror,
+    /// The latest samples, as many as a mean needs but for the next.
     past: Vec<f64>,
-    has_begun: bool,
     /// Sum of the samples that count as a whole, up to the latest.
     sum: f64,
     /// Outputs until it is summed up anew.
@@ -42,8 +42,8 @@ impl RunningMean {
         Self {
             whole: samples as usize,
             rest: samples.fract(),
+            mirror: Mirror::new(samples as usize),
             past: Vec::new(),
-            has_begun: false,
             sum: 0.0,
             until_anew: 0,
         }
@@ -67,16 +67,10 @@ impl RunningMean {
 impl Distorter for RunningMean {
     fn apply(&mut self, samples: &mut Vec<f64>) {
         let before = self.whole;
-        self.past.append(samples);
-        if !self.has_begun {
-            if self.past.len() <= before {
-                return;
-            }
-            // Before the record its mirror image, at the same level.
-            let mirror = self.past[1..=before].iter().rev().copied();
-            self.past = mirror.chain(self.past.iter().copied()).collect();
-            self.has_begun = true;
-        }
+        let Some(came) = self.mirror.before(std::mem::take(samples)) else {
+            return;
+        };
+        self.past.extend(came);
         let past = std::mem::take(&mut self.past);
         samples.extend(past.windows(before + 1).map(|window| self.mean(window)));
         self.past = past;

@@ -86,7 +86,8 @@ pub fn measure_near(axis: &AxisState, f_hz: f64, p_value: f64) -> Measured {
 /// Size and phase of a line by least squares with tapered ends.
 pub fn measure(axis: &AxisState, line: &Line) -> Measured {
     let mut cycles = line.frequency_hz / axis.rate_hz;
-    // At half the rate a line is its own mirror image: of a sine nothing is seen, of a cosine twice as much.
+    // At half the rate a line is its own mirror image: of a sine nothing is seen, of a cosine twice as much. Closer than
+    // half of 1/T the two are one.
     let is_mirrored = (0.5 - cycles) * (axis.filled.len() as f64) < 0.5;
     if is_mirrored {
         cycles = 0.5;

@@ -4,6 +4,8 @@ use super::*;
 use crate::diagnosis::detect::trial::{self, Trial, noise};
 use crate::diagnosis::laws::Law;
 use crate::diagnosis::record::envelope::Envelope;
+use crate::model::effect::Distortion;
+use crate::model::highpass::{self, Coupling};
 use crate::model::random::{Gaussian, Seed};
 use crate::model::{cyclic, rolloff, sinusoid, steps, telegraph as two_levels};
 
@@ -315,5 +317,23 @@ fn what_falls_from_below_a_hundredth_of_the_rate_is_no_rolloff() {
             found[1].is_none_or(|at| at > 0.01),
             "seed {seed}: {found:?}"
         );
+    }
+}
+
+#[test]
+fn what_is_seldom_built_has_less_of_the_level() {
+    let mut values = noise(4);
+    let seed = Seed { seed: 4, stream: 9 };
+    let coupling = Coupling::of(&[0.2]);
+    coupling.distorter(trial::RATE_HZ, seed).apply(&mut values);
+    let mut trial = Trial::new(values);
+    let starts = trial.axis.starts().expect("bins");
+    let found = search::search(trial.axis.fitted(), &starts, highpass::KIND).expect("a coupling");
+    // It costs five nats, or a hundred and fifty in the level.
+    for (times, is_named) in [(10.0, false), (1000.0, true)] {
+        trial.level = times * found.p_value;
+        let kinds = trial::kinds(&trial.ask(&DETECTOR));
+        let names = kinds.contains(&highpass::KIND);
+        assert_eq!(names, is_named, "seed 4, {:e}: {kinds:?}", found.p_value);
     }
 }
