@@ -46,7 +46,7 @@ fn hear(hearing: &mut Hearing<'_>) -> Result<(), NoFit> {
 }
 
 /// The explanation whose worst interval is the widest, if it says too little, and how wide that is.
-fn least_sure(axis: &AxisState) -> Option<(usize, f64)> {
+pub fn least_sure(axis: &AxisState) -> Option<(usize, f64)> {
     let spread = Spread::new(&axis.bins, &axis.data, &axis.laws, &axis.fit);
     let explanations = axis.explanations().iter().enumerate();
     // What happened is dated and kept out of the fits, whatever is known of its size.

@@ -15,6 +15,7 @@ mod tests;
 use rayon::prelude::*;
 
 use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::doubt::unbounded;
 use crate::diagnosis::explanation::Explanation;
 use crate::diagnosis::laws;
 use crate::diagnosis::laws::departure::departure;
@@ -36,8 +37,8 @@ pub struct Completed {
 }
 
 /// Adds to an axis's model what none of its explanations speaks for, where anything is missing at a `level`. A tone whose
-/// law does not hold beside that is taken back, and so is a law without which as much is explained: they are left to the
-/// noise without a name.
+/// law does not hold beside that is taken back, and so is a law without which as much is explained, and what is [known too
+/// little](unbounded) beside it: they are left to the noise without a name.
 pub fn complete(axis: &mut AxisState, level: f64) -> Completed {
     let mut withdrawn = Vec::new();
     loop {
@@ -78,8 +79,16 @@ pub fn complete(axis: &mut AxisState, level: f64) -> Completed {
             ..axis.data.clone()
         };
         axis.complete(found.completed.laws, found.completed.fit, data);
+        let unsure = unbounded::least_sure(axis);
         let p_value = Some(found.p_value);
-        return Completed { p_value, withdrawn };
+        let Some((place, _)) = unsure else {
+            return Completed { p_value, withdrawn };
+        };
+        axis.withdraw_one(place);
+        withdrawn.push(place);
+        if axis.refresh().is_err() {
+            return Completed { p_value, withdrawn };
+        }
     }
 }
 

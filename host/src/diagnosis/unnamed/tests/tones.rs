@@ -4,9 +4,10 @@ use super::*;
 use crate::diagnosis::explanation::{Candidate, Change};
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
+use crate::diagnosis::trial::line;
 use crate::model::wander::Wander;
 use crate::model::wandering_line::{self, WanderingLine};
-use crate::model::{Seed, Term};
+use crate::model::{Seed, Term, sinusoid};
 
 /// Amplitude of the tone that is there.
 const AMPLITUDE: f64 = 1.0;
@@ -67,5 +68,26 @@ fn a_tone_that_wandered_a_few_times_is_not_held_to_its_law() {
         let mut axis = with_tone(seed, 10.0, 1.0, 0.0);
         complete(&mut axis, LEVEL);
         assert_eq!(axis.kinds(), [wandering_line::KIND], "seed {seed}");
+    }
+}
+
+#[test]
+fn a_line_within_what_is_missing_stays_where_it_is_known_beside_it() {
+    for seed in 38..42 {
+        let left = |size: f64| {
+            let mut rings = ringing(seed, 0.3 * RATE_HZ, 0.003 * RATE_HZ);
+            let mut axis = axis(seed, long(seed), |_, noise| noise + rings());
+            let f_hz = 0.3 * RATE_HZ;
+            let effect = Estimate::new(sinusoid::KIND, [f_hz, size].map(Value::exact));
+            let wave = Change::Waves(vec![line(f_hz, size)]);
+            axis.accept(Candidate::new(effect, 1e-9, 1.0, wave))
+                .expect("a fit");
+            assert!(complete(&mut axis, LEVEL).p_value.is_some(), "seed {seed}");
+            axis.kinds()
+        };
+        // Of forty thousand samples a line of three hundredths is known in white noise of this size, and not within what rings
+        // with as much.
+        assert_eq!(left(1.0), [sinusoid::KIND], "seed {seed}");
+        assert_eq!(left(0.03), [], "seed {seed}");
     }
 }
