@@ -111,6 +111,9 @@ struct Entry;
 /// The same by its identity.
 pub const KIND: Kind = Kind::of(&Entry);
 
+/// Place of the amplitude among the values.
+pub const AMPLITUDE: usize = 1;
+
 impl Effect for Entry {
     fn name(&self) -> &'static str {
         "sinusoid"

@@ -44,7 +44,7 @@ impl AxisState {
             for (k, density) in densities.iter_mut().enumerate().skip(1) {
                 let f_hz = k as f64 * self.rate_hz / len as f64;
                 if tone.bands_hz().iter().any(|band| band.contains(&f_hz)) {
-                    *density += self.bins.term_density(&*term, f_hz) * self.filters(f_hz);
+                    *density += self.bins.term_density(&*term, f_hz) * self.bins.chain_power(f_hz);
                 }
             }
         }

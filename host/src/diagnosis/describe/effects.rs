@@ -1,5 +1,7 @@
 //! Effects as findings, and as a model file has them.
 
+use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::describe::ahead::ahead_of;
 use crate::diagnosis::describe::coefficients::coefficients_of;
 use crate::diagnosis::explanation::{Explanation, Snapshot};
 use crate::diagnosis::laws;
@@ -31,14 +33,17 @@ pub fn all_effects(findings: &[Finding], noise: &ModelAxis) -> Vec<ModelEffect> 
     all
 }
 
-/// The laws of a snapshot with the sizes of a fit that has them, its tones as they were measured, and the rounding behind those
-/// that filter.
+/// The laws of a snapshot with the sizes of a fit that has them, its tones ahead of those that filter, and the rounding behind
+/// them.
 pub fn law_effects(bins: &SpectralBins, snapshot: &Snapshot, fit: &Fit) -> Vec<ModelEffect> {
     let sized = |which: usize| {
         let values = laws::sized(bins, &snapshot.laws, which, fit);
         ModelEffect::of(snapshot.laws[which].effect, &values).ok()
     };
-    let measured = |one: &Estimate| ModelEffect::of(one.kind, &one.plain()).ok();
+    let measured = |one: &Estimate| {
+        let ahead = ahead_of(&snapshot.laws, bins.rate_hz(), one);
+        ModelEffect::of(one.kind, &ahead.plain()).ok()
+    };
     let laws = (0..snapshot.laws.len()).filter_map(sized);
     let floor = Some(laws::floor(bins, &snapshot.laws)).filter(|floor| *floor > 0.0);
     let step = floor.map(|floor| Rounding::of_density(floor, bins.rate_hz()).step);
@@ -48,13 +53,14 @@ pub fn law_effects(bins: &SpectralBins, snapshot: &Snapshot, fit: &Fit) -> Vec<M
         .collect()
 }
 
-/// An explanation with its gains, as it is reported.
-pub fn finding(one: &Explanation, gain: Gain) -> Finding {
+/// An explanation of an axis with its gains, as it is reported.
+pub fn finding(axis: &AxisState, one: &Explanation, gain: Gain) -> Finding {
+    let effect = ahead_of(&axis.laws, axis.rate_hz, &one.effect);
     Finding {
         rivals: one.rivals.clone(),
         gain,
         without: PerCoefficient::from_fn(|letter| coefficients_of(&one.before).get(letter).value),
-        ..Finding::new(&one.effect, one.p_value)
+        ..Finding::new(&effect, one.p_value)
     }
 }
 

@@ -146,7 +146,7 @@ impl Judge<'_> {
                 allan_error_percent_before: error_percent(&one.without, &one.before),
                 allan_error_percent_after: error_percent(&one.with, &one.after),
             };
-            finding(one, gain)
+            finding(self.axis, one, gain)
         };
         explanations.iter().zip(nats).map(reported).collect()
     }

@@ -1,5 +1,6 @@
 //! What is reported of an explained axis: models before and after, findings with their gains, views.
 
+mod ahead;
 mod coefficients;
 mod effects;
 mod judged;

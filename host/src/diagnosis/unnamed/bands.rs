@@ -12,12 +12,13 @@ use rayon::prelude::*;
 
 use super::dictionary::{Band, Dictionary};
 use super::sizes::Sizes;
+use super::with_bands::WithBands;
 use crate::diagnosis::axis::AxisState;
+use crate::diagnosis::laws;
 use crate::diagnosis::laws::gain::Local;
-use crate::diagnosis::laws::{self, Law};
 use crate::diagnosis::record::bins::Filtered;
 use crate::fit::likelihood::scoring::maximise_beside;
-use crate::fit::likelihood::{Data, Fit, log_likelihood};
+use crate::fit::likelihood::{Data, log_likelihood};
 use crate::numeric::mixture::add_mixture;
 
 /// Bands, at most: a choice, twice what any measured record has needed. Where the pursuit ends here, slow times have to do with what was
@@ -40,31 +41,15 @@ const TURNS: usize = 8;
 /// Rounds of taking bands in and moving all of them, at most: a choice; two are usual.
 const ROUNDS: usize = 6;
 
-/// A model that lacks nothing.
-pub struct Completed {
-    /// Its laws, those without a name behind those that have one.
-    pub laws: Vec<Law>,
-    /// Its fit to the whole spectrum; the tones are not in its expectation.
-    pub fit: Fit,
-    /// Power of each tone over that with which it was named.
-    pub tones: Vec<f64>,
-    /// What a law costs, nats.
-    pub cost_nats: f64,
-}
-
-impl Completed {
-    /// Log-likelihood of the spectrum, all laws paid for; only differences on the same spectrum have a meaning.
-    pub fn worth_nats(&self) -> f64 {
-        self.fit.log_likelihood - self.cost_nats * self.laws.len() as f64
-    }
-}
-
 /// The model of an axis with bands, and its fit to all of `data` together with the sizes of its `tones`; `None` where no
 /// band is worth its cost.
-pub fn fitted(axis: &AxisState, data: &Data, tones: &[Vec<f64>]) -> Option<Completed> {
-    let search = Search::new(axis, data, tones);
-    let dictionary = Dictionary::new(&search.bins, &search.sizes);
-    search.completed(&dictionary)
+pub fn fitted(axis: &AxisState, data: &Data, tones: &[Vec<f64>]) -> Option<WithBands> {
+    Search::new(axis, data, tones, &[]).completed()
+}
+
+/// The model of an axis with bands beside `tones` that stay as they were measured; `None` where no band is worth its cost.
+pub fn beside(axis: &AxisState, data: &Data, tones: &[Vec<f64>]) -> Option<WithBands> {
+    Search::new(axis, data, &[], tones).completed()
 }
 
 /// A model with one more band.
@@ -90,13 +75,15 @@ struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    fn new(axis: &'a AxisState, data: &'a Data, tones: &[Vec<f64>]) -> Self {
+    fn new(axis: &'a AxisState, data: &'a Data, tones: &[Vec<f64>], measured: &[Vec<f64>]) -> Self {
         let bins = laws::behind(&axis.bins, &axis.laws);
         let mut components = laws::components_of(&bins, &axis.laws);
         let mut squared = axis.fit.squared.clone();
         components.extend_from_slice(tones);
         squared.extend(tones.iter().map(|_| 1.0));
-        let sizes = Sizes::beside(data, bins.fixed());
+        let mut fixed = bins.fixed();
+        add_mixture(&mut fixed, measured, &vec![1.0; measured.len()]);
+        let sizes = Sizes::beside(data, fixed);
         let squared = sizes.start(&components, squared);
         Self {
             axis,
@@ -112,7 +99,8 @@ impl<'a> Search<'a> {
     }
 
     /// The model with all bands that are worth their cost.
-    fn completed(mut self, dictionary: &Dictionary) -> Option<Completed> {
+    fn completed(mut self) -> Option<WithBands> {
+        let dictionary = &Dictionary::new(&self.bins, &self.sizes);
         let cost_nats = (dictionary.trials() / NEEDLESS).ln();
         for _ in 0..ROUNDS {
             let before = self.log_likelihood();
@@ -271,7 +259,7 @@ impl<'a> Search<'a> {
     }
 
     /// The laws with the bands behind them, and the fit of all beside the tones at the sizes that they come to.
-    fn finish(mut self, cost_nats: f64) -> Option<Completed> {
+    fn finish(mut self, cost_nats: f64) -> Option<WithBands> {
         if self.bands.is_empty() {
             return None;
         }
@@ -282,11 +270,11 @@ impl<'a> Search<'a> {
         add_mixture(&mut fixed, &own, &tones);
         let start = Some(self.squared.as_slice());
         let mut fit = maximise_beside(self.data, &self.components, &fixed, start)?;
-        let tones_taken: Vec<f64> = tones.iter().map(|squared| -squared).collect();
-        add_mixture(&mut fit.expected, &own, &tones_taken);
+        fit.expected = self.bins.fixed();
+        add_mixture(&mut fit.expected, &self.components, &fit.squared);
         let bands = self.bands.into_iter().map(Band::law);
         let named = self.axis.laws.iter().cloned();
-        Some(Completed {
+        Some(WithBands {
             laws: named.chain(bands).collect(),
             fit,
             tones,

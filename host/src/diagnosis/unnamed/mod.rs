@@ -11,9 +11,11 @@ pub mod long_times;
 mod sizes;
 #[cfg(test)]
 mod tests;
+mod with_bands;
 
 use rayon::prelude::*;
 
+use self::with_bands::{ANOTHER, WithBands};
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::doubt::unbounded;
 use crate::diagnosis::explanation::Explanation;
@@ -22,10 +24,6 @@ use crate::diagnosis::laws::departure::departure;
 use crate::fit::likelihood::Data;
 use crate::model::effect::Part;
 use crate::numeric::mixture::add_mixture;
-
-/// Factor on the power of a tone beside all else from which its law is not that of what is there: 3 dB are a choice. Tones
-/// that were named right come to 0.9 to 1.15 in measured records. A law of which bands have as much has lost its name to them.
-const ANOTHER: f64 = 2.0;
 
 /// What became of a model.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -46,15 +44,18 @@ pub fn complete(axis: &mut AxisState, level: f64) -> Completed {
         let of_noise = axis.bins.dof_beside(absorbed_hz.as_slice());
         let (tones, dof) = Tone::all(axis, &of_noise);
         let mut found = lacking(axis, of_noise, &tones, level);
-        if found.as_ref().is_some_and(Lacking::has_another) {
+        if found
+            .as_ref()
+            .is_some_and(|found| found.bands.another().is_some())
+        {
             // The few values that shaped a tone may be why.
-            found = lacking(axis, dof, &tones, level);
+            found = lacking(axis, dof, &tones, level).map(|found| found.with_tones(axis, &tones));
         }
         let Some(found) = found else {
             let p_value = None;
             return Completed { p_value, withdrawn };
         };
-        let place = match found.another() {
+        let place = match found.bands.another() {
             Some(number) => axis.withdraw_tone(number),
             None => {
                 let number = replaced(axis, &found).or_else(|| needless(axis, &found));
@@ -78,7 +79,7 @@ pub fn complete(axis: &mut AxisState, level: f64) -> Completed {
             dof: axis.bins.dof_beside(&fitted_beside),
             ..axis.data.clone()
         };
-        axis.complete(found.completed.laws, found.completed.fit, data);
+        axis.complete(found.bands.laws, found.bands.fit, data);
         let unsure = unbounded::least_sure(axis);
         let p_value = Some(found.p_value);
         let Some((place, _)) = unsure else {
@@ -98,20 +99,33 @@ struct Lacking {
     p_value: f64,
     /// The spectrum that lacks it.
     data: Data,
-    completed: bands::Completed,
+    /// The model with what it lacks.
+    bands: WithBands,
+    /// How that was fitted.
+    fitted: Fitted,
 }
 
-impl Lacking {
-    /// The tone that has to change most, if that is by as much as makes it another.
-    fn another(&self) -> Option<usize> {
-        let powers = self.completed.tones.iter();
-        let changes = powers.map(|power| power.max(power.recip()));
-        let most = changes.enumerate().max_by(|a, b| a.1.total_cmp(&b.1))?;
-        (most.1 > ANOTHER).then_some(most.0)
-    }
+/// A model with bands beside these tones.
+type Fitted = fn(&AxisState, &Data, &[Vec<f64>]) -> Option<WithBands>;
 
-    fn has_another(&self) -> bool {
-        self.another().is_some()
+impl Lacking {
+    /// With all tones of an axis as they were measured, where the spectrum is as likely then: by what a law costs, at most. Where a
+    /// band stands upon a tone, it does not say whose the power is.
+    fn with_tones(self, axis: &AxisState, tones: &[Vec<f64>]) -> Self {
+        if self.bands.another().is_none() {
+            return self;
+        }
+        let fitted: Fitted = bands::beside;
+        let least = self.bands.worth_nats() - self.bands.cost_nats;
+        let bands = fitted(axis, &self.data, tones);
+        match bands.filter(|bands| bands.worth_nats() > least) {
+            Some(bands) => Self {
+                bands,
+                fitted,
+                ..self
+            },
+            None => self,
+        }
     }
 }
 
@@ -124,11 +138,13 @@ fn lacking(axis: &AxisState, dof: Vec<f64>, tones: &[Vec<f64>], level: f64) -> O
     let mut expected = axis.fit.expected.clone();
     add_mixture(&mut expected, tones, &vec![1.0; tones.len()]);
     let p_value = departure(&data, &expected)?.p_value;
-    let completed = (p_value < level).then(|| bands::fitted(axis, &data, tones))??;
+    let fitted: Fitted = bands::fitted;
+    let bands = (p_value < level).then(|| fitted(axis, &data, tones))??;
     Some(Lacking {
         p_value,
         data,
-        completed,
+        bands,
+        fitted,
     })
 }
 
@@ -138,7 +154,7 @@ fn replaced(axis: &AxisState, found: &Lacking) -> Option<usize> {
     let left = adding.map(|number| {
         let component = laws::component_of(&axis.bins, &axis.laws, number);
         let [before, beside_bands] =
-            [&axis.fit, &found.completed.fit].map(|fit| fit.squared[component]);
+            [&axis.fit, &found.bands.fit].map(|fit| fit.squared[component]);
         (number, beside_bands / before)
     });
     let least = left.min_by(|a, b| a.1.total_cmp(&b.1))?;
@@ -149,18 +165,18 @@ fn replaced(axis: &AxisState, found: &Lacking) -> Option<usize> {
 /// take its place paid for as it is: where bands are needed anyway, a name has to explain what they do not. By half of what
 /// a law costs, that is: one that explains nothing gains all of it by going, one that a band replaces none.
 fn needless(axis: &AxisState, found: &Lacking) -> Option<usize> {
-    let with = found.completed.worth_nats();
+    let with = found.bands.worth_nats();
     let numbers = (0..axis.laws.len()).into_par_iter();
     let gains = numbers.filter_map(|number| {
         let mut other = axis.clone();
         other.withdraw_law(number)?;
         other.refresh().ok()?;
         let (tones, _) = Tone::all(&other, &found.data.dof);
-        let without = bands::fitted(&other, &found.data, &tones)?;
+        let without = (found.fitted)(&other, &found.data, &tones)?;
         Some((number, without.worth_nats() - with))
     });
     let best = gains.max_by(|a, b| a.1.total_cmp(&b.1))?;
-    (best.1 > 0.5 * found.completed.cost_nats).then_some(best.0)
+    (best.1 > 0.5 * found.bands.cost_nats).then_some(best.0)
 }
 
 /// A tone that has a name and is no part of any fit.
@@ -191,7 +207,8 @@ impl Tone {
             };
         };
         Self {
-            expected: laws::behind(&axis.bins, &axis.laws).expect(&*term),
+            // As it was measured: behind all filters.
+            expected: laws::behind(&axis.bins, &[]).expect(&*term),
             shaped_by: term.shaped_by(axis.residual.len() as f64 / axis.rate_hz),
         }
     }

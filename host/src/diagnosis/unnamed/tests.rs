@@ -46,12 +46,13 @@ fn a_law_of_which_bands_have_most_has_lost_its_name() {
         let found = Lacking {
             p_value: 1e-9,
             data: axis.data.clone(),
-            completed: bands::Completed {
+            bands: WithBands {
                 laws: axis.laws.clone(),
                 fit,
                 tones: Vec::new(),
                 cost_nats: 10.0,
             },
+            fitted: bands::fitted,
         };
         assert_eq!(replaced(&axis, &found), expected, "{share} of it is left");
     }

@@ -1,5 +1,6 @@
 //! Lines: single ones (`sinusoid`), mains with its harmonics (`hum`), and those that wander.
 
+pub mod amplitudes;
 mod cycles;
 mod mains;
 mod measure;

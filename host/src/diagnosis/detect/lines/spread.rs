@@ -1,21 +1,16 @@
 //! How well the sizes of lines are known, in the noise that is left beside all that was found: where a line was, noise was taken for more
 //! than it is.
 
-use super::measure;
+use super::{amplitudes, measure};
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::explanation::Explanation;
 use crate::diagnosis::record::wave::Wave;
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
-use crate::model::{hum, sinusoid};
 
 /// An explanation of lines that are taken out, with the intervals that their sizes have in the axis as it is now; `None` for any other.
 pub fn in_noise_left(axis: &AxisState, one: &Explanation) -> Option<Estimate> {
-    let first = match one.kind() {
-        kind if kind == sinusoid::KIND => 1,
-        kind if kind == hum::KIND => hum::FIRST_AMPLITUDE,
-        _ => return None,
-    };
+    let first = amplitudes::first(one.kind())?;
     let mut effect = one.effect.clone();
     let base = effect.values[0]?.value;
     let samples = measure::weights(axis);

@@ -64,7 +64,7 @@ fn the_first_bands_are_moved_again_beside_the_later_ones() {
         let mut psd = axis.fit.expected.clone();
         add_mixture(&mut psd, &components, &[9.0; 2]);
         let data = axis.data.with_psd(psd);
-        let mut search = Search::new(&axis, &data, &[]);
+        let mut search = Search::new(&axis, &data, &[], &[]);
         // The first made up for a part of the other before that was taken in.
         search.bands = vec![own(there[0] + 2.0), own(there[1] + 1.0)];
         for band in &search.bands {
