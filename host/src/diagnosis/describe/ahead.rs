@@ -3,33 +3,92 @@
 //! A line is measured as the record shows it, behind the filters that are found beside it, now or later. A model's filters act on
 //! all of it: there it is larger by what they keep from it, or it would be filtered twice.
 
+use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::detect::lines::amplitudes;
 use crate::diagnosis::laws::{self, Law};
 use crate::diagnosis::result::estimate::Estimate;
+use crate::diagnosis::result::value::Value;
+use crate::model::effect::Distortion;
 
 /// An estimate from a record at this rate ahead of the filters among `laws`; of a line that they let nothing of through, which
 /// joins somewhere behind them, ahead of as much as a record [shows](crate::model::effect::Distortion::shown) of what is shut
 /// out. What is no line stays as it is.
 pub(super) fn ahead_of(laws: &[Law], rate_hz: f64, measured: &Estimate) -> Estimate {
-    let mut estimate = measured.clone();
     let filters = laws::filters(laws);
-    let Some(first) = amplitudes::first(measured.kind).filter(|_| !filters.is_empty()) else {
-        return estimate;
-    };
-    let base_hz = measured.plain()[0];
-    let numbered = (1_u32..).zip(&mut estimate.values[first..]);
-    for (number, amplitude) in numbered {
-        let f_hz = f64::from(number) * base_hz;
-        let power: f64 = filters.iter().map(|one| one.shown(f_hz, rate_hz)).product();
-        *amplitude = amplitude.map(|known| known.map(|one| one / power.sqrt()));
+    if filters.is_empty() {
+        return measured.clone();
     }
-    estimate
+    each_line(measured, |f_hz, amplitude| {
+        let passed = amplitude_through(&filters, f_hz, rate_hz);
+        amplitude.map(|one| one / passed)
+    })
+}
+
+/// The same of an axis, as well as it is known how much its filters keep.
+pub(super) fn ahead_in(axis: &AxisState, measured: &Estimate) -> Estimate {
+    let ahead = ahead_of(&axis.laws, axis.rate_hz, measured);
+    let found = axis.explanations().iter().map(|one| &one.effect);
+    let by_one_sd: Vec<[Vec<Box<dyn Distortion>>; 2]> = found.flat_map(one_sd_off).collect();
+    each_line(&ahead, |f_hz, amplitude| {
+        let changes = by_one_sd.iter().map(|both| {
+            let [as_found, off] = both
+                .each_ref()
+                .map(|filter| amplitude_through(filter, f_hz, axis.rate_hz));
+            (amplitude.value * (off / as_found).ln()).powi(2)
+        });
+        let added = changes.sum::<f64>();
+        if added > 0.0 && amplitude.hi.is_some() {
+            Value::normal(amplitude.value, (amplitude.sd().powi(2) + added).sqrt())
+        } else {
+            amplitude
+        }
+    })
+}
+
+/// Lines with other amplitudes: `change` is given the frequency, hertz, and the amplitude of each that is known.
+fn each_line(lines: &Estimate, change: impl Fn(f64, Value) -> Value) -> Estimate {
+    let mut changed = lines.clone();
+    let Some(first) = amplitudes::first(lines.kind) else {
+        return changed;
+    };
+    let base_hz = lines.plain()[0];
+    for (number, amplitude) in (1_u32..).zip(&mut changed.values[first..]) {
+        *amplitude = amplitude.map(|known| change(f64::from(number) * base_hz, known));
+    }
+    changed
+}
+
+/// Factor on the amplitude of a line at `f_hz`.
+fn amplitude_through(filters: &[Box<dyn Distortion>], f_hz: f64, rate_hz: f64) -> f64 {
+    let powers = filters.iter().map(|one| one.shown(f_hz, rate_hz));
+    powers.product::<f64>().sqrt()
+}
+
+/// A filter as it was found, and with each of its values one standard deviation off; nothing of what filters nothing.
+fn one_sd_off(found: &Estimate) -> Vec<[Vec<Box<dyn Distortion>>; 2]> {
+    let values = found.plain();
+    let filter = |values: &[f64]| {
+        let law = Law {
+            effect: found.kind,
+            values: values.to_vec(),
+        };
+        laws::filters(&[law])
+    };
+    let known = found.values.iter().enumerate();
+    let uncertain = known.filter_map(|(place, value)| Some((place, (*value)?.sd())));
+    let uncertain = uncertain.filter(|(_, sd)| *sd > 0.0);
+    let off = uncertain.map(|(place, sd)| {
+        let mut off = values.clone();
+        off[place] += sd;
+        [filter(&values), filter(&off)]
+    });
+    off.filter(|[as_found, _]| !as_found.is_empty()).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::diagnosis::result::value::Value;
+    use crate::diagnosis::trial::{self, axis, short};
     use crate::model::{hum, resonance, rolloff, sinusoid};
 
     fn law(effect: crate::model::kind::Kind, values: &[f64]) -> Law {
@@ -70,5 +129,29 @@ mod tests {
         assert_eq!(ahead_of(&laws, 1000.0, &line), line);
         let pole = [law(rolloff::KIND, &[50.0])];
         assert_eq!(ahead_of(&pole, 1000.0, &bell), bell);
+    }
+
+    #[test]
+    fn a_line_is_known_no_better_than_the_filter_that_it_passed() {
+        let mut axis = axis(5, short(5), |_, noise| noise);
+        let corner_hz = 50.0;
+        trial::take_in(
+            &mut axis,
+            rolloff::KIND,
+            trial::law(rolloff::KIND, &[corner_hz]),
+        );
+        let sd_hz = 1.0;
+        axis.set_laws(|_, _| Estimate::new(rolloff::KIND, [Value::normal(corner_hz, sd_hz)]));
+        let line = [Value::told(100.0), Value::normal(2.0, 0.01)];
+        let ahead = ahead_in(&axis, &Estimate::new(sinusoid::KIND, line));
+        let ahead = ahead.values[1].expect("known");
+        // The logarithm of what a pole lets through, 1 over the root of 1 + (f / corner)^2, moves with that of its corner by
+        // (f / corner)^2 / (1 + (f / corner)^2); a pole within a sensor by a little less, so near to half the rate.
+        let expected = f64::hypot(0.01 / 2.0, 4.0 / 5.0 * sd_hz / corner_hz);
+        let found = ahead.sd() / ahead.value;
+        assert!(
+            (found / expected - 1.0).abs() < 0.1,
+            "seed 5: {found}, {expected}"
+        );
     }
 }

@@ -1,7 +1,7 @@
 //! Effects as findings, and as a model file has them.
 
 use crate::diagnosis::axis::AxisState;
-use crate::diagnosis::describe::ahead::ahead_of;
+use crate::diagnosis::describe::ahead::{ahead_in, ahead_of};
 use crate::diagnosis::describe::coefficients::coefficients_of;
 use crate::diagnosis::explanation::{Explanation, Snapshot};
 use crate::diagnosis::laws;
@@ -55,7 +55,7 @@ pub fn law_effects(bins: &SpectralBins, snapshot: &Snapshot, fit: &Fit) -> Vec<M
 
 /// An explanation of an axis with its gains, as it is reported.
 pub fn finding(axis: &AxisState, one: &Explanation, gain: Gain) -> Finding {
-    let effect = ahead_of(&axis.laws, axis.rate_hz, &one.effect);
+    let effect = ahead_in(axis, &one.effect);
     Finding {
         rivals: one.rivals.clone(),
         gain,
