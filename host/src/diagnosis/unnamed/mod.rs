@@ -43,14 +43,7 @@ pub fn complete(axis: &mut AxisState, level: f64) -> Completed {
         let absorbed_hz = axis.absorbed_hz();
         let of_noise = axis.bins.dof_beside(absorbed_hz.as_slice());
         let (tones, dof) = Tone::all(axis, &of_noise);
-        let mut found = lacking(axis, of_noise, &tones, level);
-        if found
-            .as_ref()
-            .is_some_and(|found| found.bands.another().is_some())
-        {
-            // The few values that shaped a tone may be why.
-            found = lacking(axis, dof, &tones, level).map(|found| found.with_tones(axis, &tones));
-        }
+        let found = lacking(axis, dof, &tones, level).map(|found| found.with_tones(axis, &tones));
         let Some(found) = found else {
             let p_value = None;
             return Completed { p_value, withdrawn };
