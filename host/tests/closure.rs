@@ -89,8 +89,8 @@ const BEHIND_A_POLE: [&str; 2] = [
 
 #[test]
 fn a_simulation_of_lines_behind_a_pole_is_as_loud_as_the_record() {
-    /// Share that a deviation may be off by where sampling is known to a hundredth: five standard deviations of the amplitudes, which
-    /// are known to half a hundredth, and of the corner's, to two thirds of one.
+    /// Share that a deviation may be off by: three standard deviations of sampling, a hundredth in each of both, of an amplitude, which is
+    /// known to half of one, and of the corner's, to two thirds.
     const MOST: f64 = 0.05;
     /// Samples: enough to know all of that so well, and an odd number.
     const SHORT: u64 = 150_001;

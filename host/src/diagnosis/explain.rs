@@ -191,7 +191,7 @@ pub fn explain(
     let (mut axis, unexplained, mut held_out_nats) = explained;
     let before = axis.kinds();
     let completed = unnamed::complete(&mut axis, level);
-    let why = "noise without a name explains as much";
+    let why = "noise without a name explains as much, or leaves it unknown";
     if let Some(withdrawn) = Decision::withdrawn(&before, axis.explanations(), why) {
         decided(withdrawn);
     }

@@ -37,9 +37,9 @@ impl AxisState {
     }
 
     fn shown_from(&self, stage: Stage, f_hz: f64) -> f64 {
-        let filters = laws::filters(&self.laws).into_iter();
-        let own = filters.filter(|one| one.stage() >= stage);
-        own.map(|one| one.shown(f_hz, self.rate_hz)).product()
+        let mut filters = laws::filters(&self.laws);
+        filters.retain(|one| one.stage() >= stage);
+        laws::shown_of(&filters, f_hz, self.rate_hz)
     }
 
     /// Whether any of the laws filters what happens to the level.

@@ -60,8 +60,7 @@ fn each_line(lines: &Estimate, change: impl Fn(f64, Value) -> Value) -> Estimate
 
 /// Factor on the amplitude of a line at `f_hz`.
 fn amplitude_through(filters: &[Box<dyn Distortion>], f_hz: f64, rate_hz: f64) -> f64 {
-    let powers = filters.iter().map(|one| one.shown(f_hz, rate_hz));
-    powers.product::<f64>().sqrt()
+    laws::shown_of(filters, f_hz, rate_hz).sqrt()
 }
 
 /// A filter as it was found, and with each of its values one standard deviation off; nothing of what filters nothing.
@@ -89,9 +88,10 @@ fn one_sd_off(found: &Estimate) -> Vec<[Vec<Box<dyn Distortion>>; 2]> {
 mod tests {
     use super::*;
     use crate::diagnosis::trial::{self, axis, short};
+    use crate::model::kind::Kind;
     use crate::model::{hum, resonance, rolloff, sinusoid};
 
-    fn law(effect: crate::model::kind::Kind, values: &[f64]) -> Law {
+    fn law(effect: Kind, values: &[f64]) -> Law {
         Law {
             effect,
             values: values.to_vec(),

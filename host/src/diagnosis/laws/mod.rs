@@ -128,6 +128,11 @@ pub fn power_of(filters: &[Box<dyn Distortion>], f_hz: f64, rate_hz: f64) -> f64
     filters.iter().map(|one| one.power(f_hz, rate_hz)).product()
 }
 
+/// The same as a record [shows](Distortion::shown) it.
+pub fn shown_of(filters: &[Box<dyn Distortion>], f_hz: f64, rate_hz: f64) -> f64 {
+    filters.iter().map(|one| one.shown(f_hz, rate_hz)).product()
+}
+
 /// Component of a law in bins behind all filters; `None` for one that filters itself.
 fn component(bins: &Filtered<'_>, law: &Law) -> Option<Vec<f64>> {
     Some(bins.expect(&*term(law)?))

@@ -8,7 +8,8 @@ use crate::diagnosis::record::wave::Wave;
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
 
-/// An explanation of lines that are taken out, with the intervals that their sizes have in the axis as it is now; `None` for any other.
+/// An explanation of lines that are taken out, with the intervals that their sizes have in the axis as it is now, a tone that
+/// is excluded as it was; `None` for any other.
 pub fn in_noise_left(axis: &AxisState, one: &Explanation) -> Option<Estimate> {
     let first = amplitudes::first(one.kind())?;
     let mut effect = one.effect.clone();
