@@ -6,7 +6,12 @@
 //! rate for as long as that takes, what lies on its side has gravity.
 
 mod course;
+mod envelope;
+mod level;
 mod stretch;
+mod sums;
+
+use std::sync::OnceLock;
 
 use super::effect::{Effect, Parameter, Part, Quantity};
 use super::kind::Kind;
@@ -14,12 +19,15 @@ use super::marks::Mark;
 use super::once::Once;
 use super::random::Generator;
 use super::{Seed, Term};
-use course::{Moved, Passing, mean};
+use course::{Moved, Passing};
+use sums::Sums;
 
+pub use envelope::Envelope;
+pub use level::Level;
 pub use stretch::Stretch;
 
 /// Numbers that describe one band of a stretch.
-pub const ROW: usize = 7;
+pub const ROW: usize = 8;
 
 /// Place of the step among them.
 pub const STEP: usize = 2;
@@ -27,43 +35,73 @@ pub const STEP: usize = 2;
 /// Place of the level meanwhile among them.
 pub const MEAN: usize = 6;
 
+/// Place of how long it takes to come up among them.
+pub const FADE: usize = 7;
+
 /// Stretches at given times. As for [`Steps`](super::steps::Steps) the law says zero, as they do not come again;
 /// what they add to a record that holds them is said by [`Once::in_record`].
-#[derive(Debug, Clone, PartialEq)]
-pub struct Motion(
+#[derive(Debug)]
+pub struct Motion {
     /// Each of them; one of several bands is there once for each, its step and its level meanwhile with one of them.
-    pub Vec<Stretch>,
-);
+    stretches: Vec<Stretch>,
+    /// What they add to a record of so many samples, so many a second, as it was first asked for.
+    sums: OnceLock<((u64, f64), Vec<Sums>)>,
+}
+
+impl Motion {
+    /// Of some stretches, each with as many rows as it has bands, one after another.
+    pub fn new(stretches: Vec<Stretch>) -> Self {
+        Self {
+            stretches,
+            sums: OnceLock::new(),
+        }
+    }
+
+    /// What each while adds to a record.
+    fn sums(&self, samples: u64, rate_hz: f64) -> Vec<Sums> {
+        let whiles = self.stretches.chunk_by(Stretch::is_beside);
+        let sums = |all: &[Stretch]| {
+            let bands: Vec<_> = all.iter().map(|one| one.band).collect();
+            let (_, envelope) = all[0].samples(rate_hz);
+            Sums::new(&bands, &envelope.within(samples), rate_hz)
+        };
+        whiles.map(sums).collect()
+    }
+}
 
 impl Once for Motion {
     fn in_record(&self, m: u64, samples: u64, rate_hz: f64) -> f64 {
-        let all = self.0.iter();
-        all.map(|one| one.allan_variance(m, samples, rate_hz)).sum()
+        let of = |all: &[Sums]| all.iter().map(|one| one.allan_variance(m, samples)).sum();
+        let record = (samples, rate_hz);
+        let (first, known) = self
+            .sums
+            .get_or_init(|| (record, self.sums(samples, rate_hz)));
+        if *first == record {
+            of(known)
+        } else {
+            of(&self.sums(samples, rate_hz))
+        }
     }
 
     fn density_in_record(&self, f_hz: f64, record_s: f64, rate_hz: f64) -> f64 {
         let own = |one: &Stretch| one.duration_s / record_s * one.density(f_hz, rate_hz);
-        self.0.iter().map(own).sum()
+        self.stretches.iter().map(own).sum()
     }
 
     fn course(&self, rate_hz: f64, seed: Seed) -> Box<dyn Generator> {
         let stretch = |(stream, one): (u64, &Stretch)| {
-            let (from, to) = one.samples(rate_hz);
-            let own = Seed {
-                seed: seed.seed,
-                stream: seed.stream ^ stream.rotate_left(32),
+            let drawn = |draw: u64| {
+                let own = stream.rotate_left(32) ^ draw.rotate_left(16);
+                let own = Seed {
+                    seed: seed.seed,
+                    stream: seed.stream ^ own,
+                };
+                one.band.generator(rate_hz, own)
             };
-            Passing {
-                from,
-                to,
-                step: one.step,
-                level: one.mean,
-                mean: mean(one.band.generator(rate_hz, own), to - from),
-                noise: one.band.generator(rate_hz, own),
-            }
+            Passing::new(one.level(rate_hz), &one.band, drawn)
         };
         Box::new(Moved {
-            stretches: (1..).zip(&self.0).map(stretch).collect(),
+            stretches: (1..).zip(&self.stretches).map(stretch).collect(),
             index: 0,
         })
     }
@@ -116,6 +154,12 @@ impl Effect for Entry {
                     "the level meanwhile less the middle of those before and afterwards; once where a stretch has several bands",
                 )
                 .or_zero(),
+                Parameter::new(
+                    "fade_s",
+                    Quantity::SecondOrNone,
+                    "how long it takes to come up, and as long to fade",
+                )
+                .or_zero(),
             ]
             .map(|one| one.in_row(number))
         };
@@ -155,122 +199,9 @@ impl Effect for Entry {
 
     fn part(&self, values: &[f64]) -> Part {
         let rows = values.chunks_exact(ROW).map(Stretch::of);
-        Part::Term(Box::new(Motion(rows.collect())))
+        Part::Term(Box::new(Motion::new(rows.collect())))
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::diagnosis::statistic::allan_curve;
-    use crate::model::unnamed::Band;
-
-    const RATE_HZ: f64 = 100.0;
-
-    fn stretch(f_hz: f64, width_hz: f64) -> Stretch {
-        Stretch {
-            time_s: 50.0,
-            duration_s: 13.0,
-            step: 0.0,
-            mean: 0.0,
-            band: Band {
-                f_hz,
-                width_hz,
-                amplitude: 2.0,
-            },
-        }
-    }
-
-    fn made(stretches: Vec<Stretch>, seed: u64, count: usize) -> Vec<f64> {
-        let mut samples = vec![0.0; count];
-        let seed = Seed { seed, stream: 3 };
-        let mut generator = Motion(stretches).course(RATE_HZ, seed);
-        for block in samples.chunks_mut(97) {
-            generator.add_to(block);
-        }
-        samples
-    }
-
-    #[test]
-    fn nothing_is_outside_of_a_stretch_but_its_step() {
-        let moved = Stretch {
-            step: -3.0,
-            ..stretch(2.0, 0.5)
-        };
-        let samples = made(vec![moved], 1, 20_000);
-        assert!(samples[..5000].iter().all(|one| *one == 0.0));
-        assert!(samples[6300..].iter().all(|one| *one == -3.0));
-        let inside = &samples[5000..5650];
-        let square = inside.iter().map(|one| one * one).sum::<f64>() / inside.len() as f64;
-        // Ten correlation times: known to half of it.
-        assert!((1.0..9.0).contains(&square), "{square}");
-    }
-
-    #[test]
-    fn a_turn_has_its_rate_while_it_lasts_and_leaves_a_step() {
-        let turned = Stretch {
-            step: -3.0,
-            mean: 5.0,
-            ..stretch(2.0, 0.5)
-        };
-        let samples = made(vec![turned], 2, 20_000);
-        assert!(samples[..5000].iter().all(|one| *one == 0.0));
-        assert!(samples[6300..].iter().all(|one| *one == -3.0));
-        let mean = samples[5000..6300].iter().sum::<f64>() / 1300.0;
-        // The noise of the stretch has none, and the step is there for half of it.
-        assert!((mean - (5.0 - 1.5)).abs() < 1e-9, "{mean}");
-    }
-
-    /// Files from before rows had a level of their own, however many rows they have.
-    #[test]
-    fn rows_without_a_level_are_read() {
-        use crate::model::effect::in_order;
-        for rows in [1, 6, 7, 50, 301] {
-            let all = KIND.parameters(&vec![0.0; rows * ROW]);
-            let named = all.iter().filter(|one| !one.optional);
-            let named = named.map(|one| (one.name.to_string(), 1.0)).collect();
-            let values = in_order(&Entry, &named).expect("a motion");
-            assert_eq!(values.len(), rows * ROW, "{rows} rows");
-            let levels = values.chunks(ROW).map(|row| row[MEAN]);
-            assert_eq!(levels.sum::<f64>(), 0.0, "{rows} rows");
-        }
-    }
-
-    #[test]
-    fn a_motion_beyond_the_end_of_time_adds_nothing() {
-        let motion = Motion(vec![Stretch::of(&[5e107, 0.5, -0.02, 3.0, 1.0, 0.05, 0.1])]);
-        let mut samples = vec![0.0; 1000];
-        let seed = Seed { seed: 1, stream: 0 };
-        motion.course(RATE_HZ, seed).add_to(&mut samples);
-        assert!(samples.iter().all(|sample| *sample == 0.0));
-    }
-
-    /// The mean over records comes to what is expected, from the shortest averages to those longer than the stretch.
-    #[test]
-    fn records_have_the_allan_variance_that_is_expected() {
-        const RECORDS: u64 = 400;
-        const LENGTH: usize = 16_384;
-        for one in [stretch(0.0, 0.3), stretch(1.5, 0.4), stretch(20.0, 12.0)] {
-            let mut sums: std::collections::BTreeMap<u64, [f64; 2]> = Default::default();
-            for seed in 0..RECORDS {
-                for point in allan_curve::allan(&made(vec![one], seed, LENGTH), RATE_HZ) {
-                    let sum = sums.entry(point.m).or_default();
-                    sum[0] += point.variance;
-                    sum[1] += point.variance.powi(2);
-                }
-            }
-            let count = RECORDS as f64;
-            // Those that fit in 20 times: longer ones see the ends of the record.
-            for (m, [sum, squares]) in sums.into_iter().filter(|(m, _)| *m <= LENGTH as u64 / 20) {
-                let mean = sum / count;
-                let sd = ((squares / count - mean * mean) / count).sqrt();
-                let expected = Motion(vec![one]).in_record(m, LENGTH as u64, RATE_HZ);
-                // Five standard errors of the mean, of some hundred comparisons.
-                assert!(
-                    (mean - expected).abs() < 5.0 * sd + 1e-9 * expected,
-                    "{one:?} {m}: {mean} for {expected}, {sd}"
-                );
-            }
-        }
-    }
-}
+mod tests;

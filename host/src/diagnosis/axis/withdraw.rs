@@ -69,6 +69,11 @@ impl AxisState {
         for one in motions.filter(|one| one.kind() == motion::KIND) {
             if let Change::Happened { waves, .. } = &mut one.change {
                 waves.retain(|one| !matches!(one, Wave::Steps(_)));
+                for wave in waves {
+                    if let Wave::Meanwhile(levels) = wave {
+                        levels.iter_mut().for_each(|one| one.step = 0.0);
+                    }
+                }
             }
             for row in one.effect.values.chunks_mut(motion::ROW) {
                 row[motion::STEP] = Some(Value::exact(0.0));

@@ -175,7 +175,16 @@ mod tests {
             let mut axis = axis(1, short(1), |n, noise| {
                 noise + if n < middle { 0.0 } else { 3.0 }
             });
-            let row = [middle as f64 / RATE_HZ, 0.01, taken, 100.0, 10.0, 1.0, 0.0];
+            let row = [
+                middle as f64 / RATE_HZ,
+                0.01,
+                taken,
+                100.0,
+                10.0,
+                1.0,
+                0.0,
+                0.0,
+            ];
             let change = Change::Happened {
                 masked: vec![middle..middle + 10],
                 waves: vec![jump(middle, taken)],

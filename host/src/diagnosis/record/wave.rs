@@ -1,6 +1,5 @@
 //! Waveforms that are taken out of a record, and the events that they are made of.
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use realfft::num_complex::Complex64;
@@ -9,6 +8,7 @@ use crate::diagnosis::record::bridge::bridge;
 use crate::diagnosis::record::switching::Switching;
 use crate::fft::phasor::Phasor;
 use crate::model::drift::Drift;
+use crate::model::motion::Level;
 use crate::model::random::Generator;
 use crate::model::shock::Shock;
 use crate::model::steps::Staircase;
@@ -53,15 +53,6 @@ impl Jump {
     }
 }
 
-/// A level that is there for a while.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Meanwhile {
-    /// Samples at that level.
-    pub samples: Range<usize>,
-    /// How much higher they are than the others, in the unit of the record.
-    pub height: f64,
-}
-
 /// A waveform in the record.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Wave {
@@ -69,8 +60,8 @@ pub enum Wave {
     Steps(Vec<Jump>),
     /// A level that switches between two.
     Switching(Arc<Switching>),
-    /// Levels that come back.
-    Meanwhile(Vec<Meanwhile>),
+    /// Levels on the way to others, beside the [steps](Self::Steps) that are in the middle of each way.
+    Meanwhile(Vec<Level>),
     /// Exponential settling from the start of the record.
     WarmUp {
         /// Distance from the final level at the start, in the unit of the signal.
@@ -210,11 +201,11 @@ impl Wave {
             }
             Self::Switching(switching) => switching.take_out(values),
             Self::Meanwhile(levels) => {
-                for Meanwhile { samples, height } in levels {
-                    let end = samples.end.min(values.len());
-                    let own = values.get_mut(samples.start..end).unwrap_or_default();
-                    own.iter_mut().for_each(|value| *value -= height);
+                for level in levels {
+                    level.negated().add_to(0, values);
                 }
+                let middle = |level: &Level| (level.from.midpoint(level.to()), level.step);
+                Staircase::new(levels.iter().map(middle)).add_to(values);
             }
             Self::WarmUp { amplitude, samples } => {
                 // Beyond 40 time constants nothing is left.

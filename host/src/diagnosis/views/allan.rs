@@ -36,10 +36,13 @@ pub(crate) fn points(
     let point = |(number, one): (usize, &Point)| {
         let added = added.get(number).copied().unwrap_or(0.0);
         let of_passing = passing.allan_variance(one.m, |f_hz| after.density(f_hz));
-        let variance = (after.allan_variance(one.m) + added).max(0.0) + of_passing;
-        // Each part of what was measured scatters by its own.
-        let lasting = (one.variance - of_passing).max(0.0);
-        let scatter = lasting.powi(2) / one.edf + of_passing.powi(2) / passing.freedom(one.edf);
+        let steady = (after.allan_variance(one.m) + added).max(0.0);
+        let variance = steady + of_passing;
+        // Each part of what was measured scatters by its own. A model that is too loud does not excuse itself: of what passes
+        // there is no more than was measured beside the rest, and nothing that is missing was it.
+        let passed = (one.variance - steady).max(0.0).min(of_passing);
+        let scatter =
+            (one.variance - passed).powi(2) / one.edf + passed.powi(2) / passing.freedom(one.edf);
         AllanPoint {
             tau_s: one.tau_s,
             m: one.m,

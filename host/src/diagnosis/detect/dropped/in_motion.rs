@@ -44,7 +44,7 @@ mod tests {
                 masked: vec![stretch],
                 waves: Vec::new(),
             };
-            let values = [time_s, duration_s, 0.0, 12.0, 1.0, 0.1, 0.0];
+            let values = [time_s, duration_s, 0.0, 12.0, 1.0, 0.1, 0.0, 0.0];
             trial.know(motion::KIND, values, change);
             let mut proposals = trial.ask(&DETECTOR);
             let last = proposals.pop().into_iter().collect();

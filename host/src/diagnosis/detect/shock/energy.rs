@@ -21,8 +21,9 @@ const TAPERS: usize = 5;
 /// Steps towards the sizes: bands that lie over one another share what is there to a hundredth by then.
 const STEPS: usize = 50;
 
-/// Two-sided density of some samples in cycles a sample, from zero on, all samples weighed alike but those at the very ends.
-fn density(values: &[f64]) -> Vec<f64> {
+/// Two-sided density of some samples in cycles a sample, from zero on, all samples weighed alike but those at the very ends;
+/// what happened there is told with the rest, so that all of it has its energy.
+pub fn density(values: &[f64]) -> Vec<f64> {
     let len = values.len();
     let fft = fft::real_forward(len);
     let mut sum = vec![0.0; len / 2 + 1];
@@ -39,11 +40,17 @@ fn density(values: &[f64]) -> Vec<f64> {
             *sum += one.norm_sqr() / (0.5 * (len * TAPERS) as f64);
         }
     }
+    let own = values.iter().map(|one| one * one).sum::<f64>();
+    // Of all ordinates, both ways.
+    let told = 2.0 * sum[1..].iter().sum::<f64>() + sum[0] - sum[len / 2];
+    if told > 0.0 {
+        sum.iter_mut().for_each(|one| *one *= own / told);
+    }
     sum
 }
 
 /// Mean of the products of the tapers over a stretch with themselves a `part` of it later, over that without a lag.
-fn taper_covariance(part: f64) -> f64 {
+pub fn taper_covariance(part: f64) -> f64 {
     let of_taper = |number: usize| {
         let turn = PI * number as f64;
         (1.0 - part) * (turn * part).cos() + (turn * part).sin() / turn
@@ -51,12 +58,10 @@ fn taper_covariance(part: f64) -> f64 {
     (1..=TAPERS).map(of_taper).sum::<f64>() / TAPERS as f64
 }
 
-/// Gives `bands` of a stretch with these `values` the energy that it has in their `groups` of ordinates, beside some
+/// Gives `bands` of a stretch of this `measured` [density] the energy that it has in their `groups` of ordinates, beside some
 /// `noise`. A band that is left without any stays as it is.
-pub fn give(bands: &mut [Band], values: &[f64], groups: &[Range<usize>], noise: &[f64]) {
-    let len = values.len();
-    let measured = density(values);
-    let taper = lags(len, taper_covariance);
+pub fn give(bands: &mut [Band], measured: &[f64], groups: &[Range<usize>], noise: &[f64]) {
+    let taper = lags(2 * (measured.len() - 1), taper_covariance);
     let measured: Vec<f64> = groups
         .iter()
         .map(|group| mean(&measured[group.clone()]))
@@ -124,7 +129,7 @@ mod tests {
                 width_hz: 0.01,
                 amplitude: 3.0,
             }];
-            give(&mut bands, &values, &groups, &noise);
+            give(&mut bands, &density(&values), &groups, &noise);
             let ratio = bands[0].amplitude.powi(2) / square;
             // The tapers' weights differ by a fifth about an eighth of it, and the noise beside the band is 1 of 50.
             assert!((ratio - 1.0).abs() < 0.25, "seed {seed}, {part:?}: {ratio}");
@@ -144,7 +149,12 @@ mod tests {
             amplitude: 1.0,
         };
         let mut bands = [band(0.02), band(0.3)];
-        give(&mut bands, &values, &groups, &vec![1.0; groups.len()]);
+        give(
+            &mut bands,
+            &density(&values),
+            &groups,
+            &vec![1.0; groups.len()],
+        );
         for (band, expected) in bands.iter().zip([1250.0, 12.5]) {
             let ratio = band.amplitude.powi(2) / expected;
             // A hundredth of the noise is within the band's reach.

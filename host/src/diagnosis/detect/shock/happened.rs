@@ -10,9 +10,10 @@ use crate::diagnosis::axis::SPREAD;
 use crate::diagnosis::detect::burst::{Burst, MOST_STRETCHES, candidate};
 use crate::diagnosis::detect::look::Look;
 use crate::diagnosis::explanation::{Candidate, Change};
-use crate::diagnosis::record::wave::{Jump, Meanwhile, Wave};
+use crate::diagnosis::record::wave::{Jump, Wave};
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
+use crate::model::motion::{Envelope, Level};
 use crate::model::shock::Shock;
 use crate::model::unnamed::Band;
 use crate::model::{burst, motion, shock};
@@ -172,13 +173,17 @@ fn of_motion(look: &Look<'_>, all: &[Moved], p_value: f64) -> Candidate {
         })
     };
     let jumps: Vec<Jump> = all.iter().filter_map(jump).collect();
-    let level = |one: &Moved| {
-        one.mean.map(|[height, _]| Meanwhile {
-            samples: one.samples.clone(),
-            height,
-        })
+    let level = |one: &Moved| Level {
+        from: one.samples.start as u64,
+        envelope: Envelope::new(one.samples.len() as u64, one.fade as u64),
+        mean: one.mean.map_or(0.0, |[height, _]| height),
+        step: one.step.map_or(0.0, |[height, _]| height),
     };
-    let levels: Vec<Meanwhile> = all.iter().filter_map(level).collect();
+    let levels: Vec<Level> = all
+        .iter()
+        .filter(|one| one.mean.is_some() || one.step.is_some())
+        .map(level)
+        .collect();
     let steps = (!jumps.is_empty()).then_some(Wave::Steps(jumps));
     let levels = (!levels.is_empty()).then_some(Wave::Meanwhile(levels));
     let waves = steps.into_iter().chain(levels).collect();
@@ -209,6 +214,7 @@ fn motion_row(
         Some(Value::told(band.width_hz * rate_hz)),
         Some(Value::told(band.amplitude / passed(look, f_hz))),
         mean.map(known),
+        Some(Value::told(one.fade as f64 / rate_hz)),
     ]
 }
 

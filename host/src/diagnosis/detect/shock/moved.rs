@@ -9,13 +9,17 @@ use super::about::About;
 use super::bands;
 use super::bands::bands;
 use super::course::{deflection, levels, of_strength};
-use super::energy;
+use super::described::described;
+use super::fading::fading;
 use super::strength::{Beside, Inside};
 use crate::model::unnamed::Band;
 use crate::numeric::order::median;
 
 /// Standard deviations of what levels differ by anyway from which one has changed: a choice, one in 16 000.
 const CHANGED: f64 = 4.0;
+
+/// How many times as far as a place is long the record must be quiet on both sides of it: a choice, as far as its levels reach.
+const REACH: usize = 2;
 
 /// A stretch in samples.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,7 +30,9 @@ pub struct Moved {
     pub step: Option<[f64; 2]>,
     /// Its own level less the middle of both, and its standard deviation; `None` where it has none.
     pub mean: Option<[f64; 2]>,
-    /// What it is about: cycles a sample, and the unit of the record.
+    /// Samples in which it comes up, and in as many it fades.
+    pub fade: usize,
+    /// What it is about, the strongest first: cycles a sample, and the unit of the record.
     pub bands: Vec<Band>,
     /// Gain in log-likelihood of its strength, on every other error of prediction.
     pub nats: f64,
@@ -61,7 +67,7 @@ impl Moved {
             noise,
             is_known,
         } = &inside;
-        let (mut bands, gain) = bands(data, noise, groups).ok_or(NotMoved::Short)?;
+        let (bands, gain) = bands(data, noise, groups).ok_or(NotMoved::Short)?;
         // Each number costs as by the information criterion of G. Schwarz, Ann. Stat. 6 (1978): a band has three, noise
         // that is louder has one. A level of its own is either's: what is louder strays further from its mean.
         let ordinates = samples.len() / 2;
@@ -70,12 +76,12 @@ impl Moved {
         if *is_known && of_louder > gain - cost_nats {
             return Err(NotMoved::Louder);
         }
-        energy::give(&mut bands, values, groups, noise);
         Ok(Self {
             samples: samples.clone(),
             step: beside.step(samples),
             mean,
-            bands,
+            fade: fading(values, inside.noise_power()),
+            bands: described(values, groups, noise),
             nats: about.map_or(1.0, |about| of_strength(about, samples)),
         })
     }
@@ -84,49 +90,60 @@ impl Moved {
 impl Beside<'_> {
     /// Change of the level over an event, where it is larger than levels as far apart differ by anyway.
     pub fn step(&self, samples: &Range<usize>) -> Option<[f64; 2]> {
-        self.beyond(samples, |place, own| {
+        let of = |place: &Range<usize>, own: &Range<usize>| {
             let [before, after] = levels(self.values, place, own);
             Some(after? - before?)
-        })
+        };
+        let (height, sd) = (of(samples, self.own)?, self.anyway(samples, of)?);
+        (height.abs() > CHANGED * sd).then_some([height, sd])
     }
 
     /// Level of an event less the middle of those before and after it, where that is further than it is anyway.
     fn mean(&self, samples: &Range<usize>) -> Option<[f64; 2]> {
-        self.beyond(samples, |place, own| {
+        let of = |place: &Range<usize>, own: &Range<usize>| {
             Some(bands::mean(&deflection(self.values, place, own)))
-        })
+        };
+        let (height, sd) = (of(samples, self.own)?, self.anyway(samples, of)?);
+        (height.abs() > CHANGED * sd).then_some([height, sd])
     }
 
-    /// What is `of` an event, and the standard deviation of the same of places as long in which nothing happens, where it is
-    /// beyond that.
-    fn beyond(
+    /// Standard deviation of what is `of` places as long as an event in which nothing happens. Where there are too few, it is
+    /// that of some half as long, and so on, as if it went twice as far in twice the time, as what drifts does.
+    fn anyway(
         &self,
         samples: &Range<usize>,
         of: impl Fn(&Range<usize>, &Range<usize>) -> Option<f64>,
-    ) -> Option<[f64; 2]> {
-        /// Places that are compared, at least and at most: choices.
+    ) -> Option<f64> {
+        /// Places that are compared, at least and at most, and samples of one, at least: choices.
         const PLACES: [usize; 2] = [8, 256];
-        let own = of(samples, self.own)?;
-        let reach = 2 * samples.len();
-        let room = |run: &Range<usize>| run.len().checked_sub(samples.len() + 2 * reach);
-        let starts = |run: &Range<usize>| {
-            let from = run.start + reach;
-            room(run).map(|room| (from..=from + room).step_by(samples.len()))
-        };
-        let all: Vec<usize> = self.quiet.iter().filter_map(starts).flatten().collect();
-        if all.len() < PLACES[0] {
-            return None;
-        }
+        const LEAST: usize = 8;
+        let lengths = std::iter::successors(Some(samples.len()), |length| Some(length / 2));
+        let mut lengths = lengths.take_while(|length| *length >= LEAST);
+        let (length, all) = lengths.find_map(|length| {
+            let all = self.places(length);
+            (all.len() >= PLACES[0]).then_some((length, all))
+        })?;
         let stride = all.len().div_ceil(PLACES[1]);
         let chosen = all.into_iter().step_by(stride);
         let differs = |start: usize| {
-            let place = start..start + samples.len();
-            Some(of(&place, &(start - reach..place.end + reach))?.abs())
+            let place = start..start + length;
+            let own = start - REACH * length..place.end + REACH * length;
+            Some(of(&place, &own)?.abs())
         };
         let mut differ: Vec<f64> = chosen.filter_map(differs).collect();
         // The middle of the sizes of a normal law.
         let sd = median(&mut differ)? / 0.6745;
-        (own.abs() > CHANGED * sd).then_some([own, sd])
+        Some(sd * samples.len() as f64 / length as f64)
+    }
+
+    /// Where places of a `length` begin in which nothing happens, nor beside them.
+    fn places(&self, length: usize) -> Vec<usize> {
+        let room = |run: &Range<usize>| run.len().checked_sub((1 + 2 * REACH) * length);
+        let starts = |run: &Range<usize>| {
+            let from = run.start + REACH * length;
+            room(run).map(|room| (from..=from + room).step_by(length))
+        };
+        self.quiet.iter().filter_map(starts).flatten().collect()
     }
 }
 
@@ -151,15 +168,20 @@ mod tests {
             duration_s: 1000.0,
             step,
             mean: level,
+            fade_s: 0.0,
             band: Band {
                 f_hz,
                 width_hz,
                 amplitude: 20.0,
             },
         };
-        Motion(vec![stretch]).course(1.0, seed).add_to(&mut values);
+        Motion::new(vec![stretch])
+            .course(1.0, seed)
+            .add_to(&mut values);
         let mut alone = vec![0.0; 21_000];
-        Motion(vec![stretch]).course(1.0, seed).add_to(&mut alone);
+        Motion::new(vec![stretch])
+            .course(1.0, seed)
+            .add_to(&mut alone);
         let square = alone[20_000..20_500]
             .iter()
             .map(|one| one * one)

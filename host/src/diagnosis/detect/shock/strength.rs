@@ -78,6 +78,13 @@ impl Inside {
         })
     }
 
+    /// Mean square of what is expected of noise alone.
+    pub fn noise_power(&self) -> f64 {
+        let groups = self.groups.iter().zip(&self.noise);
+        let powers = groups.map(|(group, density)| group.len() as f64 * density);
+        powers.sum::<f64>() / (self.values.len() / 2) as f64
+    }
+
     /// How much louder it is, if the noise is of which [a part](own_shapes) is.
     pub fn louder(&self) -> Option<Louder> {
         if !self.is_known {

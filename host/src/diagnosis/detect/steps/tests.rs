@@ -209,7 +209,7 @@ fn levels_that_a_stretch_of_motion_leaves_are_its_own() {
         masked: vec![6000..6500],
         waves: vec![Wave::Steps(vec![trial::jump(6000, 0.1)])],
     };
-    trial.know(crate::model::motion::KIND, [0.0; 5], change);
+    trial.know(crate::model::motion::KIND, [0.0; 8], change);
     let found = trial.look(|look| proposals(look, trial::jump(12_000, 4.0)));
     let found = trial::candidate(found).expect("a jump");
     assert_eq!(found.amends, None, "seed 9");

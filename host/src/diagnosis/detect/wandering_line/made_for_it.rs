@@ -70,8 +70,11 @@ fn moves_as_tone(axis: &AxisState, lines: &[Line]) -> bool {
     };
     let is_line = |band: &Band| {
         lines.iter().any(|line| {
-            let next = band.f_hz.max(line.band_hz.start) / band.f_hz.min(line.band_hz.end);
-            next < NEXT_GROUP && 2.0 * band.amplitude.powi(2) <= line.amplitude.value.powi(2)
+            let half_hz = 0.5 * band.width_hz;
+            let above = (band.f_hz - half_hz) / line.band_hz.end;
+            let below = line.band_hz.start / (band.f_hz + half_hz);
+            above.max(below) < NEXT_GROUP
+                && 2.0 * band.amplitude.powi(2) <= line.amplitude.value.powi(2)
         })
     };
     let values = known.effect.plain();
@@ -112,7 +115,7 @@ mod tests {
         };
         let mut axis = axis(1, short(1), |_, noise| noise);
         let rows = stretches.iter().flat_map(|&[step, f_hz, amplitude]| {
-            [10.0, 5.0, step, f_hz, 0.1, amplitude, 0.0].map(Value::exact)
+            [10.0, 5.0, step, f_hz, 0.1, amplitude, 0.0, 0.0].map(Value::exact)
         });
         let mut one = made_up(motion::KIND, Change::Waves(Vec::new()));
         one.effect = Estimate::new(motion::KIND, rows);

@@ -217,7 +217,7 @@ fn a_tone_that_was_taken_for_motion_is_followed_through_it() {
     };
     trial.know(
         motion::KIND,
-        [0.0, seconds, 0.0, 21.0, 0.1, 1.5, 0.0],
+        [0.0, seconds, 0.0, 21.0, 0.1, 1.5, 0.0, 0.0],
         happened,
     );
     let named = trial.look(|look| named(look, &(19.8..20.2), 1e-9));
