@@ -38,22 +38,17 @@ pub(crate) fn points(
         let of_passing = passing.allan_variance(one.m, |f_hz| after.density(f_hz));
         let steady = (after.allan_variance(one.m) + added).max(0.0);
         let variance = steady + of_passing;
-        // Each part of what was measured scatters by its own. A model that is too loud does not excuse itself: of what passes
-        // there is no more than was measured beside the rest, and nothing that is missing was it.
-        let passed = (one.variance - steady).max(0.0).min(of_passing);
-        let scatter =
-            (one.variance - passed).powi(2) / one.edf + passed.powi(2) / passing.freedom(one.edf);
         AllanPoint {
             tau_s: one.tau_s,
             m: one.m,
             adev: one.deviation(),
             lo: one.lo,
             hi: one.hi,
-            edf: if of_passing > 0.0 {
-                one.variance.powi(2) / scatter
-            } else {
-                one.edf
-            },
+            edf: freedom(
+                one.variance,
+                [steady, of_passing],
+                [one.edf, passing.freedom(one.edf)],
+            ),
             intervals: samples / one.m,
             before: before.allan_variance(one.m).sqrt(),
             after: variance.sqrt(),
@@ -63,11 +58,42 @@ pub(crate) fn points(
     measured.par_iter().enumerate().map(point).collect()
 }
 
+/// Degrees of freedom of a `measured` variance that a model makes of what is steady and of what passes, each with its own.
+///
+/// Each part of what was measured scatters by itself. A model that is too loud does not excuse itself: of what passes there is no more
+/// than was measured beside the rest, and nothing that is missing was it.
+fn freedom(measured: f64, [steady, passing]: [f64; 2], [edf, of_passing]: [f64; 2]) -> f64 {
+    let passed = (measured - steady).clamp(0.0, passing);
+    if passed > 0.0 {
+        measured.powi(2) / ((measured - passed).powi(2) / edf + passed.powi(2) / of_passing)
+    } else {
+        edf
+    }
+}
+
 /// Adds the points of a simulated record.
 pub(crate) fn add_simulated(points: &mut [AllanPoint], simulated: &[f64], rate_hz: f64) {
     for one in allan_curve::allan(simulated, rate_hz) {
         if let Some(point) = points.iter_mut().find(|point| point.m == one.m) {
             point.simulated = Some(one.deviation());
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_passes_excuses_no_more_than_was_measured_of_it() {
+        let own = [1000.0, 1.0];
+        // Half of it passed: that is not known, and the other half is.
+        let half = freedom(2.0, [1.0, 1.0], own);
+        assert!((half - 4.0 / 1.001).abs() < 1e-9, "{half}");
+        // A model that is ten times too loud knows the record as well as it is known.
+        assert_eq!(freedom(1.0, [1.0, 10.0], own), 1000.0);
+        // What is missing is not what passed.
+        assert!(freedom(2.0, [1.0, 0.01], own) > 900.0);
+        assert_eq!(freedom(2.0, [1.0, 0.0], own), 1000.0);
     }
 }

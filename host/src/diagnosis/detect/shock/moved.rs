@@ -247,6 +247,27 @@ mod tests {
         }
     }
 
+    /// Where nothing happens for too short a time to hold eight places as long, shorter ones say what levels differ by.
+    #[test]
+    fn a_level_that_is_left_for_good_is_told_in_a_short_record() {
+        for (seed, step, is_told) in [(50, -30.0, true), (51, 3.0, false), (52, 30.0, true)] {
+            let drawn = Seed { seed, stream: 0 };
+            let mut values = vec![0.0; 2600];
+            Gaussian::new(drawn, 1.0).add_to(&mut values);
+            values[1300..].iter_mut().for_each(|value| *value += step);
+            let beside = Beside {
+                values: &values,
+                quiet: &[0..800, 1800..2600],
+                own: &(0..2600),
+            };
+            let told = beside.step(&(800..1800));
+            assert_eq!(told.is_some(), is_told, "seed {seed}: {told:?}");
+            // Means of a thousand samples and of 800 of deviation 1.
+            let close = told.is_none_or(|[height, _]| (height - step).abs() < 0.25);
+            assert!(close, "seed {seed}: {told:?}");
+        }
+    }
+
     /// Noise that is louder for a while, from end to end of the band, is a burst of it.
     #[test]
     fn noise_that_is_louder_in_its_own_colour_is_no_motion() {

@@ -108,6 +108,10 @@ mod tests {
 
     /// Whether motion of these `[step, f_hz, amplitude]` is taken for a tone of amplitude 2 about [`LINE_HZ`].
     fn is_made_for_it(stretches: &[[f64; 3]]) -> bool {
+        is_made_for_it_if_as_wide(stretches, 0.1)
+    }
+
+    fn is_made_for_it_if_as_wide(stretches: &[[f64; 3]], width_hz: f64) -> bool {
         let line = Line {
             number: 1,
             amplitude: Value::exact(2.0),
@@ -115,7 +119,7 @@ mod tests {
         };
         let mut axis = axis(1, short(1), |_, noise| noise);
         let rows = stretches.iter().flat_map(|&[step, f_hz, amplitude]| {
-            [10.0, 5.0, step, f_hz, 0.1, amplitude, 0.0, 0.0].map(Value::exact)
+            [10.0, 5.0, step, f_hz, width_hz, amplitude, 0.0, 0.0].map(Value::exact)
         });
         let mut one = made_up(motion::KIND, Change::Waves(Vec::new()));
         one.effect = Estimate::new(motion::KIND, rows);
@@ -130,6 +134,9 @@ mod tests {
         assert!(is_made_for_it(&[[0.0, LINE_HZ, 0.1], [0.0, near_hz, 0.1]]));
         assert!(!is_made_for_it(&[[0.0, near_hz, 1.5]]), "louder");
         assert!(!is_made_for_it(&[[0.0, LINE_HZ / 1.2, 1.3]]), "far off");
+        // Told to half an octave it may lie there.
+        let told = [[0.0, LINE_HZ / 1.2, 1.3]];
+        assert!(is_made_for_it_if_as_wide(&told, 0.35 * LINE_HZ / 1.2));
         assert!(!is_made_for_it(&[[0.01, near_hz, 1.3]]), "lies otherwise");
         let beside = [[0.0, near_hz, 1.3], [0.0, 40.0, 1.3]];
         assert!(!is_made_for_it(&beside), "one of two");
