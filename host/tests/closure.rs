@@ -80,6 +80,17 @@ fn another_model_does_not() {
     assert!(different.is_err(), "X and Y were taken for one another");
 }
 
+/// A record of a `model`'s one axis, and one of the model that its diagnosis makes.
+fn diagnosed_and_simulated(model: &Model, length: u64, seed: u64) -> [AxisAnalysis; 2] {
+    let mut record = Simulation::new(model, length, seed).expect("a sound model");
+    let found = diagnose(&mut record, DiagnosisOptions::default(), &|_, _| {});
+    let found = found.expect("a diagnosis").model();
+    [(model, seed), (&found, seed + 10)].map(|(model, seed)| {
+        let mut analysed = analysed(model, length, seed);
+        analysed.axes.remove(0)
+    })
+}
+
 /// Lines that pass a pole with the noise: a tone that keeps its frequency, and one that does not.
 const BEHIND_A_POLE: [&str; 2] = [
     r#"{ "effect": "sinusoid", "parameters": { "f_hz": 130.5, "amplitude": 0.04 } }"#,
@@ -103,14 +114,12 @@ fn a_simulation_of_lines_behind_a_pole_is_as_loud_as_the_record() {
                    {{ "effect": "rolloff", "parameters": {{ "corner_hz": 50 }} }} ] }} ] }}"#
         );
         let model = Model::from_json(&text).expect("a model");
-        let mut record = Simulation::new(&model, SHORT, seed).expect("a sound model");
-        let found = diagnose(&mut record, DiagnosisOptions::default(), &|_, _| {});
-        let found = found.expect("a diagnosis").model();
-        let [before, after] = [(&model, seed), (&found, seed + 10)].map(|(model, seed)| {
-            let mut analysed = analysed(model, SHORT, seed);
-            analysed.axes.remove(0).allan
-        });
-        let both = before.iter().zip(&after).filter(|(a, _)| a.edf > SURE);
+        let [before, after] = diagnosed_and_simulated(&model, SHORT, seed);
+        let both = before
+            .allan
+            .iter()
+            .zip(&after.allan)
+            .filter(|(a, _)| a.edf > SURE);
         let off = both.map(|(a, b)| (a.m, b.adev / a.adev - 1.0));
         let worst = off
             .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
@@ -141,14 +150,8 @@ fn a_simulation_of_a_motion_is_as_loud_as_it_was() {
     const MOST: f64 = 0.2;
     let model = Model::from_json(TAKEN_UP).expect("a model");
     for seed in 31..34 {
-        let mut record = Simulation::new(&model, SHORT, seed).expect("a sound model");
-        let found = diagnose(&mut record, DiagnosisOptions::default(), &|_, _| {});
-        let found = found.expect("a diagnosis").model();
-        let [before, after] = [(&model, seed), (&found, seed + 10)].map(|(model, seed)| {
-            let mut analysed = analysed(model, SHORT, seed);
-            analysed.axes.remove(0).allan
-        });
-        let both = before.iter().zip(&after);
+        let [before, after] = diagnosed_and_simulated(&model, SHORT, seed);
+        let both = before.allan.iter().zip(&after.allan);
         for (a, b) in both.filter(|(a, _)| a.m <= LONGEST) {
             let off = b.adev / a.adev - 1.0;
             assert!(off.abs() < MOST, "seed {seed}: m = {}, {off:.3}", a.m);

@@ -63,7 +63,8 @@ pub(crate) fn points(
 /// Each part of what was measured scatters by itself. A model that is too loud does not excuse itself: of what passes there is no more
 /// than was measured beside the rest, and nothing that is missing was it.
 fn freedom(measured: f64, [steady, passing]: [f64; 2], [edf, of_passing]: [f64; 2]) -> f64 {
-    let passed = (measured - steady).clamp(0.0, passing);
+    // A stretch that is quieter takes away: nothing passed then.
+    let passed = (measured - steady).min(passing).max(0.0);
     if passed > 0.0 {
         measured.powi(2) / ((measured - passed).powi(2) / edf + passed.powi(2) / of_passing)
     } else {
@@ -95,5 +96,8 @@ mod tests {
         // What is missing is not what passed.
         assert!(freedom(2.0, [1.0, 0.01], own) > 900.0);
         assert_eq!(freedom(2.0, [1.0, 0.0], own), 1000.0);
+        // A quieter stretch takes something away.
+        assert_eq!(freedom(1.0, [1.1, -0.1], own), 1000.0);
+        assert_eq!(freedom(1.2, [1.1, -0.1], own), 1000.0);
     }
 }

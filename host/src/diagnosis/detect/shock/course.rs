@@ -28,6 +28,20 @@ pub struct Course {
     pub nats: f64,
 }
 
+impl Course {
+    /// The shock as a model has it of a record of so many samples a second.
+    pub fn in_seconds(&self, rate_hz: f64) -> Shock {
+        let shock = &self.shock;
+        Shock {
+            time_s: shock.time_s / rate_hz,
+            peak: shock.peak,
+            duration_s: shock.duration_s / rate_hz,
+            f_hz: shock.f_hz * rate_hz,
+            decay_s: shock.decay_s / rate_hz,
+        }
+    }
+}
+
 /// Whether a course explains most of what stands out in `samples`: of an exponential even a bump does.
 pub fn is_most(about: &About, fitted: &Fitted, samples: &Range<usize>) -> bool {
     let errors = about.errors_in(samples);

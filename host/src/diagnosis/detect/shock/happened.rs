@@ -14,7 +14,6 @@ use crate::diagnosis::record::wave::{Jump, Wave};
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
 use crate::model::motion::{Envelope, Level};
-use crate::model::shock::Shock;
 use crate::model::unnamed::Band;
 use crate::model::{burst, motion, shock};
 
@@ -135,10 +134,7 @@ fn of_shocks(look: &Look<'_>, shocks: &[Course], p_value: f64) -> Candidate {
         values: values.collect(),
     };
     let waves = vec![Wave::Shocks {
-        shocks: shocks
-            .iter()
-            .map(|one| in_seconds(&one.shock, rate_hz))
-            .collect(),
+        shocks: shocks.iter().map(|one| one.in_seconds(rate_hz)).collect(),
         rate_hz,
     }];
     let masked = masked(look, shocks.iter().map(|one| one.samples.clone()));
@@ -242,19 +238,9 @@ fn passed(look: &Look<'_>, f_hz: f64) -> f64 {
     look.axis.bins.chain_power(f_hz).sqrt().max(LEAST)
 }
 
-fn in_seconds(shock: &Shock, rate_hz: f64) -> Shock {
-    Shock {
-        time_s: shock.time_s / rate_hz,
-        peak: shock.peak,
-        duration_s: shock.duration_s / rate_hz,
-        f_hz: shock.f_hz * rate_hz,
-        decay_s: shock.decay_s / rate_hz,
-    }
-}
-
 /// The parameters of one shock, ahead of the chain; `None` for what it has not.
 fn row(course: &Course, rate_hz: f64, passed: impl Fn(f64) -> f64) -> [Option<Value>; 5] {
-    let shock = in_seconds(&course.shock, rate_hz);
+    let shock = course.in_seconds(rate_hz);
     let gain = if shock.f_hz > 0.0 {
         passed(shock.f_hz).recip()
     } else {
