@@ -2,7 +2,7 @@
 //!
 //! A hand on the block or its cable, people who walk past, a lorry outside. It has no course that a later
 //! record would have again; what stays the same is how strong it was, about which frequencies, and for how long:
-//! bands of noise that are let in between two times, which have no mean, and a level of its own meanwhile: what is turned has a
+//! bands of noise that come up and fade between two times, which have no mean, and a level of its own meanwhile: what is turned has a
 //! rate for as long as that takes, what lies on its side has gravity.
 
 mod course;

@@ -74,7 +74,7 @@ mod tests {
         assert!(whole[303..].iter().all(|one| *one == -3.0));
         let mean = whole[103..303].iter().sum::<f64>() / 200.0;
         assert!((mean - (5.0 - 1.5)).abs() < 1e-12, "{mean}");
-        // It is left and come back to without a jump.
+        // It is left and come back to without a jump: 5 / 0.75 pi / 2 / 50 a sample, and the step's 3 / 200.
         let largest = whole.windows(2).map(|pair| (pair[1] - pair[0]).abs());
         assert!(largest.fold(0.0, f64::max) < 0.3);
     }

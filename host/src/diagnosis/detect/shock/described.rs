@@ -5,8 +5,7 @@
 
 use std::ops::Range;
 
-use super::bands::{lags, seen};
-use super::energy::{density, give, taper_covariance};
+use super::energy::{density, give, shapes};
 use crate::model::unnamed::Band;
 use crate::numeric::mixture::add_mixture;
 
@@ -37,30 +36,30 @@ pub fn described(values: &[f64], groups: &[Range<usize>], noise: &[f64]) -> Vec<
             }
         })
         .collect();
-    give(&mut bands, &measured, groups, noise);
-    leave_out(&mut bands, values.len(), groups, noise);
-    give(&mut bands, &measured, groups, noise);
+    let shapes = shapes(&bands, values.len(), groups);
+    give(&mut bands, &shapes, &measured, groups, noise);
+    let (mut bands, shapes) = without_nothing(bands, shapes, noise);
+    give(&mut bands, &shapes, &measured, groups, noise);
     bands.sort_by(|a, b| b.amplitude.total_cmp(&a.amplitude));
     bands
 }
 
-/// Leaves out the bands that are nothing anywhere, but for the strongest.
-fn leave_out(bands: &mut Vec<Band>, len: usize, groups: &[Range<usize>], noise: &[f64]) {
-    let taper = lags(len, taper_covariance);
-    let own: Vec<Vec<f64>> = bands
-        .iter()
-        .map(|band| seen(*band, groups, &taper).expected)
-        .collect();
-    let mut expected = noise.to_vec();
-    add_mixture(&mut expected, &own, &vec![1.0; own.len()]);
+/// The bands, with their shapes, without those that are nothing anywhere, but for the strongest.
+fn without_nothing(
+    bands: Vec<Band>,
+    shapes: Vec<Vec<f64>>,
+    noise: &[f64],
+) -> (Vec<Band>, Vec<Vec<f64>>) {
+    let squared: Vec<f64> = bands.iter().map(|band| band.amplitude.powi(2)).collect();
     let strongest = bands.iter().map(|band| band.amplitude).fold(0.0, f64::max);
-    let mut shares = own.iter().map(|own| {
-        let shares = own.iter().zip(&expected).map(|(own, all)| own / all);
-        shares.fold(0.0, f64::max)
-    });
-    bands.retain(|band| {
-        shares.next().is_some_and(|share| share > NOTHING) || band.amplitude == strongest
-    });
+    let mut expected = noise.to_vec();
+    add_mixture(&mut expected, &shapes, &squared);
+    let stays = |(band, shape): &(Band, Vec<f64>)| {
+        let squared = band.amplitude.powi(2);
+        let mut shares = shape.iter().zip(&expected);
+        band.amplitude == strongest || shares.any(|(own, all)| squared * own > NOTHING * all)
+    };
+    bands.into_iter().zip(shapes).filter(stays).unzip()
 }
 
 #[cfg(test)]
@@ -100,7 +99,8 @@ mod tests {
                 .iter()
                 .filter(|band| (0.16..0.25).contains(&band.f_hz));
             let power: f64 = hum.map(|band| band.amplitude.powi(2)).sum();
-            assert!((power / 0.1875 - 1.0).abs() < 0.3, "seed {seed}: {power}");
+            // The bells beside it reach into it with a tenth of what is there.
+            assert!((power / 0.1875 - 1.0).abs() < 0.2, "seed {seed}: {power}");
             // Beside both the skirts of the sway are a million times weaker than it is.
             let density =
                 |f_hz: f64| -> f64 { bands.iter().map(|band| band.spectrum(f_hz, 1.0)).sum() };
@@ -124,7 +124,8 @@ mod tests {
             let told: f64 = bands.iter().map(|band| band.amplitude.powi(2)).sum();
             let squares: Vec<f64> = values.iter().map(|value| value * value).collect();
             let ratio = told / mean(&squares);
-            assert!((ratio - 1.0).abs() < 0.3, "seed {seed}: {ratio}");
+            // Sums are kept, but for the noise, which is nothing here, and what is left out.
+            assert!((ratio - 1.0).abs() < 0.01, "seed {seed}: {ratio}");
         }
     }
 }

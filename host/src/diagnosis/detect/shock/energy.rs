@@ -50,7 +50,7 @@ pub fn density(values: &[f64]) -> Vec<f64> {
 }
 
 /// Mean of the products of the tapers over a stretch with themselves a `part` of it later, over that without a lag.
-pub fn taper_covariance(part: f64) -> f64 {
+fn taper_covariance(part: f64) -> f64 {
     let of_taper = |number: usize| {
         let turn = PI * number as f64;
         (1.0 - part) * (turn * part).cos() + (turn * part).sin() / turn
@@ -58,14 +58,9 @@ pub fn taper_covariance(part: f64) -> f64 {
     (1..=TAPERS).map(of_taper).sum::<f64>() / TAPERS as f64
 }
 
-/// Gives `bands` of a stretch of this `measured` [density] the energy that it has in their `groups` of ordinates, beside some
-/// `noise`. A band that is left without any stays as it is.
-pub fn give(bands: &mut [Band], measured: &[f64], groups: &[Range<usize>], noise: &[f64]) {
-    let taper = lags(2 * (measured.len() - 1), taper_covariance);
-    let measured: Vec<f64> = groups
-        .iter()
-        .map(|group| mean(&measured[group.clone()]))
-        .collect();
+/// What the `groups` of ordinates of a stretch of so many samples are expected to be for each of its `bands`, of amplitude 1.
+pub fn shapes(bands: &[Band], len: usize, groups: &[Range<usize>]) -> Vec<Vec<f64>> {
+    let taper = lags(len, taper_covariance);
     let shape = |band: &Band| {
         let unit = Band {
             amplitude: 1.0,
@@ -73,12 +68,27 @@ pub fn give(bands: &mut [Band], measured: &[f64], groups: &[Range<usize>], noise
         };
         seen(unit, groups, &taper).expected
     };
-    let shapes: Vec<Vec<f64>> = bands.iter().map(shape).collect();
+    bands.iter().map(shape).collect()
+}
+
+/// Gives `bands` of these [shapes] the energy that a stretch of this `measured` [density] has in their `groups` of ordinates,
+/// beside some `noise`. A band that is left without any stays as it is.
+pub fn give(
+    bands: &mut [Band],
+    shapes: &[Vec<f64>],
+    measured: &[f64],
+    groups: &[Range<usize>],
+    noise: &[f64],
+) {
+    let measured: Vec<f64> = groups
+        .iter()
+        .map(|group| mean(&measured[group.clone()]))
+        .collect();
     let mut squared: Vec<f64> = bands.iter().map(|band| band.amplitude.powi(2)).collect();
     for _ in 0..STEPS {
         let mut expected = noise.to_vec();
-        add_mixture(&mut expected, &shapes, &squared);
-        for (squared, shape) in squared.iter_mut().zip(&shapes) {
+        add_mixture(&mut expected, shapes, &squared);
+        for (squared, shape) in squared.iter_mut().zip(shapes) {
             let (mut up, mut down) = (0.0, 0.0);
             for (place, group) in groups.iter().enumerate() {
                 let own = shape[place] * group.len() as f64;
@@ -129,7 +139,8 @@ mod tests {
                 width_hz: 0.01,
                 amplitude: 3.0,
             }];
-            give(&mut bands, &density(&values), &groups, &noise);
+            let shapes = shapes(&bands, values.len(), &groups);
+            give(&mut bands, &shapes, &density(&values), &groups, &noise);
             let ratio = bands[0].amplitude.powi(2) / square;
             // The tapers' weights differ by a fifth about an eighth of it, and the noise beside the band is 1 of 50.
             assert!((ratio - 1.0).abs() < 0.25, "seed {seed}, {part:?}: {ratio}");
@@ -149,12 +160,9 @@ mod tests {
             amplitude: 1.0,
         };
         let mut bands = [band(0.02), band(0.3)];
-        give(
-            &mut bands,
-            &density(&values),
-            &groups,
-            &vec![1.0; groups.len()],
-        );
+        let shapes = shapes(&bands, values.len(), &groups);
+        let noise = vec![1.0; groups.len()];
+        give(&mut bands, &shapes, &density(&values), &groups, &noise);
         for (band, expected) in bands.iter().zip([1250.0, 12.5]) {
             let ratio = band.amplitude.powi(2) / expected;
             // A hundredth of the noise is within the band's reach.

@@ -13,20 +13,20 @@ const ON_THE_WAY: [usize; 4] = [32, 8, 4, 2];
 /// Samples in which a stretch of these `values` comes up, beside noise of this power: that of the likeliest envelope, if what
 /// it holds is noise of one power in it.
 pub fn fading(values: &[f64], noise_power: f64) -> usize {
-    let (length, parts) = (values.len(), PARTS.min(values.len()));
-    let part = |number: usize| number * length / parts..(number + 1) * length / parts;
-    let powers: Vec<f64> = (0..parts)
+    let length = values.len();
+    let part = |number: usize| number * length / PARTS..(number + 1) * length / PARTS;
+    let powers: Vec<f64> = (0..PARTS)
         .map(|number| {
             let own = &values[part(number)];
             own.iter().map(|one| one * one).sum::<f64>() / own.len() as f64
         })
         .collect();
-    let mean = powers.iter().sum::<f64>() / parts as f64;
+    let mean = powers.iter().sum::<f64>() / PARTS as f64;
     let fades = ON_THE_WAY.map(|own| length / own);
     let log_likelihood = |fade: usize| {
         let envelope = Envelope::new(length as u64, fade as u64);
         let power = (mean - noise_power).max(0.0) / envelope.mean_square();
-        let of_part = (0..parts).map(|number| {
+        let of_part = (0..PARTS).map(|number| {
             let own = part(number);
             let squares = own.clone().map(|n| envelope.at(n as u64).powi(2));
             let expected = noise_power + power * squares.sum::<f64>() / own.len() as f64;
