@@ -5,6 +5,7 @@
 //! together; until the best of the dictionary is worth less than it costs (a matching pursuit, S. Mallat and
 //! Z. Zhang, IEEE Trans. Signal Process. 41, 1993, by likelihood).
 
+mod needed;
 #[cfg(test)]
 mod tests;
 
@@ -42,14 +43,24 @@ const TURNS: usize = 8;
 const ROUNDS: usize = 6;
 
 /// The model of an axis with bands, and its fit to all of `data` together with the sizes of its `tones`; `None` where no
-/// band is worth its cost.
-pub fn fitted(axis: &AxisState, data: &Data, tones: &[Vec<f64>]) -> Option<WithBands> {
-    Search::new(axis, data, tones, &[]).completed()
+/// band is worth its cost. The search begins with the bands `known`.
+pub fn fitted(
+    axis: &AxisState,
+    data: &Data,
+    tones: &[Vec<f64>],
+    known: &[Band],
+) -> Option<WithBands> {
+    Search::new(axis, data, tones, &[]).completed(known)
 }
 
-/// The model of an axis with bands beside `tones` that stay as they were measured; `None` where no band is worth its cost.
-pub fn beside(axis: &AxisState, data: &Data, tones: &[Vec<f64>]) -> Option<WithBands> {
-    Search::new(axis, data, &[], tones).completed()
+/// The same beside `tones` that stay as they were measured.
+pub fn beside(
+    axis: &AxisState,
+    data: &Data,
+    tones: &[Vec<f64>],
+    known: &[Band],
+) -> Option<WithBands> {
+    Search::new(axis, data, &[], tones).completed(known)
 }
 
 /// A model with one more band.
@@ -98,8 +109,9 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// The model with all bands that are worth their cost.
-    fn completed(mut self) -> Option<WithBands> {
+    /// The model with all bands that are worth their cost, of which some may be `known`.
+    fn completed(mut self, known: &[Band]) -> Option<WithBands> {
+        self.begin_with(known)?;
         let dictionary = &Dictionary::new(&self.bins, &self.sizes);
         let cost_nats = (dictionary.trials() / NEEDLESS).ln();
         for _ in 0..ROUNDS {
@@ -109,6 +121,7 @@ impl<'a> Search<'a> {
                 break;
             }
             self.move_all()?;
+            self.drop_worthless(cost_nats);
             if self.log_likelihood() - before < cost_nats {
                 break;
             }
@@ -245,17 +258,6 @@ impl<'a> Search<'a> {
             }
         }
         best.0
-    }
-
-    /// Leaves out bands that are not needed any more.
-    fn drop_unneeded(&mut self) {
-        for place in (0..self.bands.len()).rev() {
-            if self.squared[self.named + place] <= 0.0 {
-                self.bands.remove(place);
-                self.components.remove(self.named + place);
-                self.squared.remove(self.named + place);
-            }
-        }
     }
 
     /// The laws with the bands behind them, and the fit of all beside the tones at the sizes that they come to.

@@ -51,6 +51,14 @@ impl Band {
         }
     }
 
+    /// That of a law, if it is one.
+    pub fn of_law(law: &Law) -> Option<Self> {
+        match law.values[..] {
+            [f_hz, width_hz, _] if law.effect == unnamed::KIND => Some(Self { f_hz, width_hz }),
+            _ => None,
+        }
+    }
+
     /// What the bins of an axis, behind its filters, are expected to be for an amplitude of 1.
     pub fn component(self, bins: &Filtered<'_>) -> Vec<f64> {
         bins.expect(&self.term())
@@ -60,9 +68,8 @@ impl Band {
     pub fn local(self, bins: &Filtered<'_>, sizes: &Sizes<'_>) -> Local {
         let mut all = self.component(bins);
         let most = sizes.most(&all);
-        let Data { psd, dof, .. } = sizes.data;
-        // What is far below the peak may stand out of what is measured there, and a bin of few values is quiet by chance.
-        let weights = all.iter().zip(psd).zip(dof);
+        // What is far below the peak may stand out of what is measured there.
+        let weights = all.iter().zip(&sizes.measured).zip(&sizes.data.dof);
         let weights: Vec<f64> = weights.map(|((own, psd), dof)| dof * own / psd).collect();
         let greatest = weights.iter().copied().fold(0.0, f64::max);
         let counts = |one: &f64| *one >= COUNTS * greatest;

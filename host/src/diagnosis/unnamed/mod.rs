@@ -15,6 +15,7 @@ mod with_bands;
 
 use rayon::prelude::*;
 
+use self::dictionary::Band;
 use self::with_bands::{ANOTHER, WithBands};
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::doubt::unbounded;
@@ -51,7 +52,7 @@ pub fn complete(axis: &mut AxisState, level: f64) -> Completed {
         let place = match found.bands.another() {
             Some(number) => axis.withdraw_tone(number),
             None => {
-                let number = replaced(axis, &found).or_else(|| needless(axis, &found));
+                let number = replaced(axis, &found).or_else(|| needless(axis, &found, &tones));
                 number.and_then(|number| axis.withdraw_law(number))
             }
         };
@@ -99,7 +100,7 @@ struct Lacking {
 }
 
 /// A model with bands beside these tones.
-type Fitted = fn(&AxisState, &Data, &[Vec<f64>]) -> Option<WithBands>;
+type Fitted = fn(&AxisState, &Data, &[Vec<f64>], &[Band]) -> Option<WithBands>;
 
 impl Lacking {
     /// With all tones of an axis as they were measured, where the spectrum is as likely then: by what a law costs, at most. Where a
@@ -110,7 +111,7 @@ impl Lacking {
         }
         let fitted: Fitted = bands::beside;
         let least = self.bands.worth_nats() - self.bands.cost_nats;
-        let bands = fitted(axis, &self.data, tones);
+        let bands = fitted(axis, &self.data, tones, &[]);
         match bands.filter(|bands| bands.worth_nats() > least) {
             Some(bands) => Self {
                 bands,
@@ -132,7 +133,7 @@ fn lacking(axis: &AxisState, dof: Vec<f64>, tones: &[Vec<f64>], level: f64) -> O
     add_mixture(&mut expected, tones, &vec![1.0; tones.len()]);
     let p_value = departure(&data, &expected)?.p_value;
     let fitted: Fitted = bands::fitted;
-    let bands = (p_value < level).then(|| fitted(axis, &data, tones))??;
+    let bands = (p_value < level).then(|| fitted(axis, &data, tones, &[]))??;
     Some(Lacking {
         p_value,
         data,
@@ -156,20 +157,24 @@ fn replaced(axis: &AxisState, found: &Lacking) -> Option<usize> {
 
 /// Number of the law that is needed least beside noise without a name, if the spectrum is likelier without it, bands that
 /// take its place paid for as it is: where bands are needed anyway, a name has to explain what they do not. By half of what
-/// a law costs, that is: one that explains nothing gains all of it by going, one that a band replaces none.
-fn needless(axis: &AxisState, found: &Lacking) -> Option<usize> {
-    let with = found.bands.worth_nats();
+/// a law costs, that is: one that explains nothing gains all of it by going, one that a band replaces none. A search ends now at one
+/// set of bands, now at another: the law is also asked what it is worth beside those that were found without it.
+fn needless(axis: &AxisState, found: &Lacking, tones: &[Vec<f64>]) -> Option<usize> {
     let numbers = (0..axis.laws.len()).into_par_iter();
-    let gains = numbers.filter_map(|number| {
+    let models = numbers.filter_map(|number| {
         let mut other = axis.clone();
         other.withdraw_law(number)?;
         other.refresh().ok()?;
         let (tones, _) = Tone::all(&other, &found.data.dof);
-        let without = (found.fitted)(&other, &found.data, &tones)?;
-        Some((number, without.worth_nats() - with))
+        let without = (found.fitted)(&other, &found.data, &tones, &[])?;
+        Some((number, without))
     });
-    let best = gains.max_by(|a, b| a.1.total_cmp(&b.1))?;
-    (best.1 > 0.5 * found.bands.cost_nats).then_some(best.0)
+    let worth = |one: &(usize, WithBands)| one.1.worth_nats();
+    let (number, without) = models.max_by(|a, b| worth(a).total_cmp(&worth(b)))?;
+    let is_better =
+        |with: &WithBands| without.worth_nats() - with.worth_nats() > 0.5 * found.bands.cost_nats;
+    let with = || (found.fitted)(axis, &found.data, tones, &without.bands());
+    (is_better(&found.bands) && with().is_none_or(|with| is_better(&with))).then_some(number)
 }
 
 /// A tone that has a name and is no part of any fit.

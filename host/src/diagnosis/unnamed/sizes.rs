@@ -5,6 +5,7 @@ use crate::fit::likelihood::{Data, log_likelihood};
 use crate::numeric::bisect::bisect;
 use crate::numeric::mixture::add_mixture;
 use crate::numeric::product::dot;
+use crate::spectrum::pool;
 
 /// How often sizes are multiplied towards the data before they are scored: enough to come within a tenth.
 const MULTIPLIED: usize = 30;
@@ -21,6 +22,10 @@ const HARDLY: f64 = 1e-6;
 /// hardly shows where it is not needed.
 const HARDLY_THERE: f64 = 1e-6;
 
+/// Degrees of freedom of a mean that is hardly a tenth of what is expected: one of 8 is, by chance, once in thirteen hundred
+/// (SciPy's `chi2.cdf(0.8, 8)`).
+const KNOWN: f64 = 8.0;
+
 /// Halvings of the logarithm of what a bin hardly falls short of: to a thousandth of it where that is 300 orders of magnitude.
 const HALVINGS: u32 = 20;
 
@@ -31,6 +36,8 @@ const HALVINGS: u32 = 20;
 pub struct Sizes<'a> {
     /// The spectrum.
     pub data: &'a Data,
+    /// Densities that are measured about each bin.
+    pub measured: Vec<f64>,
     /// The most that each bin may be expected to be.
     most: Vec<f64>,
     /// What each is expected to be beside all components.
@@ -42,8 +49,12 @@ impl<'a> Sizes<'a> {
     pub fn beside(data: &'a Data, fixed: Vec<f64>) -> Self {
         let bins = data.dof.iter().zip(&data.psd);
         let most = bins.map(|(&dof, psd)| psd / least_share(dof));
-        let most = most.collect();
-        Self { data, most, fixed }
+        Self {
+            data,
+            measured: measured(data),
+            most: most.collect(),
+            fixed,
+        }
     }
 
     /// The largest square of a component that leaves room in each of its bins.
@@ -122,6 +133,18 @@ impl<'a> Sizes<'a> {
         let nats = log_likelihood(data, &expected);
         (squared, nats)
     }
+}
+
+/// Densities of bins, those of few values as the mean with their neighbours: one of two values may be nearly nothing by chance.
+fn measured(data: &Data) -> Vec<f64> {
+    let mut measured = data.psd.clone();
+    for (run, dof) in pool::runs(data.dof.iter().copied(), KNOWN) {
+        let mean = dot(&data.dof[run.clone()], &data.psd[run.clone()]) / dof;
+        if dof > 0.0 {
+            measured[run].fill(mean);
+        }
+    }
+    measured
 }
 
 /// The share of what is expected that a bin of so many degrees of freedom hardly falls short of: one has less than a share

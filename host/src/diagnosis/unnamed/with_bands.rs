@@ -1,6 +1,7 @@
 //! A model with bands for what it lacked.
 
 use crate::diagnosis::laws::Law;
+use crate::diagnosis::unnamed::dictionary::Band;
 use crate::fit::likelihood::Fit;
 
 /// Factor on the power of a tone beside all else from which its law is not that of what is there: 3 dB are a choice. Tones
@@ -23,6 +24,11 @@ impl WithBands {
     /// Log-likelihood of the spectrum, all laws paid for; only differences on the same spectrum have a meaning.
     pub fn worth_nats(&self) -> f64 {
         self.fit.log_likelihood - self.cost_nats * self.laws.len() as f64
+    }
+
+    /// Those of its laws that are bands.
+    pub fn bands(&self) -> Vec<Band> {
+        self.laws.iter().filter_map(Band::of_law).collect()
     }
 
     /// Number of the tone that has to change most, if that is by as much as makes it another.
