@@ -173,10 +173,7 @@ impl Settlings {
     }
 
     fn wave(&self, samples: f64) -> Transform {
-        let settling = Settling {
-            samples,
-            len: self.record.len(),
-        };
+        let settling = Settling::new(samples, self.record.len());
         let mut wave = self.transformer.waveform(&settling, self.record.rate_hz());
         wave.close(&self.density, &self.seam);
         wave

@@ -1,5 +1,7 @@
 //! Where the ring closes: what lies across the seam is no news.
 
+use std::sync::Arc;
+
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use realfft::num_complex::Complex64;
@@ -27,79 +29,95 @@ pub struct Seam {
     pub tones: Vec<f64>,
 }
 
-/// What one of them leaves across the seam, of size 1.
-enum Course {
-    /// The first sample.
-    Sample,
-    /// The level.
-    Level,
+/// What is free, made ready for a ring: courses of size 1 across the seam.
+struct Courses {
     /// What noise with a memory keeps.
-    Memory(Settling),
-    /// One quadrature of a tone, by how far it turns in a sample: in the first order it goes on with another phase and
-    /// amplitude, in the second with another frequency.
-    Tone {
-        turn: Complex64,
-        quadrature: Complex64,
-        order: i32,
-    },
+    memories: Vec<Settling>,
+    /// How far each tone turns in a sample.
+    tones: Vec<Complex64>,
+    /// How many courses there are.
+    count: usize,
 }
 
-impl Waveform for Course {
-    fn at(&self, turn: Complex64) -> Complex64 {
-        match self {
-            Self::Sample => Impulse.at(turn),
-            Self::Level => Step.at(turn),
-            Self::Memory(settling) => settling.at(turn),
-            Self::Tone {
-                turn: tone,
-                quadrature,
-                order,
-            } => {
-                let side = |tone: Complex64, size: Complex64| {
-                    let cut = Complex64::ONE - tone * turn;
-                    // The tone itself, of which the cut says nothing.
-                    if cut == Complex64::ZERO {
-                        cut
-                    } else {
-                        size / cut.powi(*order)
-                    }
-                };
-                side(*tone, *quadrature) + side(tone.conj(), quadrature.conj())
+impl Courses {
+    /// Their transforms where one sample later is a factor of `turn`, those beyond their number zero: the first sample, the
+    /// level, the memories, and of each tone two quadratures with another phase and amplitude, then two with another frequency.
+    fn at(&self, turn: Complex64) -> [Complex64; MOST] {
+        let mut at = [Complex64::ZERO; MOST];
+        let tones = 2 + self.memories.len();
+        let of_tones = 2 * self.tones.len();
+        let mut put = |place: usize, value: Complex64| {
+            if place < self.count {
+                at[place] = value;
+            }
+        };
+        put(0, Impulse.at(turn));
+        put(1, Step.at(turn));
+        for (place, memory) in self.memories.iter().enumerate() {
+            put(2 + place, memory.at(turn));
+        }
+        for (number, &tone) in self.tones.iter().enumerate() {
+            let mut sides = [tone, tone.conj()].map(|tone| cut_off(tone * turn));
+            let of_first = sides;
+            for order in [0, of_tones] {
+                let [up, down] = sides;
+                let place = tones + order + 2 * number;
+                put(place, up + down);
+                put(place + 1, Complex64::I * (up - down));
+                sides = [up * of_first[0], down * of_first[1]];
             }
         }
+        at
+    }
+}
+
+/// A tone that turns by `turn` beside an ordinate in a sample, cut off at both ends of the ring; nothing at its own, of which the cut
+/// says nothing.
+fn cut_off(turn: Complex64) -> Complex64 {
+    let cut = Complex64::ONE - turn;
+    if cut == Complex64::ZERO {
+        cut
+    } else {
+        cut.inv()
     }
 }
 
 impl Seam {
     /// All that is free on a ring of `len` samples.
-    fn courses(&self, len: usize) -> Vec<Course> {
-        let memories = self
-            .memories
-            .iter()
-            .map(|&samples| Course::Memory(Settling { samples, len }));
-        let of_order = |order| {
-            self.tones.iter().flat_map(move |cycles| {
-                let turn = Complex64::cis(std::f64::consts::TAU * cycles);
-                [Complex64::ONE, Complex64::I].map(|quadrature| Course::Tone {
-                    turn,
-                    quadrature,
-                    order,
-                })
-            })
-        };
-        let tones = of_order(1).chain(of_order(2));
-        let all = [Course::Sample, Course::Level].into_iter();
-        all.chain(memories).chain(tones).take(MOST).collect()
+    fn courses(&self, len: usize) -> Courses {
+        let memories = self.memories.iter();
+        let memories: Vec<Settling> = memories
+            .map(|&samples| Settling::new(samples, len))
+            .collect();
+        let tones = self.tones.iter();
+        let tones: Vec<Complex64> = tones
+            .map(|cycles| Complex64::cis(std::f64::consts::TAU * cycles))
+            .collect();
+        Courses {
+            count: (2 + memories.len() + 4 * tones.len()).min(MOST),
+            memories,
+            tones,
+        }
     }
 
     /// The transforms of all that is free, on the ring of `whole`.
     pub fn waveforms(&self, whole: &Transform) -> Vec<Transform> {
-        let ring = whole.transformer();
         let courses = self.courses(whole.len);
-        let courses = courses.iter();
-        courses
-            .map(|course| ring.waveform(course, whole.rate_hz))
-            .collect()
+        let count = whole.ordinates.len();
+        let mut all = vec![vec![Complex64::ZERO; count]; courses.count];
+        for k in 1..count {
+            let at = courses.at(whole.ring.turn(k));
+            for (ordinates, at) in all.iter_mut().zip(at) {
+                ordinates[k] = at;
+            }
+        }
+        let of = |ordinates| Transform {
+            rate_hz: whole.rate_hz,
+            len: whole.len,
+            ordinates,
+            ring: Arc::clone(&whole.ring),
+        };
+        all.into_iter().map(of).collect()
     }
 }
 
@@ -114,17 +132,15 @@ impl Transform {
         let ordinates = self.ordinates.par_iter_mut().with_min_len(SHARED);
         let ordinates = ordinates.enumerate().skip(1);
         ordinates.for_each(|(k, ordinate)| {
-            let turn = ring.turn(k);
-            let pairs = courses.iter().zip(&sizes);
-            *ordinate -= pairs
-                .map(|(course, size)| *size * course.at(turn))
-                .sum::<Complex64>();
+            let at = courses.at(ring.turn(k));
+            let pairs = at.iter().zip(&sizes);
+            *ordinate -= pairs.map(|(at, size)| at * size).sum::<Complex64>();
         });
     }
 
     /// The likeliest sizes of some courses; `None` where the ordinates say nothing of them.
-    fn sizes(&self, density: &[f64], courses: &[Course]) -> Option<Vec<f64>> {
-        let count = courses.len();
+    fn sizes(&self, density: &[f64], courses: &Courses) -> Option<Vec<f64>> {
+        let count = courses.count;
         // Normal equations, over half of the ring: products with the record, then those among the courses up to each.
         let sums = sums_of(
             1..self.ordinates.len(),
@@ -133,16 +149,15 @@ impl Transform {
                 if !density[k].is_finite() {
                     return;
                 }
-                let (turn, weight) = (self.ring.turn(k), density[k].recip());
-                let mut at = [Complex64::ZERO; MOST];
-                let mut sums = sums.iter_mut();
-                for ((at, course), sum) in at.iter_mut().zip(courses).zip(sums.by_ref()) {
-                    *at = course.at(turn);
+                let (at, weight) = (courses.at(self.ring.turn(k)), density[k].recip());
+                let (with_record, among) = sums.split_at_mut(count);
+                for (at, sum) in at.iter().zip(with_record) {
                     *sum += (self.ordinates[k] * at.conj()).re * weight;
                 }
+                let mut among = among.iter_mut();
                 for one in 0..count {
                     let own = at[one].conj() * weight;
-                    for (other, sum) in at[..=one].iter().zip(sums.by_ref()) {
+                    for (other, sum) in at[..=one].iter().zip(among.by_ref()) {
                         *sum += (other * own).re;
                     }
                 }
@@ -207,10 +222,7 @@ mod tests {
                 let transformer = Transformer::new(LENGTH);
                 let mut record = transformer.transform(&values, 1.0);
                 record.close(&density, &seam);
-                let course = Settling {
-                    samples: 3.0 * MEMORY,
-                    len: LENGTH,
-                };
+                let course = Settling::new(3.0 * MEMORY, LENGTH);
                 let mut course = transformer.waveform(&course, 1.0);
                 course.close(&density, &seam);
                 Projection::new(&record, &density, &course, Half::Both)

@@ -204,14 +204,6 @@ impl Transform {
         &self.ordinates
     }
 
-    /// What makes others on the same ring.
-    pub(super) fn transformer(&self) -> Transformer {
-        Transformer {
-            len: self.len,
-            ring: Arc::clone(&self.ring),
-        }
-    }
-
     /// Adds another record of the same ring.
     pub fn add(&mut self, other: &Self) {
         for (ordinate, other) in self.ordinates.iter_mut().zip(&other.ordinates) {

@@ -29,16 +29,25 @@ impl Waveform for Step {
 
 /// Exponential settling, sampled half a sample after it began.
 pub struct Settling {
-    /// Time constant, samples.
-    pub samples: f64,
-    /// Samples of the ring, at whose end it breaks off.
-    pub len: usize,
+    /// Share that is left a sample later.
+    kept: f64,
+    /// Size of the first sample, less what goes on round the ring.
+    size: f64,
+}
+
+impl Settling {
+    /// With a time constant of so many `samples`, on a ring of `len` at whose end it breaks off.
+    pub fn new(samples: f64, len: usize) -> Self {
+        let kept = (-1.0 / samples).exp();
+        Self {
+            kept,
+            size: kept.sqrt() * -(-(len as f64) / samples).exp_m1(),
+        }
+    }
 }
 
 impl Waveform for Settling {
     fn at(&self, turn: Complex64) -> Complex64 {
-        let kept = (-1.0 / self.samples).exp();
-        let size = kept.sqrt() * -(-(self.len as f64) / self.samples).exp_m1();
-        size * (Complex64::ONE - kept * turn).inv()
+        self.size * (Complex64::ONE - self.kept * turn).inv()
     }
 }
