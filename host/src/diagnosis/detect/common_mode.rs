@@ -14,6 +14,7 @@ use crate::diagnosis::result::finding::{Finding, Gain};
 use crate::diagnosis::result::value::Value;
 use crate::diagnosis::statistic::p_value;
 use crate::model::common_mode::KIND;
+use crate::numeric::order::median;
 use crate::spectrum::CrossCascade;
 use crate::spectrum::cross::CrossBin;
 
@@ -128,20 +129,31 @@ fn spectra(residuals: &[Vec<f32>], stretch: Range<usize>) -> Option<CrossCascade
 
 /// Quotient of two cross-spectra over all bands, with the standard deviation of its logarithm.
 fn gain(near: &[CrossBin], far: &[CrossBin]) -> (f64, f64) {
-    let sum = |bins: &[CrossBin]| -> (f64, f64) {
-        // One weight for both, that of the first pair's own noise.
+    let own = [near, far].map(|bins| bins.iter().map(own_power).collect::<Vec<f64>>());
+    let ratios = own[0].iter().zip(&own[1]).map(|(near, far)| near / far);
+    let usual = median(&mut ratios.collect::<Vec<f64>>()).unwrap_or(1.0);
+    // One weight for both: a band in which either pair is all but silent would be all of the quotient if the other's power did not
+    // count.
+    let powers = own[0].iter().zip(&own[1]);
+    let weights = powers
+        .zip(far)
+        .map(|((near, far), bin)| bin.averages / near.max(usual * far));
+    let weights: Vec<f64> = weights.collect();
+    let sum = |bins: &[CrossBin], own: &[f64]| -> (f64, f64) {
         let (mut sum, mut variance) = (0.0, 0.0);
-        for (bin, reference) in bins.iter().zip(far) {
-            let own = reference.density.norm() / reference.coherence.sqrt();
-            let weight = reference.averages / own;
-            let power = bin.density.norm_sqr() / bin.coherence;
+        for ((bin, own), weight) in bins.iter().zip(own).zip(&weights) {
             sum += weight * bin.density.re;
-            variance += weight * weight * power / (2.0 * bin.averages);
+            variance += (weight * own).powi(2) / (2.0 * bin.averages);
         }
         (sum, variance / (sum * sum))
     };
-    let ((near, a), (far, b)) = (sum(near), sum(far));
+    let ((near, a), (far, b)) = (sum(near, &own[0]), sum(far, &own[1]));
     (near / far, (a + b).sqrt())
+}
+
+/// Geometric mean of the densities of a pair of axes in a band.
+fn own_power(bin: &CrossBin) -> f64 {
+    bin.density.norm() / bin.coherence.sqrt()
 }
 
 /// Gain in log-likelihood of the axes' spectra in one half of a record by the correlation that they have in the other:

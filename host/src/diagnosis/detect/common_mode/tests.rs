@@ -84,6 +84,35 @@ fn band(number: usize, averages: f64, correlation: f64) -> CrossBin {
 }
 
 #[test]
+fn a_band_in_which_an_axis_is_silent_is_not_all_of_a_gain() {
+    const GAIN: f64 = -0.7;
+    let far: Vec<CrossBin> = (0..21).map(|number| band(number, 100.0, 0.5)).collect();
+    let near: Vec<CrossBin> = far
+        .iter()
+        .map(|bin| CrossBin {
+            density: GAIN * bin.density,
+            ..*bin
+        })
+        .collect();
+    // Axis 0, or the third, is a million times as quiet there, and what is left of it looks like what it is held against.
+    let silent = |bins: &[CrossBin]| {
+        let mut bins = bins.to_vec();
+        bins[3].density *= 1e-12;
+        bins
+    };
+    for (near, far) in [
+        (near.clone(), silent(&far)),
+        (silent(&near), far.clone()),
+        (near.clone(), far.clone()),
+    ] {
+        let (gain, log_sd) = gain(&near, &far);
+        // A band of 21 that says another thing is a part of the sum.
+        assert!((gain / GAIN - 1.0).abs() < 0.06, "{gain}");
+        assert!((0.01..0.1).contains(&log_sd), "{log_sd}");
+    }
+}
+
+#[test]
 fn what_is_shared_in_one_band_alone_is_held_against_that_band() {
     // A half in one band of 21, which over all bands together is 1.5 deviations of chance.
     const AVERAGES: f64 = 100.0;
