@@ -192,6 +192,29 @@ mod tests {
     use crate::model::random::{Gaussian, Seed};
 
     #[test]
+    fn both_orders_of_a_tone_are_what_its_two_sides_leave() {
+        let tones: Vec<f64> = (1..=12).map(|n| 0.03 * f64::from(n)).collect();
+        let seam = Seam {
+            tones: tones.clone(),
+            ..Seam::default()
+        };
+        let courses = seam.courses(1000);
+        assert_eq!(courses.count, MOST, "more than there is room for");
+        let turn = Complex64::cis(-0.7);
+        let at = courses.at(turn);
+        for (place, at) in at.iter().enumerate().skip(2) {
+            let (order, place) = ((place - 2) / 24, (place - 2) % 24);
+            let quadrature = [Complex64::ONE, Complex64::I][place % 2];
+            let tone = Complex64::cis(std::f64::consts::TAU * tones[place / 2]);
+            let side = |tone: Complex64, size: Complex64| {
+                size / (Complex64::ONE - tone * turn).powi(order as i32 + 1)
+            };
+            let expected = side(tone, quadrature) + side(tone.conj(), quadrature.conj());
+            assert!((at - expected).norm() < 1e-12 * expected.norm(), "{place}");
+        }
+    }
+
+    #[test]
     fn noise_that_remembers_begins_where_it_likes() {
         /// Samples for which it remembers, in a record as long as two hundred times that.
         const MEMORY: f64 = 50.0;
