@@ -99,12 +99,13 @@ fn a_bin_that_is_nothing_by_chance_hides_no_band() {
         let [[found_hz, width_hz, amplitude], ..] = all[..] else {
             panic!("seed {seed}: nothing");
         };
+        // The last moves are by a twenty-fifth of the width, on the width by twice that.
         assert!(
-            ((found_hz - f_hz) / f_hz).abs() < 0.1,
+            ((found_hz - f_hz) / f_hz).abs() < 0.04,
             "seed {seed}: {all:?}"
         );
-        assert!((width_hz / f_hz).ln().abs() < 0.2, "seed {seed}: {all:?}");
-        assert!((amplitude / 4.0 - 1.0).abs() < 0.1, "seed {seed}: {all:?}");
+        assert!((width_hz / f_hz).ln().abs() < 0.08, "seed {seed}: {all:?}");
+        assert!((amplitude / 4.0 - 1.0).abs() < 0.05, "seed {seed}: {all:?}");
     }
 }
 
@@ -121,7 +122,7 @@ fn a_band_that_is_not_worth_its_cost_beside_later_ones_goes() {
         let mut psd = axis.fit.expected.clone();
         add_mixture(&mut psd, &[component], &[1.0]);
         let data = axis.data.with_psd(psd);
-        // Two to the sides stand for it, until it is there itself.
+        // Two to the sides stand for it; one of them alone does nearly as well.
         let with = |bands: &[Band]| {
             let mut search = Search::new(&axis, &data, &[], &[]);
             search.begin_with(bands).expect("sizes");
