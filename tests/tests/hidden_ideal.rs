@@ -28,6 +28,7 @@ fn scene(base: Base, samples: usize) -> Scene {
         declared: true,
         relative: false,
         missing: 0.0,
+        code: 0.0,
         measured: None,
     }
 }

@@ -28,6 +28,7 @@ fn record(base: Base, chain: Chain, seed: u64) -> Vec<f64> {
         declared: true,
         relative: false,
         missing: 0.0,
+        code: 0.0,
         measured: None,
     };
     Axis::new(&scene, 0, &[], seed, "noise").samples().0

@@ -132,6 +132,7 @@ impl Case {
                 false => Scene::draw(plan.samples, axes, &mut draw),
             };
             scene.missing = form.missing_at_random(scene.samples);
+            scene.code = form.code_over_differences();
             if let Some((hidden, strengths)) = plan.hide(&scene, &mut draw, &mut strength_draw) {
                 break (scene, hidden, strengths);
             }

@@ -32,6 +32,8 @@ pub struct Scene {
     pub relative: bool,
     /// Share of the samples that is missing, one here and one there.
     pub missing: f64,
+    /// Size of a code over the typical difference between neighbours; zero where the record is no codes.
+    pub code: f64,
     /// The law of the noise, where the record is a real one: then `axes` are about as strong at both ends of the
     /// spectrum.
     pub measured: Option<Arc<Measured>>,
@@ -49,6 +51,7 @@ impl Scene {
             declared: true,
             relative: false,
             missing: 0.0,
+            code: 0.0,
             measured: None,
         }
     }
@@ -134,23 +137,49 @@ impl Scene {
         self.density(axis, f_hz) + self.lost_density(axis)
     }
 
-    /// Two-sided density of the white noise that takes as much from whoever looks as the samples which are missing at random.
+    /// Two-sided density of the white noise that takes as much from whoever looks as rounding and the samples which are missing at
+    /// random.
+    pub fn lost_density(&self, axis: usize) -> f64 {
+        let rounding = self.rounding_density(axis);
+        self.missing_density(axis, rounding) + rounding
+    }
+
+    /// Two-sided density of what rounding adds behind the chain: uniform over a code, of which the record of an axis has so many to
+    /// a median difference of neighbours.
+    fn rounding_density(&self, axis: usize) -> f64 {
+        /// Median size of a normal number.
+        const MEDIAN: f64 = 0.674_49;
+        const POINTS: usize = 2048;
+        if self.code == 0.0 {
+            return 0.0;
+        }
+        let parts = (0..POINTS).map(|i| (i as f64 + 0.5) / POINTS as f64);
+        let squares = parts.map(|part| {
+            let sine = (0.5 * std::f64::consts::PI * part).sin();
+            self.density(axis, 0.5 * self.rate_hz * part) * 4.0 * sine * sine
+        });
+        // The variance of a difference over the rate: the density of as much white noise.
+        let differences = squares.sum::<f64>() / POINTS as f64;
+        (MEDIAN * self.code).powi(2) / 12.0 * differences
+    }
+
+    /// Two-sided density of the white noise that takes as much as what is missing, beside white noise that is added.
     /// A missing sample is one with infinite noise. A medium with the noise `L` in every sample scatters as much as the one with
     /// infinite noise in the share `m` where `L = m / mean(1 / (S + L))` (the coherent potential of P. Soven, Phys. Rev. 156 (1967)
     /// 809). White noise is seen as if it were `1 / (1 - m)` times as dense; of quantisation noise, whose sums tell all that is slow,
     /// gaps take nearly all away: there this leaves half of what is really left, so that what is drawn is found the more easily.
-    pub fn lost_density(&self, axis: usize) -> f64 {
+    fn missing_density(&self, axis: usize, added: f64) -> f64 {
         if self.missing == 0.0 {
             return 0.0;
         }
         // By bisection: below the solution the right side is above it.
-        let (mut low, mut high) = (0.0, self.interpolation(axis, 0.0));
-        while self.missing * self.interpolation(axis, high) > high {
+        let (mut low, mut high) = (0.0, self.interpolation(axis, added));
+        while self.missing * self.interpolation(axis, added + high) > high {
             high *= 2.0;
         }
         for _ in 0..60 {
             let middle = 0.5 * (low + high);
-            match self.missing * self.interpolation(axis, middle) > middle {
+            match self.missing * self.interpolation(axis, added + middle) > middle {
                 true => low = middle,
                 false => high = middle,
             }

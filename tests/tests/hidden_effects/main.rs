@@ -52,6 +52,7 @@ impl Alone {
             declared: true,
             relative: false,
             missing: 0.0,
+            code: 0.0,
             measured: None,
         };
         let effect = (kind.draw)(&scene, &mut Draw::new(seed, kind.name)).scaled(factor);

@@ -15,7 +15,7 @@ use crate::spectrum::{Line, record_lines};
 
 /// Power of the chain below which a frequency is shut out: what is left there says nothing of the
 /// sensor, and falls too fast to be whitened. 30 dB are a choice.
-const SHUT_OUT: f64 = 1e-3;
+pub const SHUT_OUT: f64 = 1e-3;
 
 /// What is made once, and can be given up before its owner changes.
 pub(super) struct Made<T>(Mutex<Arc<OnceLock<T>>>);

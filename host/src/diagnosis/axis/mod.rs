@@ -31,6 +31,7 @@ use crate::spectrum::Line;
 
 pub use excluded::Excluded;
 pub use explain::SPREAD;
+pub use made::SHUT_OUT;
 
 /// No mix of the five terms and the laws fits a spectrum.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -93,6 +93,15 @@ pub fn decides(axis: &AxisState) -> bool {
     changes.any(|change| *change == Change::Grid { decides: true })
 }
 
+/// Variance that noise must have to stand out of what rounding leaves; zero where the noise spans many steps. Where it spans few,
+/// what rounding leaves is not white, goes with the level, and has some law or other: half a step at most.
+pub fn least_variance(axis: &AxisState) -> f64 {
+    let grid = axis.explanation(KIND).filter(|_| decides(axis));
+    grid.map_or(0.0, |grid| {
+        (0.5 * Rounding::of(&grid.effect.plain()).step).powi(2)
+    })
+}
+
 /// By how much at most the power of an axis may change as its level moves between the values of its grid; 1 where it has
 /// none. Normal noise of `r` steps that is rounded has the power `r^2 + 1/12` in steps squared, and, as the level goes from a value to
 /// the next, a cosine of the size `(1 / pi^2 + 4 r^2) exp(-2 pi^2 r^2)` about it (the first term of the Fourier series of
@@ -179,6 +188,19 @@ mod tests {
             Trial::new(noise(0)).ask(&DETECTOR).is_empty(),
             "seed 0: no grid"
         );
+    }
+
+    #[test]
+    fn noise_beside_coarse_steps_is_louder_than_half_of_one() {
+        for (step, least) in [(1.0, 0.0), (4.0, 4.0)] {
+            let rounded = noise(2)
+                .into_iter()
+                .map(|value| step * (value / step).round());
+            let mut trial = Trial::new(rounded.collect());
+            let found = trial::candidate(trial.ask(&DETECTOR)).expect("a grid");
+            trial.accept(found);
+            assert_eq!(least_variance(&trial.axis), least, "seed 2, step {step}");
+        }
     }
 
     /// A counter of pulses keeps what it has not counted for the next reading: at low frequencies nothing but noise of

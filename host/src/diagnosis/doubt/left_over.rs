@@ -1,7 +1,7 @@
 //! What is significant still when nothing in the catalogue explains more.
 
 use super::Doubt;
-use crate::diagnosis::axis::{AxisState, NoFit};
+use crate::diagnosis::axis::{AxisState, NoFit, SHUT_OUT};
 use crate::diagnosis::detect::lines::{self, Group};
 use crate::diagnosis::laws::departure::{self, Departure};
 use crate::diagnosis::result::finding::Remark;
@@ -26,6 +26,10 @@ pub static DOUBT: Doubt = Doubt {
 /// better than a hundredth; far enough above the noise that is significant, and says nothing of the noise.
 const TOLERANCE: f64 = 0.01;
 
+/// Factor by which a spectrum may be off where the chain shuts all out: a choice. What was drawn for samples that are missing, and
+/// what codes round off behind the filter, are of another law there, a thousandth of what passes.
+const WHERE_SHUT_OUT: f64 = 2.0;
+
 /// Where the spectrum of an axis departs from its model by more than the laws of what was taken out may be off by, if it does at
 /// a `level`.
 pub fn of_spectrum(axis: &AxisState, level: f64) -> Option<Departure> {
@@ -35,6 +39,12 @@ pub fn of_spectrum(axis: &AxisState, level: f64) -> Option<Departure> {
         for ((expected, present), left) in expected.iter_mut().zip(&present).zip(&axis.data.psd) {
             let most = *expected + TOLERANCE.powi(2) * (present - left).max(0.0);
             *expected = left.clamp(*expected, most);
+        }
+    }
+    let bins = expected.iter_mut().zip(&axis.data.psd).zip(&axis.data.f_hz);
+    for ((expected, left), &f_hz) in bins {
+        if axis.bins.chain_power(f_hz) < SHUT_OUT {
+            *expected = left.clamp(*expected / WHERE_SHUT_OUT, *expected * WHERE_SHUT_OUT);
         }
     }
     let departure = departure::departure(&axis.data, &expected);
@@ -161,6 +171,27 @@ mod tests {
                 is_left,
                 "seed {seed}, {amplitude}: {found:?}"
             );
+        }
+    }
+
+    #[test]
+    fn what_a_chain_shuts_out_may_be_off_by_a_factor() {
+        let chain: crate::chain::Chain = "ads1281:linear".parse().expect("a chain");
+        let values = (0..long(31)).map({
+            let mut normal = crate::diagnosis::trial::numbers(31, 0);
+            move |_| normal.draw()
+        });
+        let values = std::sync::Arc::new(values.collect());
+        let mut axis = AxisState::new(values, RATE_HZ, Some(&chain)).expect("a fit");
+        let shut = |f_hz: f64, axis: &AxisState| axis.bins.chain_power(f_hz) < SHUT_OUT;
+        let bins = axis.data.psd.len();
+        for (factor, is_left) in [(1.0, false), (0.6, false), (1.8, false), (0.1, true)] {
+            for bin in 0..bins {
+                let is_shut = shut(axis.data.f_hz[bin], &axis);
+                axis.data.psd[bin] = axis.fit.expected[bin] * if is_shut { factor } else { 1.0 };
+            }
+            let found = of_spectrum(&axis, LEVEL);
+            assert_eq!(found.is_some(), is_left, "seed 31, {factor}: {found:?}");
         }
     }
 

@@ -70,7 +70,8 @@ impl Law {
             || pairs.all(|(one, value)| one.quantity != Quantity::Hertz || is_inside(value))
     }
 
-    fn adds(&self) -> bool {
+    /// Whether it adds noise of its own, and filters none.
+    pub fn adds(&self) -> bool {
         self.effect.size().is_some()
     }
 }

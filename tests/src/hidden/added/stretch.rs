@@ -91,6 +91,7 @@ impl Stretch {
                 declared: true,
                 relative: true,
                 missing: 0.0,
+                code: 0.0,
                 measured: Some(Arc::new(measured)),
             },
         })

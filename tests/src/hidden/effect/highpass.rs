@@ -1,13 +1,19 @@
 //! One pole that keeps the slow out, a coupling: it acts on everything.
 
-use super::lorentzian::in_place_of_a_pole;
+use super::lorentzian::{behind_the_other, in_place_of_a_pole, pole_of_samples};
 use super::{Effect, Evidence, Scene, Truth};
 use crate::hidden::draw::Draw;
 use crate::hidden::ideal::grid::Grid;
 use crate::hidden::ideal::spectral::{contrast, contrast_nearest};
+use crate::hidden::noise::chain::one_pole;
 
 struct Highpass {
     corner_hz: f64,
+}
+
+/// Power behind a coupling with this corner.
+pub fn coupled(f_hz: f64, corner_hz: f64) -> f64 {
+    1.0 / (1.0 + (corner_hz / f_hz).powi(2))
 }
 
 pub fn draw(scene: &Scene, _draw: &mut Draw) -> Box<dyn Effect> {
@@ -29,8 +35,8 @@ impl Effect for Highpass {
         })
     }
 
-    /// The rival is Markov noise: a walk behind a coupling is nothing else, so that what is left of the white noise below the
-    /// corner has to tell.
+    /// The rivals are Markov noise and a pole: a walk behind a coupling is either, so that what is left of the white noise below
+    /// the corner has to tell, and white noise behind a coupling is quantisation noise behind a pole.
     fn evidence(&self, scene: &Scene) -> Evidence {
         let grid = Grid::new(scene, &[]);
         let truth = grid.at(|f_hz| scene.density(scene.target, f_hz) * self.power(f_hz));
@@ -40,14 +46,17 @@ impl Effect for Highpass {
             return seen;
         }
         let markov = in_place_of_a_pole(self.corner_hz, &base, &grid, scene);
+        let poles = behind_the_other(self.corner_hz, &grid, scene, one_pole);
+        let of_samples =
+            |f_hz: f64, corner_hz: f64| pole_of_samples(f_hz, corner_hz, scene.rate_hz);
+        let poles = poles.chain(behind_the_other(self.corner_hz, &grid, scene, of_samples));
         Evidence {
-            rival_error: contrast_nearest(&truth, markov, &grid).error(),
+            rival_error: contrast_nearest(&truth, markov.chain(poles), &grid).error(),
             ..seen
         }
     }
 
     fn power(&self, f_hz: f64) -> f64 {
-        let corners = (f_hz / self.corner_hz).powi(2);
-        corners / (1.0 + corners)
+        coupled(f_hz, self.corner_hz)
     }
 }

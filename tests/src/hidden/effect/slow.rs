@@ -23,6 +23,7 @@ pub fn share_beside_step(scene: &Scene, waveform: impl Fn(&Scene) -> Vec<f64>) -
         rate_hz: scene.rate_hz / thin as f64,
         chain: Chain::None,
         missing: 0.0,
+        code: 0.0,
         ..scene.clone()
     };
     let base = &mut thinned.axes[scene.target];

@@ -102,6 +102,7 @@ impl Record {
             declared: true,
             relative: true,
             missing: 0.0,
+            code: 0.0,
             measured: None,
         };
         let variance = |axis| {

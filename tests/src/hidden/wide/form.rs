@@ -75,6 +75,14 @@ impl Form {
         self.numbers == Numbers::Integers && self.missing == Missing::Nothing
     }
 
+    /// Size of a code over the typical difference between neighbours; zero where there are no codes.
+    pub fn code_over_differences(&self) -> f64 {
+        match self.numbers {
+            Numbers::Doubles => 0.0,
+            Numbers::Codes | Numbers::Integers => self.code,
+        }
+    }
+
     /// Rounds and loses samples, in no stretch more than half of what `happened` there; the size of a code, where there
     /// are any.
     pub fn settle(

@@ -51,6 +51,7 @@ pub fn draw(kinds: &[&Kind], longest: usize, axes: usize, draw: &mut Draw) -> Sc
         declared,
         relative: true,
         missing: 0.0,
+        code: 0.0,
         measured: None,
     }
 }

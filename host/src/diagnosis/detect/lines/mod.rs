@@ -21,6 +21,8 @@ use crate::diagnosis::record::wave::Wave;
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::value::Value;
 use crate::diagnosis::steady;
+use crate::model::kind::Kind;
+use crate::model::outliers::{self, Outliers};
 use crate::model::{hum, resonance, sinusoid};
 use crate::spectrum::Line;
 pub use mains::{Group, mains_base, wandering, with_hum};
@@ -170,12 +172,10 @@ fn single(look: &Look<'_>, known_hz: &mut Vec<f64>, one: Measured) -> Option<Pro
     let frequency = Value::normal(f_hz, one.line.frequency_sd_hz);
     let effect = Estimate::new(sinusoid::KIND, [frequency, ahead_of_chain(axis, &one)]);
     let p_value = one.line.false_alarm;
-    Some(Proposal::Explain(Box::new(Candidate::new(
-        effect,
-        p_value,
-        3.0,
-        Change::Waves(vec![one.wave]),
-    ))))
+    Some(Proposal::Explain(Box::new(Candidate {
+        reopens: may_be_of(axis, one.line.amplitude),
+        ..Candidate::new(effect, p_value, 3.0, Change::Waves(vec![one.wave]))
+    })))
 }
 
 /// Mains: added to what is there of it, harmonics that are known already staying as they are.
@@ -184,6 +184,7 @@ fn hum(look: &Look<'_>, base: Value, lines: Vec<(u32, Measured)>) -> Proposal {
     let p_value = p_values.fold(1.0, f64::min);
     let mut freedom = 1.0 + 2.0 * lines.len() as f64;
     let (mut values, mut waves) = (vec![Some(base), None, None], Vec::new());
+    let mut largest = 0.0;
     // One of them may be known: of a family that they belong to, or by itself, as the base of others now.
     let holds = |one: &Explanation, wave: &Wave| one.waves().contains(wave);
     let mut all = look.axis.explanations().iter();
@@ -205,6 +206,7 @@ fn hum(look: &Look<'_>, base: Value, lines: Vec<(u32, Measured)>) -> Proposal {
         if waves.contains(&one.wave) {
             continue;
         }
+        largest = f64::max(largest, one.line.amplitude);
         let number = number as usize;
         let place = hum::FIRST_AMPLITUDE + number - 1;
         values.resize(values.len().max(place + 1), None);
@@ -218,8 +220,17 @@ fn hum(look: &Look<'_>, base: Value, lines: Vec<(u32, Measured)>) -> Proposal {
     Proposal::Explain(Box::new(Candidate {
         amends,
         supersedes: was_single.then_some(sinusoid::KIND).into_iter().collect(),
+        reopens: may_be_of(look.axis, largest),
         ..Candidate::new(effect, p_value, freedom, Change::Waves(waves))
     }))
+}
+
+/// What may have been found for a tone of an `amplitude`: single samples that are no larger, beside a gap above all.
+fn may_be_of(axis: &AxisState, amplitude: f64) -> Vec<Kind> {
+    let single = axis.explanation(outliers::KIND);
+    let is_smaller = |one: &Explanation| Outliers::of(&one.effect.plain()).size < amplitude;
+    let single = single.filter(|one| is_smaller(one));
+    single.map(Explanation::kind).into_iter().collect()
 }
 
 /// Number of the explanation that holds the lines of a base already.

@@ -41,6 +41,21 @@ fn single_hz(trial: &Trial, all: &[f64]) -> Vec<f64> {
     proposals.into_iter().map(first).collect()
 }
 
+#[test]
+fn single_samples_no_larger_than_a_tone_are_looked_for_again_beside_it() {
+    for (size, is_asked) in [(0.5, true), (2.0, false)] {
+        let mut trial = with_line(9, false);
+        trial.know(outliers::KIND, [1.0, size], Change::Waves(Vec::new()));
+        // Its amplitude is 1.
+        let line = trial.look(|look| single(look, &mut Vec::new(), measured(3.7)));
+        let Some(Proposal::Explain(candidate)) = line else {
+            panic!("seed 9: no line");
+        };
+        let asks = candidate.reopens.contains(&outliers::KIND);
+        assert_eq!(asks, is_asked, "seed 9, {size}");
+    }
+}
+
 /// Noise with a line at 3.7 Hz, which `fades` towards both ends or does not.
 fn with_line(seed: u64, fades: bool) -> Trial {
     let mut values = noise(seed);

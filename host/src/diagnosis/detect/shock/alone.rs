@@ -30,29 +30,56 @@ const MOST: usize = 8;
 /// Whether nothing is left of a `stretch` without single samples, each by itself: of what is `near`, in windows of `longest`
 /// samples at most.
 pub fn are_all(scan: &Scan<'_>, stretch: &Stretch, near: &Range<usize>, longest: usize) -> bool {
-    let values = &scan.values()[near.clone()];
-    let seen: Vec<usize> = (0..values.len())
-        .filter(|n| scan.is_seen(near.start + n))
-        .collect();
-    let Some(far) = far_off(values, &seen) else {
+    let Some(singles) = Singles::of(scan, stretch, near) else {
         return false;
     };
-    let place = stretch.samples.start - near.start..stretch.samples.end - near.start;
-    let within = far.iter().filter(|at| place.contains(&seen[**at])).count();
-    let close = far
-        .windows(2)
-        .filter(|two| seen[two[1]] - seen[two[0]] < APART);
-    if within == 0
-        || within > 1 + place.len() / SHARE && !is_by_chance(scan, within, place.len())
-        || !come_together(close.count(), far.len(), values.len())
-    {
-        return false;
+    let mut without = scan.values()[near.clone()].to_vec();
+    for at in singles.far {
+        bridge(&mut without, &singles.seen, at);
     }
-    let mut without = values.to_vec();
-    for at in far {
-        bridge(&mut without, &seen, at);
+    scan.highest(&(0..without.len()), &singles.place, &without, longest) < NOTHING
+}
+
+/// How many single samples of a `stretch` lie far off, each by itself, of what is `near`; none where they are not by chance.
+pub fn count(scan: &Scan<'_>, stretch: &Stretch, near: &Range<usize>) -> usize {
+    Singles::of(scan, stretch, near).map_or(0, |singles| singles.within)
+}
+
+/// Single samples near a stretch that lie far off.
+struct Singles {
+    /// Samples that were measured, counted from the first that is near.
+    seen: Vec<usize>,
+    /// Which of these lie far off.
+    far: Vec<usize>,
+    /// The stretch, counted likewise.
+    place: Range<usize>,
+    /// How many lie in it.
+    within: usize,
+}
+
+impl Singles {
+    /// Those of a `stretch`, of what is `near`; `None` where there are none, or not by chance.
+    fn of(scan: &Scan<'_>, stretch: &Stretch, near: &Range<usize>) -> Option<Self> {
+        let values = &scan.values()[near.clone()];
+        let seen: Vec<usize> = (0..values.len())
+            .filter(|n| scan.is_seen(near.start + n))
+            .collect();
+        let far = far_off(values, &seen)?;
+        let place = stretch.samples.start - near.start..stretch.samples.end - near.start;
+        let within = far.iter().filter(|at| place.contains(&seen[**at])).count();
+        let close = far
+            .windows(2)
+            .filter(|two| seen[two[1]] - seen[two[0]] < APART);
+        let is_few = within <= 1 + place.len() / SHARE || is_by_chance(scan, within, place.len());
+        let are_some =
+            within > 0 && is_few && come_together(scan, close.count(), far.len(), values.len());
+        are_some.then_some(Self {
+            seen,
+            far,
+            place,
+            within,
+        })
     }
-    scan.highest(&(0..without.len()), &place, &without, longest) < NOTHING
 }
 
 /// Whether a record holds so many single samples far off that some stretch of a `length` has so many `within` by chance.
@@ -61,23 +88,37 @@ fn is_by_chance(scan: &Scan<'_>, within: usize, length: usize) -> bool {
         return false;
     }
     let samples = scan.values().len() as f64;
-    let all = scan.far_off(|scan| {
-        let seen: Vec<usize> = (0..scan.values().len())
-            .filter(|n| scan.is_seen(*n))
-            .collect();
-        far_off(scan.values(), &seen).map_or(0, |far| far.len())
-    });
+    let all = in_record(scan);
     // Those within may be what is asked about.
     let expected = all.saturating_sub(within) as f64 * length as f64 / samples;
     let stretches = samples / length as f64;
     p_value::searched(p_value::poisson(within as u64, expected), stretches) > BY_CHANCE
 }
 
-/// Whether so many `close` pairs of `all` come about by chance among so many samples.
-fn come_together(close: usize, all: usize, samples: usize) -> bool {
-    let count = all as f64;
-    let expected = count * (count - 1.0) * (APART - 1) as f64 / samples as f64;
-    close == 0 || (all >= MANY && p_value::poisson(close as u64, expected) > BY_CHANCE)
+/// How many single samples of a record lie far off.
+fn in_record(scan: &Scan<'_>) -> usize {
+    scan.far_off(|scan| {
+        let seen: Vec<usize> = (0..scan.values().len())
+            .filter(|n| scan.is_seen(*n))
+            .collect();
+        far_off(scan.values(), &seen).map_or(0, |far| far.len())
+    })
+}
+
+/// Whether so many `close` pairs of `all` come about by chance among so many samples: as often as there are samples far off, or,
+/// where they are few, as often as in the rest of the record.
+fn come_together(scan: &Scan<'_>, close: usize, all: usize, samples: usize) -> bool {
+    if close == 0 {
+        return true;
+    }
+    let (count, of) = if all >= MANY {
+        (all - 1, samples)
+    } else {
+        (in_record(scan).saturating_sub(all), scan.values().len())
+    };
+    let share = count as f64 / of as f64;
+    let expected = share * share * (APART - 1) as f64 * samples as f64;
+    count >= MANY - 1 && p_value::poisson(close as u64, expected) > BY_CHANCE
 }
 
 /// Which of some samples that are `seen` lie far off those beside them; `None` where most do not change.

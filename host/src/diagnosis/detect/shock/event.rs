@@ -112,7 +112,7 @@ impl<'a> Event<'a> {
         let Some((about, fitted)) = fitted else {
             return self.told(None);
         };
-        if let Some(other) = Self::other(about, &fitted) {
+        if let Some(other) = self.other(about, &fitted) {
             return other;
         }
         // What settles from the start on has a name of its own.
@@ -240,13 +240,18 @@ impl<'a> Event<'a> {
         )
     }
 
+    /// How many samples of it are plainly far off, each by itself.
+    fn singles(&self) -> usize {
+        alone::count(self.scan, self.stretch, &self.with(self.stretch.window))
+    }
+
     /// A jump, or single samples, where these explain it as well as a shock.
-    fn other(about: &About, fitted: &Fitted) -> Option<What> {
+    fn other(&self, about: &About, fitted: &Fitted) -> Option<What> {
         /// What the numbers of a shock beyond those of a jump or of one sample are worth, and each further sample:
         /// as by the information criterion of G. Schwarz, Ann. Stat. 6 (1978), for some thousand samples.
         const MORE_NUMBERS: f64 = 14.0;
         const ONE_SAMPLE: f64 = 9.0;
-        /// Samples that come together by chance, at most, and the error that is none.
+        /// Samples that come together by chance beside those that are plainly far off, at most, and the error that is none.
         const TOGETHER: usize = 4;
         const NO_ERROR: f64 = 5.0;
         let worth = fitted.score - MORE_NUMBERS;
@@ -255,7 +260,7 @@ impl<'a> Event<'a> {
             return Some(What::Jump);
         }
         let is_samples = about.factor() == 1
-            && (1..=TOGETHER).any(|count| {
+            && (1..=TOGETHER + self.singles()).any(|count| {
                 let (score, largest) = singles.some(count);
                 largest < NO_ERROR && score - ONE_SAMPLE * (count - 1) as f64 > worth
             });

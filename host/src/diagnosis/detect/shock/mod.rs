@@ -5,6 +5,7 @@
 //! where it has no course that another would have.
 
 mod about;
+mod across;
 mod alone;
 mod bands;
 mod course;
@@ -73,6 +74,12 @@ const BESIDE: f64 = 10.0;
 /// out all the time. Threes are a choice.
 const FURTHER: [f64; 3] = [1.0, 3.0, 9.0];
 
+/// Steps of a grid within which most of a stretch goes to and fro between two of its values: where noise spans few of them, it
+/// does so wherever its level lies between two. Half a step more than one, for what is taken out of the record, and the
+/// share at either end that is not looked at: of noise that spans a third of a step, as many lie beyond. Choices.
+const TO_AND_FRO: f64 = 1.5;
+const BEYOND: f64 = 0.01;
+
 /// Looks for transients, once.
 pub static DETECTOR: Detector = Detector { tests: 1, look };
 
@@ -100,7 +107,10 @@ fn found(mut scan: Scan<'_>, look: &Look<'_>) -> Vec<Candidate> {
         let shorter = a.samples.len().min(b.samples.len());
         shorter.max(a.longest.max(b.longest) / PAUSE)
     };
-    let stretches = joined(stretches, pause);
+    let mut stretches = joined(stretches, pause);
+    if let Some(coarse) = look.context.values.coarse.filter(|coarse| coarse.decides) {
+        stretches.retain(|one| scan.span(&one.samples, BEYOND) > TO_AND_FRO * coarse.step);
+    }
     let all = FURTHER.iter().find_map(|times| {
         let least = times * scan.threshold();
         let plain: Vec<Stretch> = stretches

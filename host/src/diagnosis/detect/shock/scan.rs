@@ -11,12 +11,13 @@ use std::sync::OnceLock;
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
+use super::across::across;
 use super::usual::{Height, Usual};
 use super::windows::{OVERLAP, Windows};
 use crate::diagnosis::record::runs::{middle, runs_of, without};
 use crate::diagnosis::statistic::p_value;
 use crate::diagnosis::statistic::tails::normal_of_log;
-use crate::numeric::order::median;
+use crate::numeric::order::{median, quantile};
 
 /// Samples of the shortest window, and the factor between lengths: choices. An event between two lengths keeps
 /// some nine tenths of its height.
@@ -149,6 +150,14 @@ impl<'a> Scan<'a> {
         missing as f64 / samples.len() as f64
     }
 
+    /// How far most of some samples that are there span: all but the `rest`, at either end.
+    pub fn span(&self, samples: &Range<usize>, rest: f64) -> f64 {
+        let there = self.seen[samples.clone()].iter().copied();
+        let mut there: Vec<f64> = there.filter(|value| value.is_finite()).collect();
+        let ends = [rest, 1.0 - rest].map(|share| quantile(&mut there, share).unwrap_or(0.0));
+        ends[1] - ends[0]
+    }
+
     /// The samples without single gaps: each is the mean of its neighbours, no louder than what was there.
     pub fn whole(&self) -> &[f64] {
         &self.whole
@@ -180,29 +189,10 @@ impl<'a> Scan<'a> {
         self.threshold = normal_of_log((level / self.trials).ln());
         let mut found: Vec<Stretch> = Vec::new();
         for len in lengths {
-            let holes: Vec<Range<usize>> = found.iter().map(|one| one.samples.clone()).collect();
-            let runs = without(&self.runs, &holes);
-            let windows = Windows::new(len);
-            let starts: Vec<usize> = runs.iter().flat_map(|run| windows.starts(run)).collect();
-            let usual = Usual::new(windows, self.values, self.unit, &starts, self.least);
-            let Some(mut usual) = usual else {
+            let Some((usual, windows)) = self.of_length(len, &found) else {
                 continue;
             };
-            let shorter = self.usual.last().and_then(Usual::rare);
-            let least = NOTHING.min(self.threshold);
-            let high = usual.heights(self.values, &starts, least, shorter);
-            let stretch = |(start, height): (usize, Height)| Stretch {
-                samples: middle(start, len, &runs),
-                z: height.z,
-                frequency: usual.frequency(height),
-                window: len,
-                longest: 0,
-                nats: 0.5 * height.z.powi(2) / OVERLAP as f64,
-            };
-            found.extend(lasting(
-                high.into_iter().map(stretch).collect(),
-                self.threshold,
-            ));
+            found.extend(lasting(windows, self.threshold));
             found = joined(found, |_, _| 0);
             found
                 .iter_mut()
@@ -210,6 +200,32 @@ impl<'a> Scan<'a> {
             self.usual.push(usual);
         }
         found
+    }
+
+    /// What is usual in windows of `len` samples, and those of them in which something is, beside what was `found` in
+    /// shorter ones and across it; `None` where they are too few.
+    fn of_length(&self, len: usize, found: &[Stretch]) -> Option<(Usual, Vec<Stretch>)> {
+        let holes: Vec<Range<usize>> = found.iter().map(|one| one.samples.clone()).collect();
+        let left = without(&self.runs, &holes);
+        let windows = Windows::new(len);
+        let starts: Vec<usize> = left.iter().flat_map(|run| windows.starts(run)).collect();
+        let mut usual = Usual::new(windows, self.values, self.unit, &starts, self.least)?;
+        let shorter = self.usual.last().and_then(Usual::rare);
+        let least = NOTHING.min(self.threshold);
+        let beside = usual.heights(self.values, &starts, least, shorter);
+        let across = across(&usual, self.values, &self.runs, found, self.threshold);
+        let stretch = |(start, height): (usize, Height), runs: &[Range<usize>]| Stretch {
+            samples: middle(start, len, runs),
+            z: height.z,
+            frequency: usual.frequency(height),
+            window: len,
+            longest: 0,
+            nats: 0.5 * height.z.powi(2) / OVERLAP as f64,
+        };
+        let beside = beside.into_iter().map(|one| stretch(one, &left));
+        let across = across.into_iter().map(|one| stretch(one, &self.runs));
+        let both = beside.chain(across).collect();
+        Some((usual, both))
     }
 
     /// Probability that anything in steady noise stands out as far.

@@ -1,5 +1,6 @@
 //! A shock is found for what it is, once, and nothing else is.
 
+mod codes;
 mod measured;
 mod refused;
 mod rules;

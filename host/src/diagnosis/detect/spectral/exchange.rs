@@ -6,7 +6,7 @@
 
 use rayon::prelude::*;
 
-use super::{cost, is_line};
+use super::{cost, is_beyond_rounding, is_line};
 use crate::diagnosis::axis::NoFit;
 use crate::diagnosis::detect::Detector;
 use crate::diagnosis::detect::look::{Look, Proposal};
@@ -95,7 +95,8 @@ fn instead_of(look: &Look<'_>, starts: &Starts, number: usize) -> Vec<Instead> {
     let kinds = kinds.filter(|kind| **kind != own.effect && look.is_open(**kind));
     let found = kinds.filter_map(|&kind| {
         let found = search::search(present, starts, kind)?;
-        if found.p_value >= look.level() || is_line(look, &found) {
+        let is_one = found.p_value < look.level() && is_beyond_rounding(axis, &found);
+        if !is_one || is_line(look, &found) {
             return None;
         }
         let mut all = others.clone();

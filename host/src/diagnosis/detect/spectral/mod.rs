@@ -8,12 +8,12 @@ mod tests;
 
 use rayon::prelude::*;
 
-use super::{Detector, lines, telegraph};
+use super::{Detector, coarse_grid, lines, telegraph};
 use crate::diagnosis::axis::{AxisState, NoFit};
 use crate::diagnosis::detect::look::{Lesson, Look, Proposal};
 use crate::diagnosis::explanation::{Candidate, Change};
-use crate::diagnosis::laws::Law;
 use crate::diagnosis::laws::search::{self, Found};
+use crate::diagnosis::laws::{Law, squared_power};
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::finding::Rival;
 use crate::model::catalogue::CATALOGUE;
@@ -102,10 +102,22 @@ fn significant(look: &Look<'_>) -> Result<Vec<Found>, NoFit> {
         let surprise = law.effect.surprise_nats(&law.values, axis.rate_hz);
         level * (-surprise).exp()
     };
-    found.retain(|one| one.p_value < level_of(&one.law));
+    found.retain(|one| one.p_value < level_of(&one.law) && is_beyond_rounding(axis, one));
     let worth = |one: &Found| worth(axis.rate_hz, one);
     found.sort_by(|a, b| worth(b).total_cmp(&worth(a)));
     Ok(found)
+}
+
+/// Whether a law is none that rounding alone may have: a filter, or noise that is louder.
+fn is_beyond_rounding(axis: &AxisState, one: &Found) -> bool {
+    let least_variance = coarse_grid::least_variance(axis);
+    if least_variance == 0.0 || !one.law.adds() {
+        return true;
+    }
+    // A power law has a density, and is as loud as the band is wide.
+    let is_variance = squared_power(&one.law) > 1.0;
+    let variance = one.fit.squared.last().filter(|_| is_variance);
+    variance.is_some_and(|variance| *variance > least_variance)
 }
 
 /// Gain in log-likelihood at this rate; what a law costs has to be paid for.

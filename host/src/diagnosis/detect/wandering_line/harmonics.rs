@@ -93,7 +93,22 @@ pub fn family(axis: &AxisState, tone: &Tone<'_>, level: f64) -> Option<Family> {
     }
     let lower = (2..=OWN).filter_map(|k| Some((k, share_at(f64::from(k).recip())?)));
     let number = number(&lower.collect::<Vec<(u32, f64)>>());
+    let family = of(number, &members(number), false);
+    // Multiples that are all multiples of one have that as their base: what stood out at a lower one is no line.
+    let common = family
+        .lines
+        .iter()
+        .fold(0, |common, line| gcd(common, line.number));
+    if common <= 1 {
+        return Some(family);
+    }
+    let number = number / common;
     Some(of(number, &members(number), false))
+}
+
+/// The largest number that divides both.
+const fn gcd(a: u32, b: u32) -> u32 {
+    if b == 0 { a } else { gcd(b, a % b) }
 }
 
 /// The number of a tone, of which there is that share of its power at one over each of these numbers times its frequency.
