@@ -4,7 +4,7 @@
 
 use std::ops::Range;
 
-use super::scan::Stretch;
+use super::stretch::Stretch;
 use super::usual::{Height, Usual};
 
 /// Windows in some `runs` across what was `found` in shorter ones, of those that are `from` or higher without it, where they stand

@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use super::scan::{NOTHING, Scan, Stretch};
+use super::scan::{NOTHING, Scan};
+use super::stretch::Stretch;
 use crate::diagnosis::statistic::p_value;
 use crate::numeric::order::median;
 

@@ -15,9 +15,10 @@ use super::loud;
 use super::moment::{MOMENT, Moment};
 use super::moved::{Moved, NotMoved};
 use super::quiet::Quiet;
-use super::scan::{Scan, Stretch};
+use super::scan::Scan;
 use super::singles::Singles;
 use super::strength;
+use super::stretch::Stretch;
 use crate::diagnosis::detect::burst::Burst;
 
 /// Samples that are whitened, at most: a choice between time and place.

@@ -1,7 +1,7 @@
 //! Shock and motion: what happened once, found before anything else, dated and kept out of the fits.
 //!
 //! `usual` knows what powers short `windows` have where nothing happens, `scan` finds what stands out, from short windows to
-//! long ones, `event` what it is, `fit` its course in noise that `prediction` and `about` whiten, `moved` what it is about
+//! long ones and `across` what they found, `event` what it is, `fit` its course in noise that `prediction` and `about` whiten, `moved` what it is about
 //! where it has no course that another would have.
 
 mod about;
@@ -24,6 +24,7 @@ mod quiet;
 mod scan;
 mod singles;
 mod strength;
+mod stretch;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]
@@ -46,7 +47,8 @@ use crate::model::{motion, shock};
 use event::{Event, What};
 use happened::{Happened, Known};
 use quiet::Quiet;
-use scan::{Scan, Stretch, joined};
+use scan::Scan;
+use stretch::{Stretch, joined};
 
 /// Events of a record, at most: a choice. With more, they come all the time, and the noise is of another law.
 const MOST_EVENTS: usize = 40;

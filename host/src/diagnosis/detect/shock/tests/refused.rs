@@ -3,7 +3,8 @@
 use super::*;
 use crate::diagnosis::detect::shock::event::{Event, What};
 use crate::diagnosis::detect::shock::quiet::Quiet;
-use crate::diagnosis::detect::shock::scan::{Scan, Stretch};
+use crate::diagnosis::detect::shock::scan::Scan;
+use crate::diagnosis::detect::shock::stretch::Stretch;
 use crate::diagnosis::record::runs::without;
 use crate::model::burst;
 use crate::model::kind::Kind;
