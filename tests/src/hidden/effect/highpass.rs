@@ -1,19 +1,13 @@
 //! One pole that keeps the slow out, a coupling: it acts on everything.
 
-use super::lorentzian::{behind_the_other, in_place_of_a_pole, pole_of_samples};
+use super::lorentzian::in_place_of_a_pole;
 use super::{Effect, Evidence, Scene, Truth};
 use crate::hidden::draw::Draw;
 use crate::hidden::ideal::grid::Grid;
 use crate::hidden::ideal::spectral::{contrast, contrast_nearest};
-use crate::hidden::noise::chain::one_pole;
 
 struct Highpass {
     corner_hz: f64,
-}
-
-/// Power behind a coupling with this corner.
-pub fn coupled(f_hz: f64, corner_hz: f64) -> f64 {
-    1.0 / (1.0 + (corner_hz / f_hz).powi(2))
 }
 
 pub fn draw(scene: &Scene, _draw: &mut Draw) -> Box<dyn Effect> {
@@ -35,8 +29,8 @@ impl Effect for Highpass {
         })
     }
 
-    /// The rivals are Markov noise and a pole: a walk behind a coupling is either, so that what is left of the white noise below
-    /// the corner has to tell, and white noise behind a coupling is quantisation noise behind a pole.
+    /// The rival is Markov noise: a walk behind a coupling is nothing else, so that what is left of the white noise below the
+    /// corner has to tell.
     fn evidence(&self, scene: &Scene) -> Evidence {
         let grid = Grid::new(scene, &[]);
         let truth = grid.at(|f_hz| scene.density(scene.target, f_hz) * self.power(f_hz));
@@ -46,17 +40,14 @@ impl Effect for Highpass {
             return seen;
         }
         let markov = in_place_of_a_pole(self.corner_hz, &base, &grid, scene);
-        let poles = behind_the_other(self.corner_hz, &grid, scene, one_pole);
-        let of_samples =
-            |f_hz: f64, corner_hz: f64| pole_of_samples(f_hz, corner_hz, scene.rate_hz);
-        let poles = poles.chain(behind_the_other(self.corner_hz, &grid, scene, of_samples));
         Evidence {
-            rival_error: contrast_nearest(&truth, markov.chain(poles), &grid).error(),
+            rival_error: contrast_nearest(&truth, markov, &grid).error(),
             ..seen
         }
     }
 
     fn power(&self, f_hz: f64) -> f64 {
-        coupled(f_hz, self.corner_hz)
+        let corners = (f_hz / self.corner_hz).powi(2);
+        corners / (1.0 + corners)
     }
 }

@@ -45,26 +45,3 @@ pub fn in_place_of_a_pole(
         base.iter().cloned().chain([markov]).collect()
     })
 }
-
-/// Corners of a filter that is another's rival, in those of the other.
-const CORNERS: [f64; 9] = [0.3, 0.5, 0.7, 0.85, 1.0, 1.2, 1.5, 2.0, 3.0];
-
-/// What may stand in the place of one pole, or of a coupling, with this corner: any base behind the other of both, of the power
-/// `other` at a frequency and for its corner. A coupling makes of a walk what a pole makes of white noise, and of white noise
-/// what a pole makes of quantisation noise.
-pub fn behind_the_other(
-    corner_hz: f64,
-    grid: &Grid,
-    scene: &Scene,
-    other: impl Fn(f64, f64) -> f64,
-) -> impl Iterator<Item = Vec<Vec<f64>>> {
-    let corners = CORNERS.iter().map(move |ratio| ratio * corner_hz);
-    corners.map(move |corner_hz| grid.base(scene, |f_hz| other(f_hz, corner_hz)))
-}
-
-/// Power at a frequency behind one pole with this corner that a program makes of the samples.
-pub fn pole_of_samples(f_hz: f64, corner_hz: f64, rate_hz: f64) -> f64 {
-    let keeps = (-TAU * corner_hz / rate_hz).exp();
-    let cosine = (TAU * f_hz / rate_hz).cos();
-    (1.0 - keeps).powi(2) / (1.0 - 2.0 * keeps * cosine + keeps * keeps)
-}

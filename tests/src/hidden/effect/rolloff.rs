@@ -3,8 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::averaging::of_mean;
-use super::highpass::coupled;
-use super::lorentzian::{behind_the_other, in_place_of_a_pole};
+use super::lorentzian::in_place_of_a_pole;
 use super::{Effect, Evidence, Scene, Truth};
 use crate::hidden::draw::Draw;
 use crate::hidden::ideal::grid::Grid;
@@ -36,7 +35,7 @@ impl Effect for Rolloff {
         })
     }
 
-    /// Rivals are Markov noise that takes the place of white noise, a coupling, and a running mean. In noise that is white at
+    /// Rivals are Markov noise that takes the place of white noise, and a running mean. In noise that is white at
     /// high frequencies a pole and Markov noise differ only by their aliases; behind a chain by nothing, and
     /// such a draw has no strength 1.
     fn evidence(&self, scene: &Scene) -> Evidence {
@@ -48,7 +47,6 @@ impl Effect for Rolloff {
             return seen;
         }
         let markov = in_place_of_a_pole(self.corner_hz, &base, &grid, scene);
-        let couplings = behind_the_other(self.corner_hz, &grid, scene, coupled);
         // 1 - (n^2 - 1) w^2 / 12 against 1 - (f / corner)^2.
         let bend = 12.0 * (scene.rate_hz / (TAU * self.corner_hz)).powi(2);
         let means = LENGTHS.iter().map(|length| {
@@ -56,8 +54,7 @@ impl Effect for Rolloff {
             grid.base(scene, |f_hz| of_mean(samples, f_hz / scene.rate_hz))
         });
         Evidence {
-            rival_error: contrast_nearest(&truth, markov.chain(couplings).chain(means), &grid)
-                .error(),
+            rival_error: contrast_nearest(&truth, markov.chain(means), &grid).error(),
             ..seen
         }
     }

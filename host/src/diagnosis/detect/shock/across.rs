@@ -18,7 +18,7 @@ pub fn across(
 ) -> Vec<(usize, Height)> {
     /// How much further: a choice, four times the nats.
     const FURTHER: f64 = 2.0;
-    let values = without_found(values, runs, found);
+    let both = [false, true].map(|levelled| without_found(values, runs, found, levelled));
     let len = usual.windows.len();
     let mut memory = (usual.windows.scratch(), Vec::new());
     let mut all = Vec::new();
@@ -36,8 +36,12 @@ pub fn across(
                 .iter()
                 .filter(|one| one.samples.start < start + len && start < one.samples.end);
             let least = within.fold(from, |least, one| least.max(FURTHER * one.z));
-            let height = usual.height(&values, start, least, &mut memory);
-            if height.z >= least && height.cycles * window < len {
+            let heights = both
+                .each_ref()
+                .map(|values| usual.height(values, start, least, &mut memory));
+            let [height, _] = heights;
+            let is_high = heights.iter().all(|one| one.z >= least);
+            if is_high && height.cycles * window < len {
                 all.push((start, height));
             }
         }
@@ -45,9 +49,14 @@ pub fn across(
     all
 }
 
-/// Some samples without what was `found`: each stretch has the level of those before it in its run, and so has what comes
-/// behind, so that nothing is left of a jump either.
-fn without_found(values: &[f64], runs: &[Range<usize>], found: &[Stretch]) -> Vec<f64> {
+/// Some samples without what was `found`. Each stretch is a line between the levels before and behind it in its run; or all
+/// that comes behind is `levelled` too, so that nothing is left of a jump.
+fn without_found(
+    values: &[f64],
+    runs: &[Range<usize>],
+    found: &[Stretch],
+    levelled: bool,
+) -> Vec<f64> {
     let mut all = values.to_vec();
     let (mut shift, mut next) = (0.0, 0);
     for hole in found.iter().map(|one| &one.samples) {
@@ -65,11 +74,18 @@ fn without_found(values: &[f64], runs: &[Range<usize>], found: &[Stretch]) -> Ve
         };
         let before = level(hole.start.saturating_sub(reach).max(run.start).max(next)..hole.start);
         let behind = level(hole.end..(hole.end + reach).min(run.end)).map(|one| one - shift);
-        if let (Some(before), Some(behind)) = (before, behind) {
-            shift += behind - before;
+        let [from, to] = [before.or(behind), behind.or(before)].map(|one| one.unwrap_or(0.0));
+        let rise = to - from;
+        let length = hole.len() as f64;
+        for (n, value) in all[hole.clone()].iter_mut().enumerate() {
+            let part = if levelled {
+                0.0
+            } else {
+                (n as f64 + 0.5) / length
+            };
+            *value = from + rise * part;
         }
-        let level = before.or(behind).unwrap_or(0.0);
-        all[hole.clone()].fill(level);
+        shift += if levelled { rise } else { 0.0 };
         next = hole.end;
     }
     all[next..].iter_mut().for_each(|one| *one -= shift);
