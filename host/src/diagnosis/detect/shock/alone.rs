@@ -108,7 +108,7 @@ fn in_record(scan: &Scan<'_>) -> usize {
 
 /// Whether so many `close` pairs of `all` come about by chance among so many samples: as often as there are samples far off, or,
 /// where they are few, as often as in the rest of the record.
-fn come_together(scan: &Scan<'_>, close: usize, all: usize, samples: usize) -> bool {
+pub fn come_together(scan: &Scan<'_>, close: usize, all: usize, samples: usize) -> bool {
     if close == 0 {
         return true;
     }

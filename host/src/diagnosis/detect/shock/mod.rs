@@ -111,7 +111,7 @@ fn found(mut scan: Scan<'_>, look: &Look<'_>) -> Vec<Candidate> {
     };
     let mut stretches = joined(stretches, pause);
     if let Some(coarse) = look.context.values.coarse.filter(|coarse| coarse.decides) {
-        stretches.retain(|one| scan.span(&one.samples, BEYOND) > TO_AND_FRO * coarse.step);
+        stretches.retain(|one| leaves_two_codes(&scan, &one.samples, coarse.step));
     }
     let all = FURTHER.iter().find_map(|times| {
         let least = times * scan.threshold();
@@ -123,6 +123,11 @@ fn found(mut scan: Scan<'_>, look: &Look<'_>) -> Vec<Candidate> {
         events(&scan, &plain, look.level())
     });
     happened::candidates(look, &scan, all.unwrap_or_default())
+}
+
+/// Whether more than a few of some samples lie beyond two neighbouring values of a grid with this `step`.
+fn leaves_two_codes(scan: &Scan<'_>, samples: &Range<usize>, step: f64) -> bool {
+    scan.span(samples, BEYOND) > TO_AND_FRO * step
 }
 
 /// What happened in some stretches; `None` where they are no events.

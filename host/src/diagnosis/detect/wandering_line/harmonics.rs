@@ -95,10 +95,8 @@ pub fn family(axis: &AxisState, tone: &Tone<'_>, level: f64) -> Option<Family> {
     let number = number(&lower.collect::<Vec<(u32, f64)>>());
     let family = of(number, &members(number), false);
     // Multiples that are all multiples of one have that as their base: what stood out at a lower one is no line.
-    let common = family
-        .lines
-        .iter()
-        .fold(0, |common, line| gcd(common, line.number));
+    let numbers = family.lines.iter().map(|line| line.number);
+    let common = numbers.fold(0, gcd);
     if common <= 1 {
         return Some(family);
     }
@@ -107,7 +105,7 @@ pub fn family(axis: &AxisState, tone: &Tone<'_>, level: f64) -> Option<Family> {
 }
 
 /// The largest number that divides both.
-const fn gcd(a: u32, b: u32) -> u32 {
+pub const fn gcd(a: u32, b: u32) -> u32 {
     if b == 0 { a } else { gcd(b, a % b) }
 }
 

@@ -1,6 +1,9 @@
 //! What goes to and fro between two codes, and single samples that come together: no shocks.
 
 use super::*;
+use crate::diagnosis::detect::shock::alone::come_together;
+use crate::diagnosis::detect::shock::leaves_two_codes;
+use crate::diagnosis::detect::shock::scan::Scan;
 use crate::model::kind::Kind;
 use crate::model::random::{Gaussian, Seed, random};
 use crate::model::{burst, motion};
@@ -26,15 +29,16 @@ fn to_and_fro(seed: u64, height: f64) -> Vec<f64> {
 #[test]
 fn what_goes_to_and_fro_between_two_codes_is_no_event() {
     for seed in 170..173 {
-        let of = |height: f64| {
-            let trial = Trial::new(to_and_fro(seed, height));
-            trial::kinds(&trial.ask(&DETECTOR))
+        let leaves = |height: f64| {
+            let values = to_and_fro(seed, height);
+            let scan = Scan::new(&values, &values).expect("long enough");
+            leaves_two_codes(&scan, &(9000..9400), 1.0)
         };
-        assert!(of(0.0).is_empty(), "seed {seed}: {:?}", of(0.0));
-        assert!(
-            !of(4.0).is_empty(),
-            "seed {seed}: four steps for four seconds"
-        );
+        assert!(!leaves(0.0), "seed {seed}");
+        assert!(leaves(4.0), "seed {seed}: four steps for four seconds");
+        let trial = Trial::new(to_and_fro(seed, 4.0));
+        let found = trial.ask(&DETECTOR);
+        assert!(!found.is_empty(), "seed {seed}: what leaves them is seen");
     }
 }
 
@@ -52,8 +56,18 @@ fn with_singles(seed: u64, mut values: Vec<f64>, size: f64) -> Vec<f64> {
 }
 
 #[test]
-fn single_samples_that_come_together_by_chance_are_no_burst() {
-    for seed in 190..196 {
+fn how_many_single_samples_come_together_by_chance_the_rest_of_the_record_says() {
+    for seed in 190..193 {
+        // Two of five within 400 samples that stand next to one another.
+        let is_chance = |values: Vec<f64>| {
+            let scan = Scan::new(&values, &values).expect("long enough");
+            come_together(&scan, 1, 5, 400)
+        };
+        assert!(
+            is_chance(with_singles(seed, noise(seed), 300.0)),
+            "seed {seed}"
+        );
+        assert!(!is_chance(noise(seed)), "seed {seed}: no others");
         let trial = Trial::new(with_singles(seed, noise(seed), 300.0));
         let found = trial::kinds(&trial.ask(&DETECTOR));
         let is_event = |kind: &Kind| [burst::KIND, motion::KIND].contains(kind);

@@ -275,24 +275,9 @@ fn mains_of_which_fewer_multiples_are_followed_stay_as_they_were() {
 
 #[test]
 fn multiples_that_are_all_multiples_of_one_have_that_as_their_base() {
-    for seed in 70..74 {
-        let mut values = noise(seed);
-        // A walk as strong as the tone: at a quarter of its frequency something stands out by the walk's slope alone.
-        let mut normal = crate::model::random::Gaussian::new(Seed { seed, stream: 9 }, 0.3);
-        let mut level = 0.0;
-        for value in &mut values {
-            level += normal.draw();
-            *value = 0.01 * *value + level;
-        }
-        let mut added = vec![0.0; values.len()];
-        let tone = tone(12.0, &[6.0, 2.0]);
-        tone.generator(RATE_HZ, Seed { seed, stream: 7 })
-            .add_to(&mut added);
-        let pairs = values.iter().zip(&added);
-        let trial = Trial::new(pairs.map(|(value, added)| value + added).collect());
-        let (kind, values) = found(&trial).expect("a plain tone");
-        assert_eq!(kind, wandering_line::KIND, "seed {seed}");
-        let f_hz = values[0].expect("known").value;
-        assert!((f_hz / 12.0).ln().abs() < 0.1, "seed {seed}: {f_hz}");
-    }
+    let common = |numbers: &[u32]| numbers.iter().copied().fold(0, harmonics::gcd);
+    assert_eq!(common(&[4, 8]), 4);
+    assert_eq!(common(&[6, 9, 12]), 3);
+    assert_eq!(common(&[2, 3]), 1, "neither is the other's");
+    assert_eq!(common(&[]), 0, "no line, no base");
 }
