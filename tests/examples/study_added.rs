@@ -95,7 +95,7 @@ fn one_stretch(
     );
     let program = Program(arguments.inm.clone());
     let bare = match said(&stretch.samples, &stretch, &program, arguments, "bare") {
-        Ok(answer) => names(&answer),
+        Ok(answer) => answer,
         Err(failure) => {
             eprintln!("{place}: FAILED bare, {failure}");
             return Ok(vec![Trial {
@@ -109,15 +109,16 @@ fn one_stretch(
     let is_wanted = |kind: &&Kind| {
         arguments.kind.is_empty() || arguments.kind.iter().any(|name| name == kind.name)
     };
-    let kinds = case::kinds(&stretch, &bare).into_iter().filter(is_wanted);
-    let cases = kinds.filter_map(|kind| Case::draw(&stretch, &bare, kind));
+    let held = names(&bare);
+    let kinds = case::kinds(&stretch, &held).into_iter().filter(is_wanted);
+    let cases = kinds.filter_map(|kind| Case::draw(&stretch, &held, kind));
     let trial = |case: Case| {
         let name = format!("{}-{:.1}", case.kind.name, case.strength);
         let said = said(&case.samples, &stretch, &program, arguments, &name);
         let result = said.map(|answer| score(&case, &stretch, &bare, &answer));
         // A line a case, so that a study that is stopped early has still said what it found.
         match &result {
-            Ok(score) => eprintln!("{place}: {} {}", name, verdict(score, &bare)),
+            Ok(score) => eprintln!("{place}: {} {}", name, verdict(score, &held)),
             Err(failure) => eprintln!("{place}: {name} FAILED, {failure}"),
         }
         Trial {
@@ -135,7 +136,11 @@ fn verdict(score: &Score, bare: &[String]) -> String {
         true if score.held => "right".to_owned(),
         true => format!("right, not held; given {}", score.given.join("+")),
         false => format!(
-            "WRONG, given {}; bare {}",
+            "{}, given {}; bare {}",
+            match score.among && score.new.is_empty() {
+                true => "UNDECIDED",
+                false => "WRONG",
+            },
             score.given.join("+"),
             bare.join("+")
         ),

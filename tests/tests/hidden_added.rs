@@ -9,7 +9,7 @@ use inm_tests::hidden::added::score::{names, score};
 use inm_tests::hidden::added::stretch::Stretch;
 use inm_tests::hidden::draw::Draw;
 use inm_tests::hidden::effect;
-use inm_tests::hidden::judge::answer::{Answer, Axis, Finding};
+use inm_tests::hidden::judge::answer::{Answer, Axis, Finding, Rival};
 use inm_tests::hidden::noise::measured::Measured;
 
 const RATE_HZ: f64 = 100.0;
@@ -146,7 +146,7 @@ fn only_what_the_bare_stretch_has_not_is_extra() {
     let stretch = stretch(7, None);
     let case = Case::draw(&stretch, &[], effect::find("steps").expect("a kind"));
     let case = case.expect("one that can be seen");
-    let bare = ["outliers".to_owned(), "averaging".to_owned()];
+    let bare = answer(&["outliers", "averaging"]);
     let right = score(&case, &stretch, &bare, &answer(&["steps", "outliers"]));
     assert!(right.is_right(), "{right:?}");
     assert_eq!(right.gone, ["averaging"]);
@@ -155,6 +155,37 @@ fn only_what_the_bare_stretch_has_not_is_extra() {
     let missed = score(&case, &stretch, &bare, &answer(&["outliers"]));
     assert!(!missed.named && missed.extra.is_empty(), "{missed:?}");
     assert_eq!(names(&answer(&["hum", "steps"])), ["hum", "steps"]);
+}
+
+#[test]
+fn names_that_the_record_does_not_decide_between_are_counted_by_themselves() {
+    let stretch = stretch(7, None);
+    let case = Case::draw(&stretch, &[], effect::find("steps").expect("a kind"));
+    let case = case.expect("one that can be seen");
+    // Odds of e^2.9 are 18, of e^3.1 they are 22.
+    let said = |name: &str, rival: &str, log_odds: f64| {
+        let mut said = answer(&[name]);
+        said.axes[0].findings[0].rivals.push(Rival {
+            effect: rival.to_owned(),
+            log_odds,
+        });
+        said
+    };
+    let bare = said("rolloff", "averaging", 2.9);
+    let open = score(&case, &stretch, &bare, &said("telegraph", "steps", 2.9));
+    assert!(!open.named && open.among && open.new.is_empty(), "{open:?}");
+    assert_eq!(open.extra, ["telegraph"]);
+    let decided = score(&case, &stretch, &bare, &said("telegraph", "steps", 3.1));
+    assert!(!decided.among, "{decided:?}");
+    assert_eq!(decided.new, ["telegraph"]);
+    let known = score(&case, &stretch, &bare, &answer(&["averaging"]));
+    assert!(
+        known.extra == ["averaging"] && known.new.is_empty(),
+        "{known:?}"
+    );
+    let bare = said("rolloff", "averaging", 3.1);
+    let new = score(&case, &stretch, &bare, &answer(&["averaging"]));
+    assert_eq!(new.new, ["averaging"]);
 }
 
 #[test]

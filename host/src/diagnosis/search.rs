@@ -230,6 +230,10 @@ impl<'a> Search<'a> {
                 self.say_withdrawn(&before, HAS_ITS_PLACE);
                 self.axis.refresh()?;
             }
+            Proposal::Compare(number, rivals) => {
+                self.axis.set_rivals(number, rivals);
+                return Ok(Changed::Nothing);
+            }
             Proposal::Learn(lesson) => {
                 self.character.learn(lesson);
                 return Ok(Changed::Nothing);

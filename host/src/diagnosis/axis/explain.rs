@@ -9,9 +9,11 @@ use crate::diagnosis::laws::{Law, search};
 use crate::diagnosis::record::bins::SpectralBins;
 use crate::diagnosis::record::residual::TakenOut;
 use crate::diagnosis::result::estimate::Estimate;
+use crate::diagnosis::result::rival::Rival;
 use crate::fit::likelihood::{Data, Fit};
 use crate::model::averaging::{self, Averaging};
 use crate::model::kind::Kind;
+use crate::model::telegraph;
 use crate::numeric::mixture::add_mixture;
 
 /// Samples over which a converter's filter spreads a jump, on either side: those of the ADS1281
@@ -120,6 +122,19 @@ impl AxisState {
             self.refresh()?;
         }
         Ok(())
+    }
+
+    /// Takes over what else explains the same as the law of this number. What it was told from by more than its spectrum stays.
+    pub fn set_rivals(&mut self, number: usize, rivals: Vec<Rival>) {
+        let mut laws = self
+            .explanations
+            .iter_mut()
+            .filter(|one| one.law().is_some());
+        if let Some(one) = laws.nth(number) {
+            one.rivals.retain(|rival| rival.effect == telegraph::KIND);
+            one.rivals.extend(rivals);
+            one.rivals.sort_by(|a, b| a.log_odds.total_cmp(&b.log_odds));
+        }
     }
 
     /// Takes over what the last fit knows of the laws among the explanations.

@@ -5,6 +5,7 @@ use crate::diagnosis::decision::Decision;
 use crate::diagnosis::explanation::{Candidate, Explanation};
 use crate::diagnosis::loser::Loser;
 use crate::diagnosis::record::reading::Reading;
+use crate::diagnosis::result::rival::Rival;
 use crate::diagnosis::values::ValueFindings;
 use crate::model::kind::Kind;
 use crate::spectrum::Line;
@@ -88,6 +89,8 @@ pub enum Proposal {
     Withdraw(Vec<Kind>),
     /// Takes the law of this number back.
     WithdrawLaw(usize),
+    /// Remember what else explains the same as the law of this number, beside all others.
+    Compare(usize, Vec<Rival>),
     /// Remember what explains nothing but decides what may.
     Learn(Lesson),
 }

@@ -211,6 +211,14 @@ impl Finding {
         }
     }
 
+    /// What it is, the likeliest first: more than one name where the record does not decide.
+    pub fn name(&self) -> String {
+        let undecided = self.rivals.iter().filter(|rival| rival.is_undecided());
+        let names = std::iter::once(self.effect).chain(undecided.map(|rival| rival.effect));
+        let names: Vec<&str> = names.map(|kind| kind.name()).collect();
+        names.join(" or ")
+    }
+
     /// Its parameters that are known, by the catalogue's names.
     pub fn parameters(&self) -> BTreeMap<String, Value> {
         self.estimate.named()

@@ -158,23 +158,29 @@ fn replaced(axis: &AxisState, found: &Lacking) -> Option<usize> {
 /// Number of the law that is needed least beside noise without a name, if the spectrum is likelier without it, bands that
 /// take its place paid for as it is: where bands are needed anyway, a name has to explain what they do not. By half of what
 /// a law costs, that is: one that explains nothing gains all of it by going, one that a band replaces none. A search ends now at one
-/// set of bands, now at another: the law is also asked what it is worth beside those that were found without it.
+/// set of bands, now at another: each of both models is also asked what it is worth with the bands of the other.
 fn needless(axis: &AxisState, found: &Lacking, tones: &[Vec<f64>]) -> Option<usize> {
-    let numbers = (0..axis.laws.len()).into_par_iter();
-    let models = numbers.filter_map(|number| {
+    let with = &found.bands;
+    let without = |number: usize, known: &[Band]| {
         let mut other = axis.clone();
         other.withdraw_law(number)?;
         other.refresh().ok()?;
         let (tones, _) = Tone::all(&other, &found.data.dof);
-        let without = (found.fitted)(&other, &found.data, &tones, &[])?;
-        Some((number, without))
-    });
+        (found.fitted)(&other, &found.data, &tones, known)
+    };
+    let numbers = (0..axis.laws.len()).into_par_iter();
+    let models = numbers.filter_map(|number| Some((number, without(number, &[])?)));
     let worth = |one: &(usize, WithBands)| one.1.worth_nats();
-    let (number, without) = models.max_by(|a, b| worth(a).total_cmp(&worth(b)))?;
+    let (number, mut least) = models.max_by(|a, b| worth(a).total_cmp(&worth(b)))?;
+    if let Some(again) = without(number, &with.bands())
+        && again.worth_nats() > least.worth_nats()
+    {
+        least = again;
+    }
     let is_better =
-        |with: &WithBands| without.worth_nats() - with.worth_nats() > 0.5 * found.bands.cost_nats;
-    let with = || (found.fitted)(axis, &found.data, tones, &without.bands());
-    (is_better(&found.bands) && with().is_none_or(|with| is_better(&with))).then_some(number)
+        |with: &WithBands| least.worth_nats() - with.worth_nats() > 0.5 * with.cost_nats;
+    let again = || (found.fitted)(axis, &found.data, tones, &least.bands());
+    (is_better(with) && again().is_none_or(|with| is_better(&with))).then_some(number)
 }
 
 /// A tone that has a name and is no part of any fit.

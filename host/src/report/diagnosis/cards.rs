@@ -4,6 +4,7 @@ use std::fmt::{Result, Write};
 
 use super::super::svg::{escape, typeset};
 use super::numbers::{Numbers, Rows};
+use super::suspects::way;
 use crate::diagnosis::result::finding::{AxisDiagnosis, Finding, Remark};
 use crate::diagnosis::result::value::Value;
 use crate::model::effect::Parameter;
@@ -20,7 +21,7 @@ pub fn finding(page: &mut String, axis: &AxisDiagnosis, index: usize) -> Result 
         page,
         "<article class=\"card\"><h3><span class=\"number\">{}</span> {}</h3><p>{}</p>",
         index + 1,
-        escape(one.effect.name()),
+        escape(&one.name()),
         escape(&one.cause)
     )?;
     parameters(page, axis, one)?;
@@ -170,8 +171,9 @@ fn evidence(page: &mut String, one: &Finding) -> Result {
         entry(
             &format!("or {}", escape(rival.effect.name())),
             format!(
-                "e<sup>{}</sup> times less likely",
-                significant(rival.log_odds, 3)
+                "e<sup>{}</sup> times {} likely",
+                significant(rival.log_odds.abs(), 3),
+                way(rival)
             ),
         )?;
     }

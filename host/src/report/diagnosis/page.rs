@@ -9,7 +9,7 @@ use super::summary::summary;
 use super::suspects::suspicion;
 use super::text::MOST_TOLD;
 use super::{HEIGHT, cards, pictures};
-use crate::diagnosis::result::finding::{AxisDiagnosis, Diagnosis};
+use crate::diagnosis::result::finding::{AxisDiagnosis, Diagnosis, Finding};
 use crate::diagnosis::result::views::VelocityError;
 use crate::numeric::written::significant;
 
@@ -88,7 +88,7 @@ fn axis(page: &mut String, diagnosis: &Diagnosis, index: usize, axis: &AxisDiagn
 
 /// What came out, in a few sentences: first whether one may simulate with the model.
 fn lead(axis: &AxisDiagnosis, level: f64) -> String {
-    let names: Vec<&str> = axis.findings.iter().map(|one| one.effect.name()).collect();
+    let names: Vec<String> = axis.findings.iter().map(Finding::name).collect();
     let found = match names.len() {
         0 => format!(
             "Nothing beyond the five terms (any finding in clean data: {} %)",

@@ -1,5 +1,6 @@
 //! What was suspected and not found, in sentences.
 
+use crate::diagnosis::result::rival::Rival;
 use crate::diagnosis::result::suspicion::{Best, Limit, Suspicion};
 use crate::numeric::written::{probability, significant};
 use crate::signal::Unit;
@@ -39,13 +40,19 @@ fn best(best: &Best) -> Vec<String> {
                 .to_owned(),
         );
     }
-    let rivals = best.rivals.iter().map(|rival| {
-        let way = if rival.log_odds > 0.0 { "less" } else { "more" };
-        let odds = significant(rival.log_odds.abs(), 2);
-        format!("or {}: e^{odds} times {way} likely", rival.effect)
-    });
-    sentences.extend(rivals);
+    sentences.extend(best.rivals.iter().map(rival));
     sentences
+}
+
+/// What else explains the same, and how likely it is beside what is named.
+pub fn rival(one: &Rival) -> String {
+    let odds = significant(one.log_odds.abs(), 2);
+    format!("or {}: e^{odds} times {} likely", one.effect, way(one))
+}
+
+/// Which way the odds of a rival are.
+pub const fn way(one: &Rival) -> &'static str {
+    if one.log_odds < 0.0 { "more" } else { "less" }
 }
 
 /// The sizes that the record still allows.

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use super::super::text::head;
 use super::numbers::{Numbers, Rows};
 use super::summary::summary;
-use super::suspects::suspicion;
+use super::suspects::{rival, suspicion};
 use crate::diagnosis::result::finding::{AxisDiagnosis, Diagnosis, Finding, Remark, SMALL_PERCENT};
 use crate::diagnosis::result::value::Value;
 use crate::model::Coefficient;
@@ -79,7 +79,7 @@ fn axis(text: &mut String, axis: &AxisDiagnosis, level: f64) -> std::fmt::Result
 }
 
 fn finding(text: &mut String, number: u32, finding: &Finding) -> std::fmt::Result {
-    writeln!(text, "  {number}. {}: {}", finding.effect, finding.cause)?;
+    writeln!(text, "  {number}. {}: {}", finding.name(), finding.cause)?;
     let numbers = Numbers::of(&finding.estimate);
     for (parameter, value) in &numbers.alone {
         writeln!(text, "       {:<14} {}", parameter.name, interval(value))?;
@@ -103,13 +103,8 @@ fn finding(text: &mut String, number: u32, finding: &Finding) -> std::fmt::Resul
         )?;
     }
     writeln!(text)?;
-    for rival in &finding.rivals {
-        writeln!(
-            text,
-            "     or {}: e^{} times less likely",
-            rival.effect,
-            significant(rival.log_odds, 2)
-        )?;
+    for one in &finding.rivals {
+        writeln!(text, "     {}", rival(one))?;
     }
     writeln!(text, "     check: {}", finding.check)
 }
@@ -166,7 +161,7 @@ fn brief(text: &mut String, number: u32, finding: &Finding) -> std::fmt::Result 
     writeln!(
         text,
         "  {number}. {}{colon}{} ({} %)",
-        finding.effect,
+        finding.name(),
         values.join(", "),
         size.map_or("0".into(), |size| significant(size, 2))
     )

@@ -35,8 +35,9 @@ pub fn tables(trials: &[Trial]) -> String {
 }
 
 fn table(heading: &str, trials: &[Trial], of: &dyn Fn(&Trial) -> String) -> String {
-    let mut text =
-        format!("{heading:<16} cases   named  %    95 %       held   extra    gone  failed\n");
+    let mut text = format!(
+        "{heading:<16} cases   named  %    95 %       among    held   extra     new    gone  failed\n"
+    );
     let mut rows: Vec<String> = trials.iter().map(of).collect();
     rows.sort();
     rows.dedup();
@@ -58,11 +59,13 @@ fn row(name: &str, trials: &[&Trial]) -> String {
     let mut text = String::new();
     let _ = writeln!(
         text,
-        "{name:<16} {:>5} {named:>7} {:>4.0} {lo:>4.0} to {hi:>3.0} {:>7} {:>7} {:>7} {:>7}",
+        "{name:<16} {:>5} {named:>7} {:>4.0} {lo:>4.0} to {hi:>3.0} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7}",
         trials.len(),
         100.0 * named as f64 / trials.len().max(1) as f64,
+        count(&|score| score.among),
         count(&|score| score.named && score.held),
         count(&|score| !score.extra.is_empty()),
+        count(&|score| !score.new.is_empty()),
         count(&|score| !score.gone.is_empty()),
         trials.len() - scores.len(),
     );

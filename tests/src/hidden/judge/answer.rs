@@ -89,9 +89,33 @@ pub struct Held {
 pub struct Finding {
     /// Its name.
     pub effect: String,
+    /// What else it may be.
+    #[serde(default)]
+    pub rivals: Vec<Rival>,
     /// Its parameters.
     #[serde(default)]
     pub parameters: BTreeMap<String, Interval>,
+}
+
+/// What else a finding may be.
+#[derive(Debug, Clone, Default, Deserialize)]
+pub struct Rival {
+    /// Its name.
+    pub effect: String,
+    /// Logarithm of the odds for the finding against it.
+    pub log_odds: f64,
+}
+
+/// Odds below which a record leaves open which of two names is right: the 5 % of all intervals.
+const DECIDES: f64 = 20.0;
+
+impl Finding {
+    /// All names that the record does not decide between, the one that is given first.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        let undecided = self.rivals.iter();
+        let undecided = undecided.filter(|rival| rival.log_odds < DECIDES.ln());
+        std::iter::once(self.effect.as_str()).chain(undecided.map(|one| one.effect.as_str()))
+    }
 }
 
 /// A value with its 95 % interval. Null where it is not known.

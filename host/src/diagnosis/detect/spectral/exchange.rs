@@ -2,7 +2,8 @@
 //!
 //! The first law is the one that explains most by itself, and may be none of two that are there: noise behind a slow lag and a
 //! pole comes first as one pole between them. What is missing then is sought beside the wrong law, and never found. So,
-//! where nothing more is to be added, each law is left out and all kinds are tried in its place.
+//! where nothing more is to be added, each law is left out and all kinds are tried in its place. What does not take it is its
+//! rival, by the odds beside all that was found.
 
 use rayon::prelude::*;
 
@@ -14,7 +15,7 @@ use crate::diagnosis::explanation::{Candidate, Change};
 use crate::diagnosis::laws::search::{self, Fitted, Found, Starts};
 use crate::diagnosis::laws::{self, Law};
 use crate::diagnosis::result::estimate::Estimate;
-use crate::diagnosis::result::finding::Rival;
+use crate::diagnosis::result::rival::{Rival, is_decided};
 use crate::model::catalogue::CATALOGUE;
 use crate::model::telegraph;
 
@@ -44,32 +45,40 @@ fn look(look: &Look<'_>) -> Result<Vec<Proposal>, NoFit> {
     let laws = explanations.filter(|one| one.law().is_some()).enumerate();
     // Two levels are known by more than their spectrum.
     let laws = laws.filter(|(_, one)| one.kind() != telegraph::KIND);
-    let mut found: Vec<Instead> = laws
-        .flat_map(|(number, _)| instead_of(look, &starts, number))
+    let numbers = laws.map(|(number, _)| number);
+    let mut found: Vec<Instead> = numbers
+        .clone()
+        .flat_map(|number| instead_of(look, &starts, number))
         .collect();
     found.sort_by(|a, b| b.worth.total_cmp(&a.worth));
     let now = axis.fit.log_likelihood - costs(axis.rate_hz, &axis.laws);
-    let is_better = |one: &Instead| (now - one.worth).exp() < look.level();
-    if !found.first().is_some_and(is_better) {
-        return Ok(Vec::new());
+    if !found.first().is_some_and(|one| is_decided(one.worth - now)) {
+        let compare = |number| Proposal::Compare(number, rivals(&found, number, now));
+        return Ok(numbers.map(compare).collect());
     }
     let best = found.remove(0);
-    let rivals = found.iter().filter(|one| one.number == best.number);
-    let rivals = rivals.map(|one| Rival {
-        effect: one.found.law.effect,
-        log_odds: best.worth - one.worth,
-    });
+    let rivals = rivals(&found, best.number, best.worth);
     let Found { law, p_value, .. } = best.found;
     let freedom = law.freedom();
     let effect = Estimate::of_law(law.effect);
     let candidate = Candidate {
-        rivals: rivals.collect(),
+        rivals,
         ..Candidate::new(effect, p_value, freedom, Change::Law(law))
     };
     Ok(vec![
         Proposal::WithdrawLaw(best.number),
         Proposal::Explain(Box::new(candidate)),
     ])
+}
+
+/// What else may be in the place of a law, where what is there is worth so much.
+fn rivals(found: &[Instead], number: usize, worth: f64) -> Vec<Rival> {
+    let others = found.iter().filter(|one| one.number == number);
+    let rivals = others.map(|one| Rival {
+        effect: one.found.law.effect,
+        log_odds: worth - one.worth,
+    });
+    rivals.collect()
 }
 
 /// Nats that all these laws cost.
