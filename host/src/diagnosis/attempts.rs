@@ -74,6 +74,9 @@ fn held_out(axis: &AxisState) -> Vec<Option<f64>> {
                 ordinates.as_ref()?.nats(law)
             }
             None => {
+                if let Some(halves) = Halves::of_hidden(axis, one) {
+                    return halves.nats(one);
+                }
                 let halves = halves.get_or_init(|| Halves::new(axis));
                 halves.as_ref()?.nats(one)
             }

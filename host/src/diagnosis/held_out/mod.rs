@@ -17,6 +17,8 @@ pub mod allan;
 pub mod laws;
 pub mod size;
 
+use std::ops::Range;
+
 use crate::diagnosis::axis::AxisState;
 use crate::diagnosis::explanation::{Explanation, Snapshot};
 use crate::diagnosis::laws::{expected, search};
@@ -25,6 +27,7 @@ use crate::diagnosis::record::residual::Residual;
 use crate::fit::likelihood::components::SEEN;
 use crate::fit::likelihood::log_likelihood;
 use crate::model::PerCoefficient;
+use crate::model::marks::Mark;
 
 /// Gain that a name for the noise itself needs there, nats: all ordinates or blocks speak of it. What is fitted to one half
 /// is one law among all for the other. Where nothing is there the mean of `e^gain` is 1 at most, so that a gain of 3 is chance in
@@ -34,6 +37,9 @@ pub const ENOUGH_NATS: f64 = 3.0;
 /// Blocks of the record, half of them held out: a choice. Of fewer both halves would not see the
 /// same hours, shorter ones would not see what is slow.
 pub const BLOCKS: usize = 16;
+
+/// Upper over lower end of an excluded band beyond which it is no line's own: what wanders or beats stays within an octave.
+const WIDE: f64 = 2.0;
 
 /// Nats for each number that was fitted to all of the record: what it gains on average by having
 /// seen the held-out half.
@@ -58,15 +64,33 @@ fn half(values: &[f64], parity: usize) -> impl Iterator<Item = (usize, &[f64])> 
 impl Halves {
     /// The halves of an axis, with the masks that were found at last.
     pub fn new(axis: &AxisState) -> Option<Self> {
+        Self::leaving_out(axis, &axis.excluded_hz())
+    }
+
+    /// The same for lines that stand in [wide](WIDE) excluded bands, of which nothing would be seen: these bands count. `None`
+    /// where there are none.
+    pub fn of_hidden(axis: &AxisState, lines: &Explanation) -> Option<Self> {
+        let marks = lines.kind().marks(&lines.effect.plain());
+        let is_own = |band_hz: &Range<f64>| {
+            let mut lines = marks.iter();
+            let is_wide = band_hz.end > WIDE * band_hz.start;
+            is_wide
+                && lines
+                    .any(|mark| matches!(mark, Mark::Line { f_hz, .. } if band_hz.contains(f_hz)))
+        };
+        let (own, others): (Vec<_>, Vec<_>) = axis.excluded_hz().into_iter().partition(is_own);
+        (!own.is_empty()).then(|| Self::leaving_out(axis, &others))?
+    }
+
+    fn leaving_out(axis: &AxisState, excluded_hz: &[Range<f64>]) -> Option<Self> {
         let measured = axis.residual.with([]);
         let values = measured.values();
         let chain = axis.chain.as_ref();
         let bins = |parity| SpectralBins::of_parts(half(&values, parity), axis.rate_hz, chain);
         let (train, held) = rayon::join(|| bins(0), || bins(1));
         let (mut train, mut held) = (train?, held?);
-        let excluded_hz = axis.excluded_hz();
         for bins in [&mut train, &mut held] {
-            bins.leave_out(&excluded_hz);
+            bins.leave_out(excluded_hz);
             bins.know_floor(axis.bins.floor());
         }
         Some(Self {

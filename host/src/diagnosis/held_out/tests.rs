@@ -48,6 +48,30 @@ fn a_line_gains_what_it_is_worth_and_pays_for_its_numbers() {
 }
 
 #[test]
+fn a_line_gains_in_a_wide_band_that_is_excluded() {
+    let mut axis = axis(3, short(3), |n, noise| {
+        let turn = std::f64::consts::TAU * 50.0 * n as f64 / RATE_HZ;
+        noise + 0.3 * turn.cos()
+    });
+    axis.exclude(excluded(40.0, 90.0));
+    axis.exclude(excluded(200.0, 220.0));
+    let one = made_up(sinusoid::KIND, line(50.0, 0.3).into());
+    axis.accept(one).expect("a fit");
+    let line = &axis.explanations()[0];
+    let nowhere = Halves::new(&axis).expect("halves").nats(line);
+    assert!(nowhere.expect("a fit") <= 0.0, "seed 3: {nowhere:?}");
+    let there = Halves::of_hidden(&axis, line).expect("hidden").nats(line);
+    assert!(there.expect("a fit") > 10.0, "seed 3: {there:?}");
+    // What is as narrow as a tone that wanders is of the line, and elsewhere none is hidden.
+    for band in [excluded(40.0, 60.0), excluded(60.0, 200.0)] {
+        axis.readmit_all();
+        axis.exclude(band);
+        let halves = Halves::of_hidden(&axis, &axis.explanations()[0]);
+        assert!(halves.is_none(), "seed 3");
+    }
+}
+
+#[test]
 fn a_law_gains_what_it_is_worth_and_pays_for_its_shape() {
     let nats = |axis: &AxisState| Ordinates::new(axis).and_then(|ordinates| ordinates.nats(0));
     let mut rings = ringing(2, 100.0, 10.0);

@@ -38,9 +38,10 @@ impl<'a> Spread<'a> {
             }
             fit(bins, data, &trial)
         };
-        let fall = |moves: &[(usize, f64)]| {
-            at(moves).map_or(f64::NAN, |fit| best.log_likelihood - fit.log_likelihood)
-        };
+        // The best fit may be that of other bins, those of tones among them.
+        let here = at(&[]).map_or(f64::NAN, |fit| fit.log_likelihood);
+        let fall =
+            |moves: &[(usize, f64)]| at(moves).map_or(f64::NAN, |fit| here - fit.log_likelihood);
         let steps: Vec<f64> = (0..places.len())
             .map(|number| {
                 step_of_half_a_nat(|step| {
@@ -174,4 +175,33 @@ fn step_of_half_a_nat(loss: impl Fn(f64) -> f64) -> f64 {
         step = step.min(1.0);
     }
     step
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::trial::{axis, law, long, ringing, take_in};
+    use crate::model::resonance;
+
+    #[test]
+    fn what_other_bins_add_to_the_best_fit_does_not_matter() {
+        for seed in 2..5 {
+            let mut rings = ringing(seed, 100.0, 10.0);
+            let mut axis = axis(seed, long(seed), |_, noise| noise + rings());
+            let bell = law(resonance::KIND, &[100.0, 10.0, 1.0]);
+            take_in(&mut axis, resonance::KIND, bell);
+            let deviations = |more: f64| {
+                let best = Fit {
+                    log_likelihood: axis.fit.log_likelihood + more,
+                    ..axis.fit.clone()
+                };
+                let spread = Spread::new(&axis.bins, &axis.data, &axis.laws, &best);
+                spread.log_deviations(0)
+            };
+            let own = deviations(0.0);
+            assert!(own.iter().all(|sd| *sd < 0.5), "seed {seed}: {own:?}");
+            assert_eq!(deviations(300.0), own, "seed {seed}");
+            assert_eq!(deviations(-300.0), own, "seed {seed}");
+        }
+    }
 }

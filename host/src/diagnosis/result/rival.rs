@@ -28,3 +28,25 @@ impl Rival {
 pub fn is_decided(log_odds: f64) -> bool {
     log_odds >= DECIDES.ln()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::diagnosis::result::estimate::Estimate;
+    use crate::diagnosis::result::finding::Finding;
+    use crate::diagnosis::result::value::Value;
+    use crate::model::{averaging, markov, rolloff};
+
+    #[test]
+    fn a_finding_has_the_names_that_the_record_does_not_decide_between() {
+        // Odds of e^2.9 are 18, of e^3.1 they are 22.
+        let estimate = Estimate::new(rolloff::KIND, [Value::exact(20.0)]);
+        let mut finding = Finding::new(&estimate, 1e-9);
+        assert_eq!(finding.name(), "rolloff");
+        let rival = |effect, log_odds| Rival { effect, log_odds };
+        finding.rivals = vec![rival(averaging::KIND, 2.9), rival(markov::KIND, 3.1)];
+        assert_eq!(finding.name(), "rolloff or averaging");
+        finding.rivals[1].log_odds = -0.5;
+        assert_eq!(finding.name(), "rolloff or averaging or markov");
+    }
+}

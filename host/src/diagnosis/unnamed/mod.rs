@@ -123,6 +123,22 @@ impl Lacking {
     }
 }
 
+impl Lacking {
+    /// What an axis lacks without the law of this number. The search begins with the bands `known`.
+    fn without(&self, axis: &AxisState, number: usize, known: &[Band]) -> Option<WithBands> {
+        let mut other = axis.clone();
+        other.withdraw_law(number)?;
+        other.refresh().ok()?;
+        self.of(&other, known)
+    }
+
+    /// What an axis with other laws lacks.
+    fn of(&self, axis: &AxisState, known: &[Band]) -> Option<WithBands> {
+        let (tones, _) = Tone::all(axis, &self.data.dof);
+        (self.fitted)(axis, &self.data, &tones, known)
+    }
+}
+
 /// What a model lacks where its bins have these degrees of freedom; `None` where chance makes as much at that `level`.
 fn lacking(axis: &AxisState, dof: Vec<f64>, tones: &[Vec<f64>], level: f64) -> Option<Lacking> {
     let data = Data {
@@ -155,32 +171,23 @@ fn replaced(axis: &AxisState, found: &Lacking) -> Option<usize> {
     (least.1 < ANOTHER.recip()).then_some(least.0)
 }
 
-/// Number of the law that is needed least beside noise without a name, if the spectrum is likelier without it, bands that
-/// take its place paid for as it is: where bands are needed anyway, a name has to explain what they do not. By half of what
-/// a law costs, that is: one that explains nothing gains all of it by going, one that a band replaces none. A search ends now at one
-/// set of bands, now at another: each of both models is also asked what it is worth with the bands of the other.
+/// Number of the law that is needed least beside noise without a name, if the spectrum is [better](WithBands::is_better_than)
+/// without it: where bands are needed anyway, a name has to explain what they do not. A search ends now at one set of bands, now
+/// at another: each of both models is also asked what it is worth with the bands of the other.
 fn needless(axis: &AxisState, found: &Lacking, tones: &[Vec<f64>]) -> Option<usize> {
     let with = &found.bands;
-    let without = |number: usize, known: &[Band]| {
-        let mut other = axis.clone();
-        other.withdraw_law(number)?;
-        other.refresh().ok()?;
-        let (tones, _) = Tone::all(&other, &found.data.dof);
-        (found.fitted)(&other, &found.data, &tones, known)
-    };
     let numbers = (0..axis.laws.len()).into_par_iter();
-    let models = numbers.filter_map(|number| Some((number, without(number, &[])?)));
+    let models = numbers.filter_map(|number| Some((number, found.without(axis, number, &[])?)));
     let worth = |one: &(usize, WithBands)| one.1.worth_nats();
     let (number, mut least) = models.max_by(|a, b| worth(a).total_cmp(&worth(b)))?;
-    if let Some(again) = without(number, &with.bands())
+    if let Some(again) = found.without(axis, number, &with.bands())
         && again.worth_nats() > least.worth_nats()
     {
         least = again;
     }
-    let is_better =
-        |with: &WithBands| least.worth_nats() - with.worth_nats() > 0.5 * with.cost_nats;
     let again = || (found.fitted)(axis, &found.data, tones, &least.bands());
-    (is_better(with) && again().is_none_or(|with| is_better(&with))).then_some(number)
+    let is_needless = |with: &WithBands| least.is_better_than(with);
+    (is_needless(with) && again().is_none_or(|with| is_needless(&with))).then_some(number)
 }
 
 /// A tone that has a name and is no part of any fit.

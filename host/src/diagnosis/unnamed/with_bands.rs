@@ -26,6 +26,12 @@ impl WithBands {
         self.fit.log_likelihood - self.cost_nats * self.laws.len() as f64
     }
 
+    /// Whether the spectrum is likelier than by a model with one more name, bands that take its place paid for as it is. By half of
+    /// what a law costs, that is: a name that explains nothing gains all of it by going, one that a band replaces none.
+    pub fn is_better_than(&self, named: &Self) -> bool {
+        self.worth_nats() - named.worth_nats() > 0.5 * named.cost_nats
+    }
+
     /// Those of its laws that are bands.
     pub fn bands(&self) -> Vec<Band> {
         self.laws.iter().filter_map(Band::of_law).collect()

@@ -84,7 +84,7 @@ pub fn even(look: &Look<'_>) -> Option<Burst> {
     // What is stronger in some band only is something else.
     let of_band = || {
         is_of_excluded(axis, std::slice::from_ref(range))
-            || even::p_value(&seen, range) < look.level()
+            || !even::evenness(&seen, range).is_even(look.level())
     };
     (!is_law && !rests && !remains && !of_band()).then_some(burst)
 }

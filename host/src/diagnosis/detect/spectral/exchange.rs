@@ -17,6 +17,7 @@ use crate::diagnosis::laws::{self, Law};
 use crate::diagnosis::result::estimate::Estimate;
 use crate::diagnosis::result::rival::{Rival, is_decided};
 use crate::model::catalogue::CATALOGUE;
+use crate::model::kind::Kind;
 use crate::model::telegraph;
 
 /// Size of the first move of all laws, as a logarithm, once one is in another's place: as when anything else has changed.
@@ -101,7 +102,11 @@ fn instead_of(look: &Look<'_>, starts: &Starts, number: usize) -> Vec<Instead> {
         fit: &fit,
     };
     let kinds = CATALOGUE.par_iter();
-    let kinds = kinds.filter(|kind| **kind != own.effect && look.is_open(**kind));
+    // Of two filters of a kind one would be said to gain nothing.
+    let is_twice =
+        |kind: Kind| kind.size().is_none() && others.iter().any(|one| one.effect == kind);
+    let kinds =
+        kinds.filter(|kind| **kind != own.effect && !is_twice(**kind) && look.is_open(**kind));
     let found = kinds.filter_map(|&kind| {
         let found = search::search(present, starts, kind)?;
         let is_one = found.p_value < look.level() && is_beyond_rounding(axis, &found);
@@ -128,8 +133,7 @@ mod tests {
     use super::*;
     use crate::diagnosis::detect::trial::{self, Trial, noise};
     use crate::diagnosis::laws::Law;
-    use crate::model::kind::Kind;
-    use crate::model::{markov, resonance};
+    use crate::model::{averaging, markov, powerlaw, resonance};
 
     /// What is proposed of noise with a band about 20 Hz that is taken for a law of this kind.
     fn proposed(seed: u64, kind: Kind, values: &[f64]) -> Vec<Proposal> {
@@ -170,7 +174,60 @@ mod tests {
             };
             assert_eq!(trial::kinds(&proposals), [resonance::KIND], "seed {seed}");
             let right = proposed(seed, resonance::KIND, &[20.0, 3.0, 1.0]);
-            assert!(right.is_empty(), "seed {seed}: it is right");
+            let [Proposal::Compare(0, rivals)] = &right[..] else {
+                panic!("seed {seed}: it is right, {right:?}");
+            };
+            let is_less = |rival: &Rival| rival.log_odds > 10.0;
+            assert!(!rivals.is_empty(), "seed {seed}: it has rivals");
+            assert!(rivals.iter().all(is_less), "seed {seed}: {rivals:?}");
+        }
+    }
+
+    #[test]
+    fn what_a_law_is_told_from_is_remembered() {
+        let mut record = noise(43);
+        trial::add_band(&mut record, 43, 1.0, |_| 1.0);
+        let mut trial = Trial::new(record);
+        let law = |kind: Kind, values: &[f64]| Law {
+            effect: kind,
+            values: values.to_vec(),
+        };
+        let bell = law(resonance::KIND, &[20.0, 3.0, 1.0]);
+        trial.know(resonance::KIND, [1.0], Change::Law(bell));
+        let rival = |effect, log_odds| Rival { effect, log_odds };
+        let is_told = |trial: &Trial, expected: &[(Kind, f64)]| {
+            let rivals = trial.axis.explanations()[0].rivals.iter();
+            let rivals: Vec<(Kind, f64)> = rivals.map(|one| (one.effect, one.log_odds)).collect();
+            assert_eq!(rivals, expected);
+        };
+        // What two levels are told by is more than a spectrum.
+        trial.axis.set_rivals(0, vec![rival(telegraph::KIND, 7.0)]);
+        trial.axis.set_rivals(0, vec![rival(markov::KIND, 9.0)]);
+        is_told(&trial, &[(telegraph::KIND, 7.0), (markov::KIND, 9.0)]);
+        trial.axis.set_rivals(0, vec![rival(powerlaw::KIND, 5.0)]);
+        is_told(&trial, &[(powerlaw::KIND, 5.0), (telegraph::KIND, 7.0)]);
+    }
+
+    #[test]
+    fn of_two_filters_of_a_kind_none_takes_the_place_of_another_law() {
+        for seed in 44..47 {
+            let record = trial::averaged(trial::averaged(noise(seed), 9.0), 4.0);
+            let mut trial = Trial::new(record);
+            let mean = |kind: Kind, values: &[f64]| Law {
+                effect: kind,
+                values: values.to_vec(),
+            };
+            let nine = mean(averaging::KIND, &[0.09]);
+            trial.know(averaging::KIND, [1.0], Change::Law(nine));
+            let bell = mean(resonance::KIND, &[20.0, 30.0, 1.0]);
+            trial.know(resonance::KIND, [1.0], Change::Law(bell));
+            let instead = trial.look(|look| {
+                let starts = look.axis.starts().expect("starts");
+                instead_of(look, &starts, 1)
+            });
+            let kinds: Vec<Kind> = instead.iter().map(|one| one.found.law.effect).collect();
+            assert!(!kinds.is_empty(), "seed {seed}: nothing in its place");
+            assert!(!kinds.contains(&averaging::KIND), "seed {seed}: {kinds:?}");
         }
     }
 }
