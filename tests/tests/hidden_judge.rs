@@ -56,6 +56,7 @@ fn finding(truth: &Truth, axis: usize) -> Finding {
     Finding {
         effect: truth.effect.to_owned(),
         parameters,
+        ..Finding::default()
     }
 }
 
