@@ -168,7 +168,8 @@ impl AxisState {
     }
 
     /// Takes over all laws, those without a name behind those that have one, with their fit to `data`, the whole
-    /// spectrum. Nothing is searched for any more.
+    /// spectrum. Nothing is searched for any more. The fit may have counted tones' bins, which `data` leave out: its likelihood is
+    /// no other fit's to be held against.
     pub fn complete(&mut self, laws: Vec<Law>, fit: Fit, data: Data) {
         (self.laws, self.fit, self.data) = (laws, fit, data);
     }

@@ -121,21 +121,14 @@ impl Lacking {
             None => self,
         }
     }
-}
 
-impl Lacking {
     /// What an axis lacks without the law of this number. The search begins with the bands `known`.
     fn without(&self, axis: &AxisState, number: usize, known: &[Band]) -> Option<WithBands> {
         let mut other = axis.clone();
         other.withdraw_law(number)?;
         other.refresh().ok()?;
-        self.of(&other, known)
-    }
-
-    /// What an axis with other laws lacks.
-    fn of(&self, axis: &AxisState, known: &[Band]) -> Option<WithBands> {
-        let (tones, _) = Tone::all(axis, &self.data.dof);
-        (self.fitted)(axis, &self.data, &tones, known)
+        let (tones, _) = Tone::all(&other, &self.data.dof);
+        (self.fitted)(&other, &self.data, &tones, known)
     }
 }
 

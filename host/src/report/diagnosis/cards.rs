@@ -4,7 +4,7 @@ use std::fmt::{Result, Write};
 
 use super::super::svg::{escape, typeset};
 use super::numbers::{Numbers, Rows};
-use super::suspects::way;
+use super::rivals::way;
 use crate::diagnosis::result::finding::{AxisDiagnosis, Finding, Remark};
 use crate::diagnosis::result::value::Value;
 use crate::model::effect::Parameter;

@@ -10,6 +10,7 @@ mod course;
 mod numbers;
 pub mod page;
 mod places;
+mod rivals;
 pub mod sheet;
 mod spectrum;
 mod summary;

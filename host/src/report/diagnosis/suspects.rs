@@ -1,6 +1,6 @@
 //! What was suspected and not found, in sentences.
 
-use crate::diagnosis::result::rival::Rival;
+use super::rivals::rival;
 use crate::diagnosis::result::suspicion::{Best, Limit, Suspicion};
 use crate::numeric::written::{probability, significant};
 use crate::signal::Unit;
@@ -42,17 +42,6 @@ fn best(best: &Best) -> Vec<String> {
     }
     sentences.extend(best.rivals.iter().map(rival));
     sentences
-}
-
-/// What else explains the same, and how likely it is beside what is named.
-pub fn rival(one: &Rival) -> String {
-    let odds = significant(one.log_odds.abs(), 2);
-    format!("or {}: e^{odds} times {} likely", one.effect, way(one))
-}
-
-/// Which way the odds of a rival are.
-pub const fn way(one: &Rival) -> &'static str {
-    if one.log_odds < 0.0 { "more" } else { "less" }
 }
 
 /// The sizes that the record still allows.

@@ -4,8 +4,9 @@ use std::fmt::Write;
 
 use super::super::text::head;
 use super::numbers::{Numbers, Rows};
+use super::rivals::rival;
 use super::summary::summary;
-use super::suspects::{rival, suspicion};
+use super::suspects::suspicion;
 use crate::diagnosis::result::finding::{AxisDiagnosis, Diagnosis, Finding, Remark, SMALL_PERCENT};
 use crate::diagnosis::result::value::Value;
 use crate::model::Coefficient;

@@ -12,7 +12,7 @@ pub struct Score {
     pub named: bool,
     /// Whether it was, or is one of some names that the record does not decide between.
     pub among: bool,
-    /// Whether it was, with parameters within their bounds.
+    /// Whether the effect was named, with parameters within their bounds.
     pub held: bool,
     /// Names that neither the effect nor the bare stretch has.
     pub extra: Vec<String>,
